@@ -1,0 +1,33 @@
+# EMA twin: one entry for everything. `make` lists the targets.
+
+PYTHON ?= python3
+RUN = .venv/bin/python
+
+# Variables of another ROS installation or virtual environment would mix their libraries into ours.
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH \
+	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test bench lock clean
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
+
+setup: ## ROS 2, all libraries and the packages into .venv; does only what changed
+	@$(PYTHON) bootstrap.py
+
+demo: setup ## a recorded actuator beside its twin; then the missing effects are added
+	@.venv/bin/ema-twin demo
+
+test: setup ## all tests and the style check
+	@$(RUN) -m ruff check .
+	@$(RUN) -m pytest tests --ignore tests/benchmarks
+
+bench: setup ## the benchmarks
+	@$(RUN) -m pytest tests/benchmarks -q
+
+lock: ## refresh requirements.lock
+	@$(PYTHON) bootstrap.py --lock
+
+clean: ## remove .venv
+	rm -rf .venv

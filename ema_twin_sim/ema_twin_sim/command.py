@@ -1,0 +1,111 @@
+"""Commands of the virtual bench and of a twin on its own clock: ramp, step, sine, triangle, or a file of points."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+_SHAPES = {
+    "ramp": ("rad/s", None),
+    "sine": ("rad", "Hz"),
+    "triangle": ("rad/s", "s (half period)"),
+    "step": ("rad", "s (half period)"),
+}
+FORMS = (
+    "ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, prefix speed- for a speed "
+    "command, or a CSV file of time [s], value [rad]"
+)
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of the slow shaft: position [rad] over time [s], or speed [rad/s] where ``speed``.
+
+    Calling it with times (n,) gives values (n,).
+    """
+
+    text: str
+    speed: bool
+    function: Callable[[np.ndarray], np.ndarray]
+
+    @property
+    def name(self) -> str:
+        """A file name's stem for it: ``ramp_0.05``."""
+        return re.sub(r"[^\w.+-]+", "_", Path(self.text).stem if self.text.endswith(".csv") else self.text)
+
+    def __call__(self, time: np.ndarray) -> np.ndarray:
+        return self.function(np.asarray(time, np.float64))
+
+
+def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Command:
+    """The command that ``KIND:A[:B]`` or a file describes; ``start`` [rad or rad/s] is added, ``phase`` [rad] shifts it.
+
+    Raises InputError where the text is no command.
+    """
+    kind, *numbers = text.split(":")
+    speed = kind.startswith("speed-")
+    shape = kind.removeprefix("speed-")
+    if shape not in _SHAPES:
+        if Path(text).suffix.lower() == ".csv" or Path(text).exists():
+            return Command(text, False, _from_file(Path(text), start))
+        raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
+    units = [unit for unit in _SHAPES[shape] if unit]
+    if len(numbers) != len(units):
+        raise InputError(f"command '{text}': {shape} takes {len(units)} number(s) [{', '.join(units)}]; give {FORMS}")
+    try:
+        values = [float(number) for number in numbers]
+    except ValueError:
+        raise InputError(f"command '{text}': '{':'.join(numbers)}' is no number; give {FORMS}") from None
+    if not all(map(math.isfinite, values)) or (len(values) == 2 and values[1] <= 0.0):
+        raise InputError(f"command '{text}': numbers must be finite, frequency and half period positive; give {FORMS}")
+    return Command(text, speed, _shape(shape, values, start, phase))
+
+
+def _shape(shape: str, values: list[float], start: float, phase: float) -> Callable[[np.ndarray], np.ndarray]:
+    size = values[0]
+    if shape == "ramp":
+        return lambda t: start + size * t
+    if shape == "sine":
+        omega = 2.0 * math.pi * values[1]
+        return lambda t: start + size * (np.sin(omega * t + phase) - math.sin(phase))
+    half = values[1]
+    shift = phase / math.pi * half
+
+    def triangle(t: np.ndarray) -> np.ndarray:
+        within = np.mod(t + shift, 2.0 * half)
+        return size * np.where(within < half, within, 2.0 * half - within)
+
+    if shape == "triangle":
+        return lambda t: start + triangle(t) - triangle(np.zeros(1))
+    return lambda t: start + size * (np.mod(t + shift, 2.0 * half) < half)
+
+
+def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Points of a file, time [s] and value [rad], a line each; between them the command goes straight."""
+    points: list[tuple[float, float]] = []
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a command ({error}); give a text file of time,value lines") from None
+    for number, line in enumerate(lines, 1):
+        fields = [field for field in re.split(r"[;,\s]+", line.split("#")[0].strip()) if field]
+        if not fields or (number == 1 and not re.match(r"[-+.\d]", fields[0])):
+            continue
+        try:
+            time, value = map(float, fields)
+        except ValueError:
+            raise InputError(f"{path}:{number}: '{line.strip()}' is not time [s], value [rad]; mend the line") from None
+        if not (math.isfinite(time) and math.isfinite(value)) or (points and time <= points[-1][0]):
+            raise InputError(f"{path}:{number}: time must grow and numbers be finite; mend the line")
+        points.append((time, value))
+    if len(points) < 2:
+        raise InputError(f"{path}: holds {len(points)} point(s); a command needs at least two lines of time,value")
+    times, values = np.array(points).T
+    return lambda t: start + np.interp(t, times, values)

@@ -1,0 +1,54 @@
+"""``ema-twin add``: a model with one more effect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from . import options
+from .output import console
+
+EXAMPLES = """Examples:
+
+ema-twin add backlash --set width=0.004 --model polito_bench -o better.yaml
+
+ema-twin add viscous_friction --set coefficient=0.01 --set side=output --model better.yaml -o best.yaml"""
+
+
+def run(
+    effect: options.EffectName,
+    model: options.ModelName,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    set: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; what is not given takes its default."),
+    ] = None,
+    force: options.Force = False,
+) -> None:
+    """Write a model with one more effect; parameters that are not given take the catalogue's typical values."""
+    from ..effects import find_effect
+    from ..model_file import load_model, save_model
+
+    found = find_effect(effect, "add")
+    parameters: dict[str, object] = {}
+    choices: dict[str, str] = {}
+    for setting in set or []:
+        name, equals, value = setting.partition("=")
+        if not equals:
+            raise InputError(f"--set {setting}: give NAME=VALUE, for example --set {found.parameters[0].name}=1")
+        (choices if name in found.options else parameters)[name] = value
+    before = load_model(model)
+    after = before.with_effect(effect, parameters, choices)  # type: ignore[arg-type]
+    save_model(after, output, force=force)
+    name = next(reversed(after.effects))
+    instance = after.effects[name]
+    console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
+    for parameter in found.parameters:
+        given = "given" if parameter.name in parameters else "typical value, not fitted"
+        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g} {parameter.unit} ({given})")
+    for option, choice in instance.options.items():
+        console.print(f"  {option} = {choice}")

@@ -1,0 +1,150 @@
+"""``ema-twin compare``: residual and RMSE per signal beside the noise floor, and where a model fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from . import options
+from .output import console, progress_bar, quantity, sparkline
+
+if TYPE_CHECKING:
+    from ..comparison import Comparison
+
+EXAMPLES = """Examples:
+
+ema-twin compare bench/*.CSV --model polito_bench
+
+ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors.json"""
+
+AT_NOISE = 1.1
+"""An RMSE up to this many noise floors counts as the sensors' noise."""
+
+
+def run(
+    runs: options.Runs,
+    model: Annotated[list[str], typer.Option("--model", "-m", help="Model; give several to see them side by side.")],
+    input: options.Input = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
+    from ..comparison import compare
+    from ..model_file import load_model
+    from .inputs import load_runs, write_json
+
+    models = [load_model(name) for name in model]
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict)
+    comparisons = []
+    with progress_bar() as progress:
+        task = progress.add_task("comparing", total=len(models) * len(recordings))
+        for each in models:
+            comparisons.append(compare(recordings, each, input, progress=lambda _: progress.advance(task)))
+    show(comparisons)
+    contents = [comparison.as_json() for comparison in comparisons]
+    write_json(json, contents[0] if len(contents) == 1 else contents)
+
+
+def show(comparisons: Sequence[Comparison]) -> None:
+    """Print the RMSE table of all models, then where each fails."""
+    console.print(_errors(comparisons))
+    for comparison in comparisons:
+        _show_where(comparison, titled=len(comparisons) > 1)
+
+
+def _errors(comparisons: Sequence[Comparison]) -> Table:
+    first = comparisons[0]
+    names = [n for n in first.overall if not first.overall[n]["driven"]]
+    several = len(comparisons) > 1
+    table = Table(title=f"RMSE, measured minus twin (input: {first.input})", title_justify="left", pad_edge=False)
+    table.add_column("recording")
+    if several:
+        table.add_column("model")
+    for name in names:
+        table.add_column(name.replace("_", " "), justify="right")
+    floors = [quantity(first.overall[n]["noise_floor"], first.overall[n]["unit"]) for n in names]
+    table.add_row("noise floor of the sensors", *([""] if several else []), *floors, style="dim")
+    table.add_section()
+    for row, recording in enumerate(first.recordings):
+        for k, comparison in enumerate(comparisons):
+            signals = comparison.recordings[row].signals
+            label = [recording.name if k == 0 else ""] + ([comparison.model] if several else [])
+            table.add_row(*label, *(_cell(signals.get(n)) for n in names), end_section=several)
+    table.add_section()
+    for k, comparison in enumerate(comparisons):
+        label = ["all recordings" if k == 0 else ""] + ([comparison.model] if several else [])
+        table.add_row(*label, *(_cell(comparison.overall.get(n)) for n in names), style="bold")
+    for comparison in comparisons[1:]:
+        shares = (_removed(first.overall[n], comparison.overall.get(n)) for n in names)
+        table.add_row("excess over noise removed", comparison.model, *shares, style="bold green")
+    return table
+
+
+def _cell(signal: dict | None) -> str:
+    if signal is None:
+        return "–"
+    ratio = signal["rmse"] / signal["noise_floor"] if signal["noise_floor"] else math.inf
+    style = "green" if ratio <= AT_NOISE else ("yellow" if ratio <= 3.0 else "red")
+    return f"[{style}]{quantity(signal['rmse'], signal['unit'])}[/{style}]"
+
+
+def _removed(before: dict, after: dict | None) -> str:
+    """Share of the excess (power above the noise floor) that a model removes."""
+    if after is None:
+        return "–"
+    floor = before["noise_floor"] ** 2
+    excess = before["rmse"] ** 2 - floor
+    if excess <= 0.0:
+        return "–"
+    return f"{100.0 * (before['rmse'] ** 2 - after['rmse'] ** 2) / excess:.1f} %"
+
+
+def _show_where(comparison: Comparison, *, titled: bool) -> None:
+    of = f" ({comparison.model})" if titled else ""
+    poor = {n for n, s in comparison.overall.items() if s["rmse"] > AT_NOISE * s["noise_floor"] and not s["driven"]}
+    found = [d for d in comparison.where if d.signal in poor]
+    if not found:
+        console.print(f"\nThe errors are at the sensors' noise floor{of}: nothing left to find.")
+        return
+    table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
+    for column in ("error of", "against"):
+        table.add_column(column)
+    table.add_column("explains", justify="right")
+    table.add_column("low … high")
+    table.add_column("worst")
+    table.add_column("RMSE there", justify="right")
+    table.add_column("elsewhere", justify="right")
+    for signal in dict.fromkeys(d.signal for d in found):
+        for d in (d for d in found if d.signal == signal):
+            table.add_row(
+                signal.replace("_", " "), d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
+                sparkline(d.profile), d.text, quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit),
+            )  # fmt: skip
+        table.add_section()
+    console.print(table)
+    for signal in dict.fromkeys(d.signal for d in found):
+        console.print(in_words(next(d for d in found if d.signal == signal)))
+
+
+def in_words(dependence) -> str:  # noqa: ANN001 (a Dependence; its module costs numpy)
+    """One sentence for the dependence that explains most of a signal's error."""
+    d = dependence
+    signal = d.signal.replace("_", " ")
+    there, elsewhere = quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit)
+    if d.share < 0.05:
+        return (
+            f"The {signal}'s error follows none of these variables alone; it is worst {d.text}: "
+            f"{there} there, {elsewhere} elsewhere."
+        )
+    kind = "has an order" if d.variable == "order" else f"depends on {d.variable.replace('_', ' ')}"
+    return (
+        f"The {signal}'s error {kind} ({100.0 * d.share:.0f} % of it): worst {d.text}, "
+        f"{there} there, {elsewhere} elsewhere."
+    )

@@ -1,0 +1,68 @@
+"""``ema-twin import``: a drive's CSV traces become MCAP recordings."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from . import options
+from .output import console, quantity, tracked, warn
+
+EXAMPLES = """Examples:
+
+ema-twin import BancoEMA_ramp_0.05.CSV -o recordings
+
+ema-twin import traces/*.CSV --map my_drive.yaml -o recordings"""
+
+
+def run(
+    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV...", help="CSV traces of the drive.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
+        "recordings"
+    ),
+    import_map: options.ImportMap = "siemens",
+    strict: options.Strict = False,
+    force: options.Force = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Import CSV traces as MCAP recordings (DIR/STEM/STEM.mcap) that ros2 bag, Foxglove, PlotJuggler and rerun open."""
+    from ema_bench_replay.bag_writer import write_bag
+    from ema_bench_replay.import_map import load_map
+    from ema_bench_replay.trace_csv import read_trace
+
+    chosen = load_map(import_map)
+    written = []
+    begin = time.perf_counter()
+    for file in tracked(files, "importing"):
+        recording = read_trace(file, chosen)
+        for warning in recording.warnings:
+            if strict:
+                raise InputError(f"{warning} (refused by --strict)")
+            warn(warning)
+        path = write_bag(recording, output, force=force)
+        written.append(
+            {
+                "source": str(file),
+                "recording": str(path),
+                "samples": len(recording),
+                "duration": recording.duration,
+                "signals": list(recording.signals),
+                "warnings": list(recording.warnings),
+            }
+        )
+        console.print(
+            f"{file.name}: {len(recording)} samples, {recording.duration:.2f} s, every "
+            f"{quantity(recording.sample_period, 's')}; {', '.join(recording.signals)}\n  → {path}",
+            soft_wrap=True,
+        )
+    size = sum(file.stat().st_size for file in files)
+    seconds = time.perf_counter() - begin
+    console.print(f"{len(files)} file(s), {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
+    from .inputs import write_json
+
+    write_json(json, {"imported": written})

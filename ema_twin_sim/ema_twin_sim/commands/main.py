@@ -1,0 +1,74 @@
+"""The command ``ema-twin``: its verbs, and how it ends.
+
+Exit status: 0 done; 2 input refused, with one line that names file, place and remedy; 1 an internal error; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from . import add, compare, demo, effects, export, import_, info, live, remove, simulate
+
+VERSION = "0.1.0"
+
+app = typer.Typer(
+    name="ema-twin",
+    no_args_is_help=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Digital twin of an electromechanical actuator: compare a model with recordings, see where it fails, "
+    "add what is missing, watch the error fall.",
+)
+for verb in (import_, compare, live, simulate, add, remove, effects, info, export, demo):
+    name = verb.__name__.rpartition(".")[2].rstrip("_")
+    app.command(name, epilog=verb.EXAMPLES)(verb.run)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ema-twin {VERSION}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; every way out has its exit status."""
+    try:
+        sys.exit(app(standalone_mode=False) or 0)
+    except InputError as error:
+        _end(f"error: {error}", 2)
+    except typer.Abort:
+        _end("interrupted", 130)
+    except KeyboardInterrupt:
+        _end("interrupted; what is written is kept", 130)
+    except BrokenPipeError:
+        os._exit(0)  # the reader of our output has left: nothing to say, and nobody to say it to
+    except Exception as error:
+        if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # a usage error of the command line itself
+            context = getattr(error, "ctx", None)
+            usage = f" (see: {context.command_path} --help)" if context else ""
+            _end(f"error: {error.format_message()}{usage}", 2)
+        if os.environ.get("EMA_TWIN_DEBUG"):
+            raise
+        kind = type(error).__name__
+        _end(f"internal error: {kind}: {error}; please report it (EMA_TWIN_DEBUG=1 shows where)", 1)
+
+
+def _end(message: str, status: int) -> None:
+    print(" ".join(message.split()), file=sys.stderr)
+    sys.exit(status)

@@ -1,0 +1,44 @@
+"""The options that several verbs share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def _model_names(incomplete: str) -> list[str]:
+    from ema_bench_replay.configuration import configuration_names
+
+    return [name for name in configuration_names("models") if name.startswith(incomplete)]
+
+
+def _effect_names(incomplete: str) -> list[str]:
+    from ..effects import catalogue
+
+    return [id for id in catalogue() if id.startswith(incomplete)]
+
+
+Runs = Annotated[
+    list[Path], typer.Argument(metavar="RUN...", help="Recordings: MCAP files, folders that import wrote, or CSVs.")
+]
+Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
+ModelName = Annotated[
+    str, typer.Option("--model", "-m", help="Model file, or a name in config/models.", autocompletion=_model_names)
+]
+EffectName = Annotated[
+    str, typer.Argument(metavar="EFFECT", help="An effect of the catalogue.", autocompletion=_effect_names)
+]
+ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
+From = Annotated[float | None, typer.Option("--from", metavar="S", help="Leave out what is before this time [s].")]
+To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is after this time [s].")]
+Input = Annotated[
+    str | None,
+    typer.Option("--input", help="What drives the twin: setpoint or current; by default what the recording allows."),
+]
+JsonFile = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")
+]
+Strict = Annotated[bool, typer.Option("--strict", help="Refuse damaged input instead of using its whole part.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an output that exists.")]

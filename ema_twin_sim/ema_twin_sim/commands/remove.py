@@ -1,0 +1,33 @@
+"""``ema-twin remove``: a model without an effect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from . import options
+from .output import console
+
+EXAMPLES = """Examples:
+
+ema-twin remove coulomb_friction --model polito_bench -o without.yaml
+
+ema-twin remove coulomb_friction_2 --model polito_bench -o motor_side_only.yaml"""
+
+
+def run(
+    effect: Annotated[str, typer.Argument(metavar="EFFECT", help="An effect's id (all its instances), or ID_2 (one).")],
+    model: options.ModelName,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    force: options.Force = False,
+) -> None:
+    """Write a model without an effect."""
+    from ..model_file import load_model, save_model
+
+    before = load_model(model)
+    after = before.without_effect(effect)
+    save_model(after, output, force=force)
+    gone = ", ".join(name for name in before.effects if name not in after.effects)
+    console.print(f"[bold]{gone}[/bold] removed from {before.name}, written to {output}", soft_wrap=True)

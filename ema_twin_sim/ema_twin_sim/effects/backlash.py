@@ -1,0 +1,25 @@
+"""Backlash: a dead zone of width [rad at the slow shaft] between motor and output, +-ratio * width / 2 at the fast shaft.
+
+Added to a rigid transmission it makes it a two-inertia one with the model's contact stiffness and damping. The gap is
+centred at the start of a recording. Nordin and Gutman, "Controlling mechanical systems with backlash" (2002).
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Open a gap in the transmission."""
+    plant["two_inertia"] = 1.0
+    plant["gap"] += 0.5 * parameters["width"] * plant["gear_ratio"]
+
+
+EFFECT = Effect(
+    id="backlash",
+    summary="play in the gearbox",
+    equation="no torque passes while |θ − ratio·θ_o| < ratio · width / 2",
+    signature="output position error that jumps by the width at each reversal; current bursts as the teeth meet again",
+    source="Nordin and Gutman 2002; thesis, script Main HF, dynamics.BLK",
+    parameters=(Parameter("width", "rad", 0.0023, 0.0, 1.0, "dead zone at the slow shaft"),),
+    settle=settle,
+    repeatable=False,
+)

@@ -1,0 +1,73 @@
+"""What an effect is: a name, an equation, bounded parameters with units, and one of two ways to act."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE
+
+__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "TORQUE", "Effect", "Parameter"]
+
+Values = Mapping[str, float]
+Options = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of an effect.
+
+    ``default`` is a typical value of this class of machine, used where an effect is added with none given.
+    """
+
+    name: str
+    unit: str
+    default: float
+    lower: float
+    upper: float
+    description: str
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One physical cause that can be added to a model.
+
+    It acts in one of two ways. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
+    :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
+    four, options that carry a number included last); the place where its value goes (``TORQUE`` on the motor,
+    ``DRY_LEVEL``, ``OUTPUT_TORQUE``) may depend on an option. ``settle(plant, parameters, options)`` instead changes
+    the plant's own constants once, for what does not depend on the operating point or has a place of its own there.
+    """
+
+    id: str
+    summary: str
+    equation: str
+    signature: str
+    source: str
+    parameters: tuple[Parameter, ...]
+    options: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    act: Callable[..., float] | None = None
+    place: Callable[[Options], int] | int = TORQUE
+    option_value: Callable[[Options], float] | None = None
+    settle: Callable[[np.void, Values, Options], None] | None = None
+    repeatable: bool = True
+
+    def __post_init__(self) -> None:
+        if (self.act is None) == (self.settle is None):
+            raise ValueError(f"effect {self.id}: give either act or settle")
+        if len(self.parameters) + (self.option_value is not None) > 4:
+            raise ValueError(f"effect {self.id}: at most four parameters, a numeric option included")
+
+    def where(self, options: Options) -> int:
+        """The place that ``act``'s value goes to under these options."""
+        return self.place(options) if callable(self.place) else self.place
+
+    def default_options(self) -> dict[str, str]:
+        """The first choice of every option."""
+        return {name: choices[0] for name, choices in self.options.items()}
+
+    def default_parameters(self) -> dict[str, float]:
+        """Typical values of this class of machine."""
+        return {parameter.name: parameter.default for parameter in self.parameters}

@@ -1,0 +1,29 @@
+"""Stribeck friction: a dry level torque * exp(-|w| / speed) [N m] that fades as a lubricant film builds up; at rest too.
+
+The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstrong-Helouvry, Dupont and Canudas de Wit,
+"A survey of models, analysis tools and compensation methods for the control of machines with friction" (1994).
+"""
+
+import math
+
+from .effect import DRY_LEVEL, Effect, Parameter
+
+
+def act(at, p):
+    """Dry level [N m] at the motor's speed."""
+    return p[0] * math.exp(-abs(at.motor_speed) / p[1])
+
+
+EFFECT = Effect(
+    id="stribeck_friction",
+    summary="extra dry friction at low speed, before a lubricant film carries",
+    equation="L = torque · exp(−|ω| / speed)",
+    signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
+    source="Bo and Pavelescu 1982; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
+    parameters=(
+        Parameter("torque", "N m", 0.05, 0.0, 100.0, "extra level at zero speed"),
+        Parameter("speed", "rad/s", 2.0, 0.01, 1000.0, "speed at which it has fallen to 1/e, fast shaft"),
+    ),
+    act=act,
+    place=DRY_LEVEL,
+)

@@ -1,0 +1,23 @@
+"""Viscous friction: T = coefficient * w [N m], proportional to the speed of the fast shaft [rad/s].
+
+Thesis, script "Main HF": dynamics.CM (motor side) and dynamics.CU (output side, reduced to the fast shaft).
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Add to the coefficient of the side it acts on."""
+    plant[f"{options['side']}_viscous"] += parameters["coefficient"]
+
+
+EFFECT = Effect(
+    id="viscous_friction",
+    summary="friction proportional to speed: bearings, seals, lubricant",
+    equation="T = coefficient · ω",
+    signature="current error that grows with speed and changes sign with direction",
+    source="thesis, script Main HF, dynamics.CM and dynamics.CU",
+    parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, 10.0, "torque per speed, at the fast shaft"),),
+    options={"side": ("motor", "output")},
+    settle=settle,
+)

@@ -1,0 +1,159 @@
+"""A model: a bench's constants and the effects it is taken to have. Frozen; changes return a new model."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from ema_bench_replay.errors import InputError
+
+from .constants import CONSTANTS
+from .effects import Effect, find_effect
+
+
+
+@dataclass(frozen=True)
+class ConstantValue:
+    """The value of a constant: SI unit as in ``constants.CONSTANTS``, relative tolerance (one standard deviation)."""
+
+    value: float
+    tolerance: float = 0.05
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class EffectInstance:
+    """One effect in a model: options and parameters by name, all of them given."""
+
+    effect: str
+    options: Mapping[str, str]
+    parameters: Mapping[str, float]
+    enabled: bool = True
+
+
+@dataclass(frozen=True)
+class Model:
+    """What a twin is made of.
+
+    ``kinds`` holds the fidelity of ``drive`` and ``transmission``, ``constants`` the values by path
+    (``machine.motor_inertia``), ``effects`` the instances by name: an effect's first instance is named by its id, later
+    ones ``id_2``, ``id_3``…
+    """
+
+    name: str
+    machine: str
+    kinds: Mapping[str, str]
+    constants: Mapping[str, ConstantValue]
+    effects: Mapping[str, EffectInstance] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("kinds", "constants", "effects"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
+
+    def value(self, path: str) -> float:
+        """The value of the constant at ``path``, in the unit of its table."""
+        return self.constants[path].value
+
+    def with_effect(
+        self,
+        id: str,
+        parameters: Mapping[str, float] | None = None,
+        options: Mapping[str, str] | None = None,
+        *,
+        enabled: bool = True,
+    ) -> Model:
+        """A model with one more instance of an effect; what is not given takes the catalogue's defaults."""
+        effect = find_effect(id, "effect")
+        instance = checked_instance(effect, parameters or {}, options or {}, id, complete=False)
+        if id in self.effects and not effect.repeatable:
+            raise InputError(f"model {self.name}: effect '{id}' is there already; change its parameters instead")
+        name, number = id, 2
+        while name in self.effects:
+            name, number = f"{id}_{number}", number + 1
+        return replace(self, effects={**self.effects, name: replace(instance, enabled=enabled)})
+
+    def without_effect(self, name: str) -> Model:
+        """A model without an effect: an id removes all its instances, ``id_2`` one."""
+        gone = [k for k, v in self.effects.items() if k == name or v.effect == name]
+        if name in self.effects and self.effects[name].effect != name:
+            gone = [name]
+        if not gone:
+            held = ", ".join(self.effects) or "none"
+            raise InputError(f"model {self.name}: no effect '{name}' to remove; it holds {held}")
+        return replace(self, effects={k: v for k, v in self.effects.items() if k not in gone})
+
+    def with_value(self, path: str, value: float) -> Model:
+        """A model with one number changed: ``effects.NAME.PARAMETER`` or a constant's path.
+
+        Raises InputError with the range where the value is outside it, with the nearest name where there is no such path.
+        """
+        if path.startswith("effects."):
+            _, name, parameter = (path.split(".") + ["", ""])[:3]
+            if name not in self.effects:
+                held = ", ".join(self.effects) or "none"
+                raise InputError(f"model {self.name}: no effect '{name}'; it holds {held}")
+            instance = self.effects[name]
+            effect = find_effect(instance.effect, path)
+            changed = checked_instance(
+                effect, {**instance.parameters, parameter: value}, instance.options, name, complete=True
+            )
+            return replace(self, effects={**self.effects, name: replace(changed, enabled=instance.enabled)})
+        constant = CONSTANTS.get(path)
+        if constant is None:
+            raise InputError(f"model {self.name}: unknown constant '{path}'; {nearest(path, CONSTANTS)}")
+        check_range(value, constant.lower, constant.upper, constant.unit, path)
+        before = self.constants.get(path, ConstantValue(value))
+        return replace(self, constants={**self.constants, path: replace(before, value=float(value))})
+
+    def with_enabled(self, name: str, enabled: bool) -> Model:
+        """A model with one effect switched on or off."""
+        if name not in self.effects:
+            raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
+        return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
+
+
+def nearest(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
+    """``did you mean 'x'?`` or the list of what is known."""
+    near = difflib.get_close_matches(name, list(known), n=1)
+    return f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
+
+
+def check_range(value: object, lower: float, upper: float, unit: str, place: str) -> float:
+    """The value as a float. Raises InputError where it is no finite number within [lower, upper]."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise InputError(f"{place}: '{value}' is no number; give one in {unit}") from None
+    if isinstance(value, bool) or not lower <= number <= upper:
+        raise InputError(f"{place}: {value} {unit} is out of range; give {lower:g} to {upper:g} {unit}")
+    return number
+
+
+def checked_instance(
+    effect: Effect, parameters: Mapping[str, object], options: Mapping[str, object], place: str, *, complete: bool
+) -> EffectInstance:
+    """An instance whose names, options and ranges are right. Raises InputError naming ``place`` otherwise.
+
+    ``complete`` demands every parameter; else missing ones take their defaults.
+    """
+    table = {parameter.name: parameter for parameter in effect.parameters}
+    for name in parameters:
+        if name not in table:
+            raise InputError(f"{place}: effect {effect.id} has no parameter '{name}'; {nearest(str(name), table)}")
+    values = {}
+    for name, parameter in table.items():
+        if name not in parameters and complete:
+            raise InputError(f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it")
+        given = parameters.get(name, parameter.default)
+        values[name] = check_range(given, parameter.lower, parameter.upper, parameter.unit, f"{place}.{name}")
+    chosen = effect.default_options()
+    for name, choice in options.items():
+        if name not in effect.options:
+            known = nearest(str(name), effect.options) if effect.options else "it has none"
+            raise InputError(f"{place}: effect {effect.id} has no option '{name}'; {known}")
+        if str(choice) not in effect.options[name]:
+            raise InputError(f"{place}: option {name} is '{choice}'; give one of {', '.join(effect.options[name])}")
+        chosen[name] = str(choice)
+    return EffectInstance(effect.id, MappingProxyType(chosen), MappingProxyType(values))

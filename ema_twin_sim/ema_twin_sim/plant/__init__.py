@@ -1,0 +1,23 @@
+"""The compiled plant: drive, transmission, friction and sensors, advanced step by step. It knows nothing of ROS or files.
+
+Numba keys its cache of machine code by one source file's date, and the kernel is made of several: the cache therefore
+lives in a folder named after the content of all of them, so that no edit or update ever runs stale code.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+
+import numba
+
+
+def _cache_folder() -> Path:
+    content = hashlib.sha256(numba.__version__.encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        content.update(source.read_bytes())
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "ema-twin" / content.hexdigest()[:16]
+
+
+if not os.environ.get("NUMBA_CACHE_DIR"):
+    numba.config.CACHE_DIR = str(_cache_folder())

@@ -1,0 +1,46 @@
+"""The averaged drive: position loop, filtered speed setpoint, PI speed controller, current lag.
+
+Source of the structure and the values: the thesis's script "Main HF" (controller.*); cycle, setpoint filter and current
+lag are assumed (see the model file).
+"""
+
+import math
+
+from numba import njit
+
+
+@njit(error_model="numpy")
+def limited(value, limit):
+    """Value held within +-limit."""
+    return limit if value > limit else (-limit if value < -limit else value)
+
+
+@njit(error_model="numpy")
+def lag_gain(step, time_constant):
+    """Share of the way that a first-order lag goes in a step, exactly; a lag of zero follows at once."""
+    return 1.0 - math.exp(-step / time_constant) if time_constant > 0.0 else 1.0
+
+
+@njit(error_model="numpy")
+def speed_controller(plant, error, integral, integrate):
+    """One control cycle: (torque setpoint [N m], integrator [N m]) from the speed error [rad/s].
+
+    PI with back-calculation: what the torque limit cuts off leaves the integrator with ``anti_windup_time``. The
+    current limit is a torque limit too. ``integrate`` is false within the position loop's dead band.
+    """
+    ceiling = plant.current_limit * plant.nominal_torque_constant
+    ceiling = plant.torque_limit if plant.torque_limit < ceiling else ceiling
+    wanted = plant.speed_gain * error + integral
+    torque = limited(wanted, ceiling)
+    if integrate:
+        rate = plant.speed_gain / plant.integral_time * error + (torque - wanted) / plant.anti_windup_time
+        integral = limited(integral + plant.control_cycle * rate, plant.integral_limit)
+    return torque, integral
+
+
+@njit(error_model="numpy")
+def quadrature_voltage(plant, speed, current, current_rate):
+    """Quadrature voltage [V] that the winding needs: back-EMF, resistance and inductance of one phase."""
+    return (
+        plant.back_emf_constant * speed + plant.phase_resistance * current + plant.phase_inductance * current_rate
+    )

@@ -1,0 +1,38 @@
+"""The sum of what the effects do at an operating point."""
+
+from numba import njit
+
+from .layout import DRY_LEVEL, OUTPUT_TORQUE
+from .operating_point import OperatingPoint, call_effect
+
+
+@njit(error_model="numpy")
+def evaluate(effects, at):
+    """(torque on the motor, dry level, torque on the output) [N m] of the effects at an operating point."""
+    addresses, places, p = effects
+    torque = 0.0
+    dry = at.dry_level
+    output_torque = 0.0
+    for k in range(addresses.shape[0]):
+        point = OperatingPoint(
+            at.time,
+            at.motor_angle,
+            at.motor_speed,
+            at.output_angle,
+            at.output_travel,
+            at.output_speed,
+            at.acceleration,
+            at.current,
+            at.motor_torque,
+            at.transmitted_torque,
+            dry,
+            at.viscous_coefficient,
+        )
+        value = call_effect(addresses[k], point, (p[k, 0], p[k, 1], p[k, 2], p[k, 3]))
+        if places[k] == DRY_LEVEL:
+            dry += value
+        elif places[k] == OUTPUT_TORQUE:
+            output_torque += value
+        else:
+            torque += value
+    return torque, (dry if dry > 0.0 else 0.0), output_torque

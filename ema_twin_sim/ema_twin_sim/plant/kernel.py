@@ -1,0 +1,244 @@
+"""The compiled step of the twin: one loop for a whole recording, for one live sample, and for the virtual bench.
+
+``advance`` integrates from each row's stamp to the next with the input interpolated between both, in equal steps of
+at most ``step`` seconds, and writes what the bench's sensors would show at each stamp. A live twin calls it with two rows, an
+offline run with all of them: the arithmetic is the same, so are the results.
+"""
+
+import math
+
+from numba import boolean, float64, from_dtype, int64, njit, types, void
+
+from .balance import unexplained_torque
+from .drive import lag_gain, limited, quadrature_voltage, speed_controller
+from .evaluate import evaluate
+from .layout import (
+    BENCH,
+    COMMAND_IN,
+    CURRENT,
+    CURRENT_IN,
+    PLANT,
+    SETPOINT,
+    SETPOINT_IN,
+    STANDALONE,
+    STANDALONE_SPEED,
+    STATE,
+)
+from .operating_point import PARAMETER_SLOTS, OperatingPoint
+from .sensors import counted
+from .transmission import contact_torque, end_stop_torque, shaft_speed
+
+_PLANT = from_dtype(PLANT)
+_STATE = from_dtype(STATE)
+_STAMPS = types.Array(int64, 1, "C", readonly=True)
+_EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
+"""Addresses (n,), places (n,), parameters (n, 4) of the effects that depend on the operating point."""
+
+assert PARAMETER_SLOTS == 4 and len(BENCH) == 5  # the calls and columns below are written out
+
+
+@njit(
+    void(_PLANT[::1], _STATE[::1], _EFFECTS, int64, _STAMPS, float64[:, ::1], float64[:, ::1], float64, boolean),
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def advance(plants, states, effects, source, stamps, bench, twin, step, record):
+    """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
+
+    ``bench`` (n, 5) holds the columns ``layout.BENCH``, NaN where the machine lacks one; ``source`` is one of
+    ``layout.INPUTS``. ``record`` false integrates without writing (to time the equations alone).
+    """
+    plant = plants[0]
+    state = states[0]
+    ratio = plant.gear_ratio
+    rigid_inertia = plant.motor_inertia + plant.output_inertia
+    softness = 1.0 / plant.motor_inertia + 1.0 / plant.output_inertia
+    rigid = plant.two_inertia == 0.0
+    viscous_total = plant.motor_viscous + plant.output_viscous
+    dry_total = plant.motor_dry + plant.output_dry
+    stops = not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper))
+
+    time = state.time
+    angle = state.motor_angle
+    speed = state.motor_speed
+    output_angle = state.output_angle
+    output_speed = state.output_speed
+    current = state.current
+    current_setpoint = state.current_setpoint
+    integral = state.integral
+    setpoint = state.speed_setpoint
+    smoothed = state.smoothed_speed
+    phase = state.control_phase
+    acceleration = state.acceleration
+    transmitted = state.transmitted_torque
+    motor_origin = state.motor_angle_origin
+    output_origin = state.output_angle_origin
+
+    column = CURRENT_IN if source == CURRENT else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
+    step = plant.control_cycle / math.ceil(plant.control_cycle / step - 1e-9)  # so that cycles begin on a step
+    h = 0.0
+    interval_before = int64(-1)
+    current_gain = setpoint_gain = smoothing_gain = 0.0
+    steps = 1
+
+    for row in range(1, stamps.shape[0]):
+        nanoseconds = stamps[row] - stamps[row - 1]
+        interval = nanoseconds * 1e-9
+        if nanoseconds != interval_before:
+            interval_before = nanoseconds
+            steps = max(1, int(math.ceil(interval / step - 1e-9)))
+            h = interval / steps
+            current_gain = lag_gain(h, plant.current_lag)
+            smoothing_gain = lag_gain(h, plant.speed_smoothing)
+            setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
+        start = bench[row - 1, column]
+        slope = bench[row, column] - start
+        current_rate = 0.0
+
+        for k in range(steps):
+            # drive
+            if source == CURRENT:
+                given = start + slope * ((k + 0.5) / steps)
+                current_rate = (given - current) / h
+                current = given
+            else:
+                if phase >= plant.control_cycle - 0.5 * h:
+                    phase -= plant.control_cycle
+                    given = start + slope * (k / steps)
+                    integrate = True
+                    if source == SETPOINT:
+                        # a trace is sampled before its stamp's cycle runs: it shows a cycle's setpoint one cycle later
+                        setpoint = given + slope * (plant.control_cycle / interval)
+                    elif source == STANDALONE_SPEED:
+                        setpoint += setpoint_gain * (limited(given, plant.speed_limit) - setpoint)
+                    else:
+                        error = given - output_angle / ratio
+                        integrate = math.fabs(error) * ratio > plant.integral_dead_band
+                        wanted = limited(plant.position_gain * error, plant.speed_limit)
+                        setpoint += setpoint_gain * (wanted - setpoint)
+                    demand, integral = speed_controller(plant, setpoint - speed, integral, integrate)
+                    current_setpoint = demand / plant.nominal_torque_constant
+                change = current_gain * (current_setpoint - current)
+                current_rate = change / h
+                current += change
+                phase += h
+            drive_torque = plant.torque_constant * current
+
+            # mechanics: half the drift, then the kick at the middle of the step
+            angle += 0.5 * h * speed
+            if not rigid:
+                output_angle += 0.5 * h * output_speed
+            else:
+                output_angle = angle - state.twist
+                output_speed = speed
+            at = OperatingPoint(
+                time,
+                motor_origin + angle,
+                speed,
+                output_origin + output_angle / ratio,
+                output_angle / ratio,
+                output_speed / ratio,
+                acceleration,
+                current,
+                drive_torque,
+                transmitted,
+                plant.motor_dry if not rigid else dry_total,
+                viscous_total,
+            )
+            torque, dry, output_torque = evaluate(effects, at)
+            if stops:
+                output_torque += end_stop_torque(
+                    output_angle,
+                    output_speed,
+                    plant.end_stop_lower * ratio,
+                    plant.end_stop_upper * ratio,
+                    plant.contact_stiffness,
+                    plant.contact_damping,
+                )
+            before = speed
+            if rigid:
+                extra = dry - dry_total
+                speed = shaft_speed(
+                    speed,
+                    drive_torque - torque - output_torque,
+                    viscous_total,
+                    dry,
+                    plant.motor_break_away + plant.output_break_away + extra,
+                    rigid_inertia,
+                    h,
+                )
+                acceleration = (speed - before) / h
+                sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+                transmitted = (
+                    plant.output_inertia * acceleration
+                    + plant.output_viscous * speed
+                    + plant.output_dry * sense
+                    + output_torque
+                )
+                angle += 0.5 * h * speed
+                output_angle = angle - state.twist
+                output_speed = speed
+            else:
+                transmitted = contact_torque(
+                    angle - output_angle - 0.5 * h * (speed - output_speed),
+                    speed - output_speed,
+                    plant.contact_stiffness,
+                    plant.contact_damping,
+                    plant.gap,
+                    h,
+                    0.5 * h * softness,
+                )
+                extra = dry - plant.motor_dry
+                speed = shaft_speed(
+                    speed,
+                    drive_torque - torque - transmitted,
+                    plant.motor_viscous,
+                    dry,
+                    plant.motor_break_away + extra,
+                    plant.motor_inertia,
+                    h,
+                )
+                output_speed = shaft_speed(
+                    output_speed,
+                    transmitted - output_torque,
+                    plant.output_viscous,
+                    plant.output_dry,
+                    plant.output_break_away,
+                    plant.output_inertia,
+                    h,
+                )
+                acceleration = (speed - before) / h
+                angle += 0.5 * h * speed
+                output_angle += 0.5 * h * output_speed
+            smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed)
+            time += h
+
+        if not record:
+            continue
+        twin[row, 0] = bench[row, CURRENT_IN] if source == CURRENT else current
+        twin[row, 1] = math.nan if source == CURRENT else current_setpoint
+        twin[row, 2] = smoothed
+        twin[row, 3] = math.nan if source == CURRENT else setpoint
+        twin[row, 4] = counted(angle, plant.motor_counts)
+        twin[row, 5] = counted(output_angle / ratio, plant.output_counts)
+        twin[row, 6] = bench[row, COMMAND_IN]
+        twin[row, 7] = quadrature_voltage(plant, speed, current, current_rate)
+        twin[row, 8] = plant.torque_constant * current
+        twin[row, 9] = transmitted
+        twin[row, 10] = unexplained_torque(plant, state, effects, bench, row, interval, time)
+
+    state.time = time
+    state.motor_angle = angle
+    state.motor_speed = speed
+    state.output_angle = output_angle
+    state.output_speed = output_speed
+    state.twist = angle - output_angle
+    state.current = current
+    state.current_setpoint = current_setpoint
+    state.integral = integral
+    state.speed_setpoint = setpoint
+    state.smoothed_speed = smoothed
+    state.control_phase = phase
+    state.acceleration = acceleration
+    state.transmitted_torque = transmitted

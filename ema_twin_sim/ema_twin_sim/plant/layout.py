@@ -1,0 +1,106 @@
+"""The plant's constants and state as records, so that compiled code reads them by name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+PLANT = np.dtype(
+    [
+        # machine
+        ("gear_ratio", "f8"),  # fast shaft turns per slow shaft turn
+        ("motor_inertia", "f8"),  # kg m2, motor and gearbox
+        ("output_inertia", "f8"),  # kg m2, reduced to the fast shaft
+        ("torque_constant", "f8"),  # N m/A, of the machine
+        ("back_emf_constant", "f8"),  # V s/rad, per phase
+        ("phase_resistance", "f8"),  # ohm
+        ("phase_inductance", "f8"),  # H
+        # drive
+        ("nominal_torque_constant", "f8"),  # N m/A, what the drive believes
+        ("position_gain", "f8"),  # 1/s of the fast shaft per rad of the slow shaft
+        ("speed_limit", "f8"),  # rad/s
+        ("speed_setpoint_filter", "f8"),  # s
+        ("speed_gain", "f8"),  # N m s/rad
+        ("integral_time", "f8"),  # s
+        ("integral_limit", "f8"),  # N m
+        ("integral_dead_band", "f8"),  # rad of the fast shaft
+        ("anti_windup_time", "f8"),  # s
+        ("torque_limit", "f8"),  # N m
+        ("current_limit", "f8"),  # A
+        ("control_cycle", "f8"),  # s
+        ("current_lag", "f8"),  # s
+        # friction: what does not depend on the operating point is summed once, not at every step
+        ("motor_viscous", "f8"),  # N m s/rad
+        ("output_viscous", "f8"),  # N m s/rad, at the fast shaft
+        ("motor_dry", "f8"),  # N m, sliding
+        ("output_dry", "f8"),
+        ("motor_break_away", "f8"),  # N m, at rest
+        ("output_break_away", "f8"),
+        # transmission
+        ("two_inertia", "f8"),  # 0 rigid, 1 spring, damper and dead zone between motor and output
+        ("contact_stiffness", "f8"),  # N m/rad at the fast shaft
+        ("contact_damping", "f8"),  # N m s/rad at the fast shaft
+        ("gap", "f8"),  # rad, half the dead zone at the fast shaft
+        ("end_stop_lower", "f8"),  # rad of the slow shaft
+        ("end_stop_upper", "f8"),
+        # sensors
+        ("motor_counts", "f8"),  # 1/rev of the fast shaft
+        ("output_counts", "f8"),  # 1/rev of the slow shaft
+        ("speed_smoothing", "f8"),  # s
+    ],
+    align=True,
+)
+
+STATE = np.dtype(
+    [
+        ("time", "f8"),  # s since the first sample
+        ("motor_angle", "f8"),  # rad since the first sample
+        ("motor_speed", "f8"),
+        ("output_angle", "f8"),  # rad of the fast shaft (slow shaft times the gear ratio) since the first sample
+        ("output_speed", "f8"),  # rad/s of the fast shaft
+        ("twist", "f8"),  # rad of the fast shaft by which motor and output differ while the transmission is rigid
+        ("current", "f8"),
+        ("current_setpoint", "f8"),
+        ("integral", "f8"),  # N m, the speed controller's integrator
+        ("speed_setpoint", "f8"),  # rad/s, after its filter
+        ("smoothed_speed", "f8"),  # rad/s, as the drive reports it
+        ("control_phase", "f8"),  # s since the last control cycle
+        ("acceleration", "f8"),  # rad/s2
+        ("transmitted_torque", "f8"),  # N m
+        ("motor_angle_origin", "f8"),  # rad, the counter's own angle where motor_angle is zero
+        ("output_angle_origin", "f8"),  # rad of the slow shaft
+        # the filters behind the unexplained torque (see balance.py)
+        ("balance_torque_1", "f8"),
+        ("balance_torque_2", "f8"),
+        ("balance_torque_3", "f8"),
+        ("balance_speed_1", "f8"),
+        ("balance_speed_2", "f8"),
+        ("balance_ready", "f8"),
+    ],
+    align=True,
+)
+
+INPUTS = ("standalone", "standalone_speed", "setpoint", "current")
+"""What drives the twin; an input's number is its place here."""
+STANDALONE, STANDALONE_SPEED, SETPOINT, CURRENT = range(4)
+
+BENCH = ("output_command", "speed_setpoint", "current", "speed", "motor_position")
+"""Columns of a bench sample that the kernel reads."""
+COMMAND_IN, SETPOINT_IN, CURRENT_IN, SPEED_IN, MOTOR_POSITION_IN = range(5)
+
+TWIN = (
+    "current",
+    "current_setpoint",
+    "speed",
+    "speed_setpoint",
+    "motor_position",
+    "output_position",
+    "output_command",
+    "voltage",
+    "motor_torque",
+    "load_torque",
+    "unexplained_torque",
+)
+"""Columns of a twin sample that the kernel writes: the same signals as a bench's, through the same sensors."""
+
+TORQUE, DRY_LEVEL, OUTPUT_TORQUE = range(3)
+"""Where an effect's value goes: a torque on the motor, a dry friction level on the motor, a torque on the output."""

@@ -1,0 +1,68 @@
+"""The one signature by which the kernel calls an effect, and the call itself.
+
+An effect's compiled function is ``act(at, p) -> float``: ``at`` is the operating point below, ``p`` four floats (its
+parameters in the order of its table, then its numeric option). The kernel holds such functions as addresses in an
+array and calls through them, so that a new effect, or a user's, compiles in milliseconds, can be switched in a running
+twin, and never recompiles the kernel. Passing addresses costs 1 us a kernel call, where a tuple of Numba's first-class
+functions costs 40 us per function to unbox.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Callable
+
+from numba import njit, types
+from numba.extending import intrinsic
+
+OperatingPoint = namedtuple(
+    "OperatingPoint",
+    [
+        "time",  # s since the recording's first sample
+        "motor_angle",  # rad, the motor counter's own angle, so that a phase holds from one recording to the next
+        "motor_speed",  # rad/s
+        "output_angle",  # rad of the slow shaft, the output encoder's own angle
+        "output_travel",  # rad of the slow shaft since the recording's first sample
+        "output_speed",  # rad/s of the slow shaft
+        "acceleration",  # rad/s2 of the fast shaft, over the step before
+        "current",  # A, quadrature
+        "motor_torque",  # N m, torque constant times current
+        "transmitted_torque",  # N m at the fast shaft, passed on to the output, over the step before
+        "dry_level",  # N m, the model's dry friction so far (levels are made up before what scales them)
+        "viscous_coefficient",  # N m s/rad, the model's viscous friction
+    ],
+)
+"""Where the machine stands in a step; everything an effect may depend on."""
+
+PARAMETER_SLOTS = 4
+
+_POINT = types.NamedUniTuple(types.float64, len(OperatingPoint._fields), OperatingPoint)
+_PARAMETERS = types.UniTuple(types.float64, PARAMETER_SLOTS)
+SIGNATURE = types.float64(_POINT, _PARAMETERS)
+
+
+def compile_effect(act: Callable[..., float], *, cache: bool) -> int:
+    """Compile ``act(at, p)`` to machine code and return its address (valid as long as the process lives)."""
+    compiled = njit(SIGNATURE, cache=cache, error_model="numpy")(act)
+    result = compiled.overloads[SIGNATURE.args]
+    _KEEP_ALIVE.append(compiled)
+    return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+
+
+_KEEP_ALIVE: list[object] = []  # an address must not outlive its code
+
+
+@intrinsic
+def call_effect(typing_context, address, at, parameters):  # noqa: ANN001, ANN201 (Numba's own protocol)
+    """Call the compiled effect at ``address`` with an operating point and four parameters."""
+
+    def generate(context, builder, signature, arguments):  # noqa: ANN001, ANN202
+        address, at, parameters = arguments
+        function_type = context.call_conv.get_function_type(types.float64, SIGNATURE.args)
+        pointer = builder.inttoptr(address, function_type.as_pointer())
+        _status, value = context.call_conv.call_function(
+            builder, pointer, types.float64, SIGNATURE.args, (at, parameters)
+        )
+        return value
+
+    return types.float64(types.int64, _POINT, _PARAMETERS), generate

@@ -1,0 +1,56 @@
+"""One step of the mechanics: rigid, or two inertias with a spring, a damper and a dead zone between them.
+
+Positions are at the fast shaft. A step is drift, kick, drift (position Verlet: second order, and it keeps the energy of
+the contact spring); viscous friction is taken at the end of the step, dry friction as ``friction.py`` says.
+"""
+
+from numba import njit
+
+from .friction import after_dry_friction
+
+
+@njit(error_model="numpy")
+def contact_torque(twist, twist_speed, stiffness, damping, gap, step, compliance):
+    """Mean torque [N m] passed from motor to output in a step that starts at ``twist`` [rad], ``twist_speed`` [rad/s].
+
+    A spring and a damper over a dead zone of +-``gap`` [rad]; a contact with play never pulls. The spring is taken at
+    the middle of the step, the damper at the mean of the speeds before and after (``compliance`` is step / 2 times the
+    sum of both inverse inertias), and a step in which the teeth meet counts by the share of it that they touch: so the
+    impulse of an impact does not depend on where in a step it falls.
+    """
+    share = 1.0 / (1.0 + damping * compliance)
+    if gap == 0.0:
+        return (stiffness * (twist + 0.5 * step * twist_speed) + damping * twist_speed) * share
+    side = 1.0 if twist + 0.5 * step * twist_speed > 0.0 else -1.0
+    depth = side * twist - gap
+    depth_after = depth + side * step * twist_speed
+    if depth < 0.0:
+        if depth_after <= 0.0:
+            return 0.0
+        touching = depth_after / (depth_after - depth)
+        torque = touching * (0.5 * stiffness * depth_after + damping * side * twist_speed) * share
+    else:
+        torque = (0.5 * stiffness * (depth + depth_after) + damping * side * twist_speed) * share
+    return side * torque if torque > 0.0 else 0.0
+
+
+@njit(error_model="numpy")
+def end_stop_torque(angle, speed, lower, upper, stiffness, damping):
+    """Torque [N m] that an end stop puts against the output; angles at the fast shaft, zero between the stops."""
+    if angle > upper:
+        torque = stiffness * (angle - upper) + damping * speed
+        return torque if torque > 0.0 else 0.0
+    if angle < lower:
+        torque = stiffness * (angle - lower) + damping * speed
+        return torque if torque < 0.0 else 0.0
+    return 0.0
+
+
+@njit(error_model="numpy")
+def shaft_speed(speed, torque, viscous, dry, break_away, inertia, step):
+    """Speed [rad/s] of one inertia after a step under ``torque`` [N m], viscous and dry friction."""
+    gain = step / inertia
+    drag = 1.0 / (1.0 + gain * viscous)
+    return after_dry_friction(
+        (speed + gain * torque) * drag, speed, gain * dry * drag, gain * break_away * drag
+    )

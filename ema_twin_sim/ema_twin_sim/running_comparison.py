@@ -1,0 +1,137 @@
+"""Residuals of a twin beside its bench and their running statistics: the same for a live monitor and offline."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+
+from .model import Model
+from .noise import noise_floors
+
+UNITS: dict[str, str] = {
+    "current": "A",
+    "speed": "rad/s",
+    "motor_position": "rad",
+    "output_position": "rad",
+    "unexplained_torque": "N m",
+}
+"""The compared signals and their units; a residual is measured minus twin."""
+
+DRIVEN = {"current": "current"}
+"""The compared signal that drives the twin under an input: its residual says nothing."""
+
+
+class RunningComparison:
+    """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
+
+    Samples come one by one (``add``) or by whole arrays (``add_rows``); a sample whose value is NaN on either side does
+    not count for that signal. The window is counted in samples of the model's trace.
+    """
+
+    def __init__(self, model: Model, source: str, window: float = 5.0) -> None:
+        self.source = source
+        self.samples = 0
+        self._model = model
+        self._torque_constant = model.value("machine.torque_constant")
+        self._square = dict.fromkeys(UNITS, 0.0)
+        self._measured_square = dict.fromkeys(UNITS, 0.0)
+        self._count = dict.fromkeys(UNITS, 0)
+        self._window: dict[str, deque[float]] = {
+            name: deque(maxlen=max(1, round(window / model.value("sensors.sample_period")))) for name in UNITS
+        }
+        self._has_speed = False
+        self._floors: dict[bool, dict[str, float]] = {}
+
+    def add(self, bench: Mapping[str, float], twin: Mapping[str, float]) -> dict[str, float]:
+        """Take one pair of samples and return its residuals, NaN where a side lacks the signal."""
+        self.samples += 1
+        residuals = {}
+        for name in UNITS:
+            residual, measured = self._pair(name, bench, twin)
+            residuals[name] = residual
+            if residual == residual and measured == measured:
+                self._count[name] += 1
+                self._square[name] += residual * residual
+                self._measured_square[name] += measured * measured
+                self._window[name].append(residual * residual)
+                self._has_speed = self._has_speed or name == "speed"
+        return residuals
+
+    def _pair(self, name: str, bench: Mapping[str, float], twin: Mapping[str, float]) -> tuple[float, float]:
+        if name == "unexplained_torque":
+            return twin.get(name, math.nan), bench.get("current", math.nan) * self._torque_constant
+        measured = bench.get(name, math.nan)
+        return measured - twin.get(name, math.nan), measured
+
+    def add_rows(self, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Take whole recordings, signals float64 (n,) by name, and return the residuals (n,) of those that both have."""
+        residuals = {}
+        count = 0
+        for name in UNITS:
+            if name not in twin or (name not in bench and name != "unexplained_torque"):
+                continue
+            if name == "unexplained_torque":
+                residual, measured = twin[name], bench["current"] * self._torque_constant
+            else:
+                residual, measured = bench[name] - twin[name], bench[name]
+            residuals[name] = residual
+            count = len(residual)
+            good = ~(np.isnan(residual) | np.isnan(measured))
+            if not good.all():
+                residual, measured = residual[good], measured[good]
+            self._count[name] += len(residual)
+            self._square[name] += float(residual @ residual)
+            self._measured_square[name] += float(measured @ measured)
+            self._window[name].extend((residual[-(self._window[name].maxlen or 1) :] ** 2).tolist())
+            self._has_speed = self._has_speed or (name == "speed" and len(residual) > 0)
+        self.samples += count
+        return residuals
+
+    def include(self, other: RunningComparison) -> None:
+        """Pool the sums of another comparison into this one (its window is left alone)."""
+        self.samples += other.samples
+        self._has_speed = self._has_speed or other._has_speed
+        for name in UNITS:
+            self._count[name] += other._count[name]
+            self._square[name] += other._square[name]
+            self._measured_square[name] += other._measured_square[name]
+
+    @property
+    def rmse(self) -> dict[str, float]:
+        """RMSE over the run per signal, NaN where nothing was compared."""
+        return {n: math.sqrt(self._square[n] / self._count[n]) if self._count[n] else math.nan for n in UNITS}
+
+    @property
+    def rmse_window(self) -> dict[str, float]:
+        """RMSE over the last window per signal, NaN where nothing was compared."""
+        return {n: math.sqrt(math.fsum(w) / len(w)) if w else math.nan for n, w in self._window.items()}
+
+    @property
+    def noise_floor(self) -> dict[str, float]:
+        """The sensors' noise per signal, standard deviation."""
+        if self._has_speed not in self._floors:
+            self._floors[self._has_speed] = noise_floors(self._model, has_speed=self._has_speed)
+        return self._floors[self._has_speed]
+
+    def result(self) -> dict[str, dict[str, object]]:
+        """Per compared signal ``{rmse, relative, noise_floor, unit, driven}``; absent signals are left out.
+
+        ``relative`` is the norm of the residual over the norm of the measured signal (for the unexplained torque, of
+        the measured motor torque).
+        """
+        found: dict[str, dict[str, object]] = {}
+        for name, rmse in self.rmse.items():
+            if math.isnan(rmse):
+                continue
+            norm = math.sqrt(self._measured_square[name])
+            found[name] = {
+                "rmse": rmse,
+                "relative": math.sqrt(self._square[name]) / norm if norm > 0.0 else 0.0,
+                "noise_floor": self.noise_floor[name],
+                "unit": UNITS[name],
+                "driven": DRIVEN.get(self.source) == name,
+            }
+        return found

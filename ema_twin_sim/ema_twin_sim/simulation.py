@@ -1,0 +1,105 @@
+"""Offline simulation: the twin beside a recording, and the virtual bench that makes recordings of its own."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from .command import Command
+from .model import Model
+from .plant.layout import BENCH, TWIN
+from .twin import DEFAULT_STEP, Twin
+
+DRIVING = {"setpoint": "speed_setpoint", "current": "current"}
+"""The signal of a recording that drives the twin under each input."""
+
+
+def choose_input(recording: Recording, wanted: str | None = None) -> str:
+    """The input that drives the twin: as wanted, else ``setpoint`` where the recording has one, else ``current``.
+
+    Raises InputError where the recording lacks the signal.
+    """
+    chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
+    if chosen not in DRIVING:
+        raise InputError(f"input '{chosen}' is not known; give setpoint or current")
+    if not recording.has(DRIVING[chosen]):
+        raise InputError(
+            f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
+            f"it holds {', '.join(recording.signals)}"
+        )
+    return chosen
+
+
+def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float = DEFAULT_STEP) -> Recording:
+    """The twin's own recording beside a bench's: the same stamps, the signals that the twin has.
+
+    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
+    """
+    twin = Twin(model, choose_input(recording, source), step=step)
+    absent = np.full(len(recording), math.nan)
+    bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
+    first = dict(zip(BENCH, bench[0], strict=True))
+    twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
+    rows = twin.follow(recording.stamps, bench)
+    signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
+    return Recording(
+        name=recording.name,
+        stamps=recording.stamps,
+        signals=signals,
+        start=recording.start,
+        motor_angle_origin=recording.motor_angle_origin,
+        output_angle_origin=recording.output_angle_origin,
+        metadata={"model": model.name},
+    )
+
+
+def virtual_bench(
+    model: Model, command: Command, seconds: float = 20.0, *, seed: int | None = 0, name: str = "", step: float = DEFAULT_STEP
+) -> Recording:
+    """A recording of the model driven by a command, with the sensors' noise (``seed`` None: none).
+
+    It starts at rest, with the drive on, and is sampled with the model's trace period.
+    """
+    period = round(model.value("sensors.sample_period") * 1e9)
+    count = int(seconds * 1e9 / period + 1e-9) + 1
+    if not 2 <= count <= 50_000_000:
+        raise InputError(f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s")
+    stamps = np.arange(count, dtype=np.int64) * period
+    wanted = command(stamps * 1e-9)
+    column = "speed_setpoint" if command.speed else "output_command"
+    bench = np.full((count, len(BENCH)), math.nan)
+    bench[:, BENCH.index(column)] = wanted * (model.value("machine.gear_ratio") if command.speed else 1.0)
+    twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
+    twin.start({column: bench[0, BENCH.index(column)]}, 0.0, 0.0)
+    rows = twin.follow(stamps, bench)
+    signals = {n: rows[:, k] for k, n in enumerate(TWIN) if n not in ("motor_torque", "load_torque", "unexplained_torque")}
+    if command.speed:
+        del signals["output_command"]
+    if seed is not None:
+        signals = with_noise(signals, model, seed)
+    return Recording(
+        name=name or command.name,
+        stamps=stamps,
+        signals=signals,
+        motor_angle_origin=0.0,
+        output_angle_origin=0.0,
+        metadata={"source": "virtual bench", "model": model.name, "command": command.text, "seed": str(seed)},
+    )
+
+
+def with_noise(signals: dict[str, np.ndarray], model: Model, seed: int) -> dict[str, np.ndarray]:
+    """Signals with the sensors' white noise; counters stay whole counts, zero at the first sample."""
+    random = np.random.default_rng(seed)
+    noisy = dict(signals)
+    for name, noise in (("current", "current_noise"), ("speed", "speed_noise")):
+        noisy[name] = signals[name] + random.normal(0.0, model.value(f"sensors.{noise}"), len(signals[name]))
+    for name in ("motor", "output"):
+        count = 2.0 * math.pi / model.value(f"sensors.{name}_encoder_counts")
+        position = signals[f"{name}_position"]
+        error = np.rint(random.normal(0.0, model.value(f"sensors.{name}_encoder_noise"), len(position)))
+        noisy[f"{name}_position"] = np.rint(position / count + error - error[0]) * count
+    return noisy

@@ -1,0 +1,187 @@
+"""One running twin: the model's state, carried from sample to sample. Parameters and effects may change in between."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+from .assembly import assemble
+from .constants import CONSTANTS
+from .effects import catalogue
+from .model import EffectInstance, Model
+from .plant.kernel import advance
+from .plant.layout import BENCH, CURRENT, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
+
+DEFAULT_STEP = 25e-6
+"""s. The tests show it converged: halving or doubling it moves no RMSE by 1 %."""
+
+
+@dataclass(frozen=True)
+class ParameterDescription:
+    """A number of the model that may be set on a running twin."""
+
+    path: str
+    value: float
+    unit: str
+    lower: float
+    upper: float
+    description: str
+
+
+class Twin:
+    """A twin that answers each bench sample with its own.
+
+    ``source`` tells what drives it: ``setpoint`` (the recorded speed setpoint), ``current`` (the measured current) or
+    ``standalone`` (its own position command; ``standalone_speed`` for a speed command). All effects of the catalogue
+    can be switched: those that the model lacks are there with their default parameters, switched off.
+    """
+
+    def __init__(self, model: Model, source: str = "setpoint", *, step: float = DEFAULT_STEP) -> None:
+        if source not in INPUTS:
+            raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
+        if not 1e-7 <= step <= 1e-3:
+            raise InputError(f"step {step} s is out of range; give 1e-7 to 1e-3 s")
+        for id in catalogue():
+            if id not in model.effects:
+                model = model.with_effect(id, enabled=False)
+        self.source = INPUTS.index(source)
+        self.step = step
+        self._state = np.zeros(1, STATE)
+        self._stamps = np.zeros(2, np.int64)
+        self._bench = np.full((2, len(BENCH)), math.nan)
+        self._row = np.full((2, len(TWIN)), math.nan)
+        self._take(model)
+
+    @property
+    def model(self) -> Model:
+        """The model as it stands, switched-off effects included."""
+        return self._model
+
+    @property
+    def effects(self) -> Mapping[str, EffectInstance]:
+        """The effects by instance name, switched-off ones included."""
+        return self._model.effects
+
+    def parameters(self) -> list[ParameterDescription]:
+        """Every number that may be set: the machine's constants and each effect's parameters."""
+        found = [
+            ParameterDescription(path, held.value, CONSTANTS[path].unit, *_bounds(path), CONSTANTS[path].description)
+            for path, held in self._model.constants.items()
+        ]
+        for name, instance in self._model.effects.items():
+            for p in catalogue()[instance.effect].parameters:
+                value = instance.parameters[p.name]
+                path = f"effects.{name}.{p.name}"
+                found.append(ParameterDescription(path, value, p.unit, p.lower, p.upper, p.description))
+        return found
+
+    def set_parameter(self, path: str, value: float) -> None:
+        """Set one number from the next sample on. Raises InputError with the range where it is impossible."""
+        self._take(self._model.with_value(path, value))
+
+    def set_enabled(self, name: str, enabled: bool) -> None:
+        """Switch an effect from the next sample on."""
+        self._take(self._model.with_enabled(name, enabled))
+
+    def start(
+        self,
+        sample: Mapping[str, float],
+        motor_angle_origin: float = math.nan,
+        output_angle_origin: float = math.nan,
+    ) -> dict[str, float]:
+        """Start from a run's first sample and return the twin's signals there.
+
+        The gap of a backlash is centred, the speed is the measured one, the drive's integrator holds the measured
+        current; other states rest. ``*_angle_origin`` [rad] are the counters' own angles where the positions are zero.
+        """
+        speed = _known(sample.get("speed"))
+        current = _known(sample.get("current"))
+        state = self._state[0]
+        self._state[:] = 0
+        state["motor_speed"] = state["output_speed"] = state["smoothed_speed"] = speed
+        state["current"] = state["current_setpoint"] = current
+        state["integral"] = self._assembly.plant["nominal_torque_constant"][0] * current
+        state["speed_setpoint"] = _known(sample.get("speed_setpoint")) if self.source != STANDALONE else speed
+        state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
+        state["motor_angle_origin"] = _known(motor_angle_origin)
+        state["output_angle_origin"] = _known(output_angle_origin)
+        self._stamps[:] = 0
+        self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
+        self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
+        return self._signals()
+
+    def advance(self, nanoseconds: int, sample: Mapping[str, float]) -> dict[str, float]:
+        """Integrate over ``nanoseconds`` since the sample before, its input interpolated, and return the signals."""
+        if nanoseconds <= 0:
+            raise InputError(f"the next sample is {nanoseconds} ns after the last; stamps must move forward")
+        self._stamps[1] = nanoseconds
+        self._bench[0] = self._bench[1]
+        self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
+        self._integrate(self._stamps, self._bench, self._row)
+        return self._signals()
+
+    def follow(self, stamps: np.ndarray, bench: np.ndarray) -> np.ndarray:
+        """Start from the first row and integrate over all: the same arithmetic as sample by sample, in one call.
+
+        ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 5) with the columns ``layout.BENCH``; returns float64
+        (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it.
+        """
+        rows = np.full((len(stamps), len(TWIN)), math.nan)
+        rows[0] = self._row[1]
+        self._integrate(np.ascontiguousarray(stamps), np.array(bench, np.float64, order="C"), rows)
+        return rows
+
+    def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
+        hold_input(bench, self.source)
+        assembly = self._assembly
+        advance(assembly.plant, self._state, assembly.effects, self.source, stamps, bench, rows, self.step, True)
+
+    def _signals(self) -> dict[str, float]:
+        return dict(zip(TWIN, self._row[1].tolist(), strict=True))
+
+    def _take(self, model: Model) -> None:
+        self._model = model
+        self._assembly = assemble(model)
+
+
+def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray) -> np.ndarray:
+    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it."""
+    held = state[0]
+    torque = plant["torque_constant"][0] * held["current"]
+    by_setpoint = source != CURRENT
+    return np.array(
+        [
+            bench[2] if source == CURRENT else held["current"],
+            held["current_setpoint"] if by_setpoint else math.nan,
+            held["smoothed_speed"],
+            held["speed_setpoint"] if by_setpoint else math.nan,
+            0.0,
+            0.0,
+            bench[0],
+            plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"],
+            torque,
+            0.0,
+            math.nan,
+        ]
+    )
+
+
+def hold_input(bench: np.ndarray, source: int) -> None:
+    """Where the driving signal has no value, the one before holds (a twin must not turn NaN for good)."""
+    column = {CURRENT: 2, SETPOINT: 1, STANDALONE_SPEED: 1, STANDALONE: 0}[source]
+    driving = bench[:, column]
+    for row in np.flatnonzero(np.isnan(driving)):
+        driving[row] = driving[row - 1] if row else 0.0
+
+
+def _known(value: float | None) -> float:
+    return 0.0 if value is None or math.isnan(value) else float(value)
+
+
+def _bounds(path: str) -> Sequence[float]:
+    return CONSTANTS[path].lower, CONSTANTS[path].upper

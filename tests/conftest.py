@@ -1,0 +1,28 @@
+"""What all tests share: an isolated ROS graph, and the folders of recordings."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+ROOT = Path(__file__).resolve().parent.parent
+RECORDINGS = Path(__file__).resolve().parent / "recordings"
+SHARED = ROOT.parent / "shared"
+
+
+@pytest.fixture(scope="session")
+def traces():
+    """The project's own recordings: CSV traces of a bench with two hidden effects."""
+    return sorted(RECORDINGS.glob("*.CSV"))
+
+
+@pytest.fixture(scope="session")
+def bench_cases():
+    """Labelled recordings of another virtual bench; they lie outside the project."""
+    folder = SHARED / "bench_cases"
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is absent: its labelled recordings are not part of the project")
+    return folder
