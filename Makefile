@@ -21,13 +21,17 @@ demo: setup ## a recorded actuator beside its twin; then the missing effects are
 
 test: setup ## all tests and the style check
 	@$(RUN) -m ruff check .
-	@$(RUN) -m pytest tests --ignore tests/benchmarks
+	@$(RUN) -m pytest tests
 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks -q
 
 lock: ## refresh requirements.lock
-	@$(PYTHON) bootstrap.py --lock
+	@$(PYTHON) -m venv --clear .venv-lock && .venv-lock/bin/python -m pip install --quiet uv
+	@.venv-lock/bin/uv pip compile --quiet --universal --upgrade --no-annotate --python-version 3.10 \
+		--custom-compile-command "make lock" --output-file requirements.lock \
+		requirements.txt requirements-dev.txt requirements-ros.txt
+	@rm -rf .venv-lock
 
 clean: ## remove .venv
-	rm -rf .venv
+	rm -rf .venv .venv-lock

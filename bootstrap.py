@@ -1,29 +1,28 @@
 """Makes `.venv`: ROS 2 Jazzy and every library from wheels, with this project's packages built into it.
 
-    python3 bootstrap.py            what `make setup` runs; does only what changed since the last time
-    python3 bootstrap.py --lock     refresh requirements.lock, what `make lock` runs
-
-Needs nothing but Python itself. Ends with status 0 when `.venv` is ready, 2 when the machine lacks something (one line
-says what to install), 1 when a step failed (the line names the step's log).
+`make setup` runs it, with any Python from 3.10 and nothing else installed. Status 0: `.venv` is ready; 2: the machine
+lacks something, and one line says what to install; 1: a step failed, and one line names the file that holds its output.
 
 The virtual environment is one complete ROS prefix: libraries in `.venv/lib`, executables in `.venv/lib/PACKAGE`, where
-`ros2 run` looks, package markers in `.venv/share`. Python sources and configuration are linked, not copied: an edit acts
-at once. A stamp per step, written when the step has ended, holds a hash of what the step depends on.
+`ros2 run` looks, package markers in `.venv/share`. Python sources and configuration are linked, not copied: an edit
+acts at once. A stamp per step, written when the step has ended, holds a hash of what the step depends on.
 """
 
 from __future__ import annotations
 
-import argparse
 import fcntl
 import hashlib
+import importlib.util
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
-import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent
@@ -31,20 +30,28 @@ VENV = ROOT / ".venv"
 STAMPS = VENV / "setup"
 LOGS = VENV / "log"
 LOCK = ROOT / "requirements.lock"
-REQUIREMENTS = ("requirements.txt", "requirements-dev.txt", "requirements-ros.txt")
-RECIPE = "1"  # another number makes every checkout install anew: change it when installing or patching changes
+RECIPE = "1"  # another number makes every checkout install anew: change it with what install_libraries does
 PYTHONS = ((3, 10), (3, 13))  # the versions that the ROS wheels are built for
-PACKAGES = {  # folder of each ROS package, in the order in which they are built
+PACKAGES = {  # folder of each ROS package
     "ema_twin_msgs": ROOT / "ema_twin_msgs",
     "ema_twin_config": ROOT / "config",
     "ema_bench_replay": ROOT / "ema_bench_replay",
     "ema_twin_sim": ROOT / "ema_twin_sim",
 }
+PYTHON_PACKAGES = ("ema_bench_replay", "ema_twin_sim")
 # Variables of another ROS installation or virtual environment, which would mix their libraries into ours.
 FOREIGN = (
-    "_ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH"
-    " PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV"
-).split()
+    "_ROS_WHEELS_BOOTSTRAP_COMPLETE",
+    "AMENT_PREFIX_PATH",
+    "CMAKE_PREFIX_PATH",
+    "COLCON_PREFIX_PATH",
+    "LD_LIBRARY_PATH",
+    "PYTHONHOME",
+    "PYTHONPATH",
+    "RMW_IMPLEMENTATION",
+    "ROS_DISTRO",
+    "VIRTUAL_ENV",
+)
 
 
 class SetupError(Exception):
@@ -55,44 +62,34 @@ class SetupError(Exception):
         self.status = status
 
 
-def missing_prerequisites() -> list[tuple[str, str]]:
-    """What the machine lacks, each as (what, Debian/Ubuntu package)."""
-    python = f"python{sys.version_info.major}.{sys.version_info.minor}"
-    header = Path(sysconfig.get_paths()["include"], "Python.h")
-    found = {
-        ("C compiler", "gcc"): any(map(shutil.which, (os.environ.get("CC", "cc"), "gcc", "clang"))),
-        ("C++ compiler", "g++"): any(map(shutil.which, (os.environ.get("CXX", "c++"), "g++", "clang++"))),
-        ("CMake", "cmake"): shutil.which("cmake"),
-        ("make", "make"): shutil.which("make"),
-        (f"{python} venv module", f"{python}-venv"): has_module("venv") and has_module("ensurepip"),
-        (f"{python} headers", f"{python}-dev"): header.exists(),
-    }
-    return [what for what, there in found.items() if not there]
-
-
-def has_module(name: str) -> bool:
-    """Whether this Python has a module that Debian and Ubuntu package apart."""
-    try:
-        __import__(name)
-    except ImportError:
-        return False
-    return True
-
-
-def check_prerequisites() -> None:
-    """Raise SetupError that names the Debian/Ubuntu package of everything that the machine lacks."""
+def check_python() -> None:
+    """Raise SetupError where this Python is not one that the ROS wheels are built for."""
     if not PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]:
         low, high = (".".join(map(str, version)) for version in PYTHONS)
         raise SetupError(
-            f"{sys.executable} is Python {sys.version.split()[0]}; ROS 2 Jazzy's wheels need {low} to {high}:"
-            f" sudo apt install python3.12-venv python3.12-dev, then make setup PYTHON=python3.12",
+            f"{sys.executable} is Python {sys.version.split()[0]}, the ROS 2 wheels need {low} to {high}; install one"
+            " (sudo apt install python3.12-venv python3.12-dev) and name it: make setup PYTHON=python3.12",
             status=2,
         )
-    missing = missing_prerequisites()
+
+
+def check_prerequisites() -> None:
+    """Raise SetupError that names the Debian/Ubuntu package of everything that building needs and the machine lacks."""
+    python = f"python{sys.version_info[0]}.{sys.version_info[1]}"
+    has_module = importlib.util.find_spec
+    prerequisites = {
+        ("a C compiler", "gcc"): any(map(shutil.which, (os.environ.get("CC", "cc"), "gcc", "clang"))),
+        ("a C++ compiler", "g++"): any(map(shutil.which, (os.environ.get("CXX", "c++"), "g++", "clang++"))),
+        ("cmake", "cmake"): shutil.which("cmake"),
+        ("make", "make"): shutil.which("make"),
+        (f"{python}'s venv", f"{python}-venv"): has_module("venv") and has_module("ensurepip"),
+        (f"{python}'s headers", f"{python}-dev"): Path(sysconfig.get_paths()["include"], "Python.h").exists(),
+    }
+    missing = [names for names, there in prerequisites.items() if not there]
     if missing:
-        what = ", ".join(f"{name} (package {package})" for name, package in missing)
-        install = " ".join(package for _, package in missing)
-        raise SetupError(f"missing: {what}; install with: sudo apt install {install}", status=2)
+        what = ", ".join(name for name, _ in missing)
+        packages = " ".join(package for _, package in missing)
+        raise SetupError(f"missing: {what}; on Debian or Ubuntu: sudo apt install {packages}", status=2)
 
 
 def digest(*parts: str | Path) -> str:
@@ -106,34 +103,37 @@ def digest(*parts: str | Path) -> str:
 
 
 def library_key() -> str:
-    """What the installed libraries depend on: the lock, the recipe, the interpreter, and where `.venv` lies."""
-    return digest(LOCK, RECIPE, sys.version, os.path.realpath(sys.executable), str(VENV))
+    """What the installed libraries depend on: the lock, the recipe, where `.venv` lies and which Python is in it.
+
+    That need not be the Python that runs this file: `.venv` keeps its own, until `make clean`.
+    """
+    return digest(LOCK, RECIPE, str(VENV), os.path.realpath(VENV / "bin/python"))
 
 
 def package_key(name: str) -> str:
-    """What the built package `name` depends on. Linked files count with their names only."""
+    """What a built package depends on. A linked file counts with its name only: its content is read where it lies."""
+    built = {"CMakeLists.txt", "package.xml", "setup.cfg", "setup.py"}
+    linked = {"blueprints", "launch", "layouts", "maps", "models", "resource", "scripts"}
     folder = PACKAGES[name]
-    files = sorted(path for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    build_files = ("CMakeLists.txt", "package.xml", "setup.cfg", "setup.py")
     parts: list[str | Path] = [library_key()]
-    for path in files:
-        if path.name in build_files or path.suffix in (".msg", ".srv"):
+    for path in sorted(folder.rglob("*")):
+        if path.name in built or path.suffix in (".msg", ".srv"):
             parts.append(path)
-        elif name == "ema_twin_config" or path.parent.name in ("resource", "scripts"):
+        elif path.relative_to(folder).parts[0] in linked and "__pycache__" not in path.parts:
             parts.append(str(path))
     return digest(*parts)
 
 
 def is_current(step: str, key: str) -> bool:
-    """Whether `step` ended once with the same key."""
+    """Whether `step` has ended with the same key."""
     try:
-        return (STAMPS / step).read_text() == key
+        return (STAMPS / step).read_text() == key and (VENV / "bin/python").exists()
     except OSError:
         return False
 
 
 def stamp(step: str, key: str) -> None:
-    """Note that `step` has ended, in one move, so that an interrupted write counts as not done."""
+    """Note that `step` has ended, in one move: an interrupted write counts as not done."""
     STAMPS.mkdir(parents=True, exist_ok=True)
     fresh = STAMPS / f"{step}.new"
     fresh.write_text(key)
@@ -143,40 +143,43 @@ def stamp(step: str, key: str) -> None:
 def clean_environment() -> dict[str, str]:
     """The user's environment without what belongs to another ROS installation, with `.venv` as the only prefix."""
     kept = {name: value for name, value in os.environ.items() if name not in FOREIGN}
-    kept |= {"AMENT_PREFIX_PATH": str(VENV), "CMAKE_PREFIX_PATH": str(VENV), "COLCON_HOME": str(VENV / "colcon")}
-    kept |= {"PIP_DISABLE_PIP_VERSION_CHECK": "1", "PIP_NO_INPUT": "1", "PYTHONNOUSERSITE": "1"}
-    return kept
+    ours = {
+        "AMENT_PREFIX_PATH": VENV,
+        "CMAKE_PREFIX_PATH": VENV,
+        "COLCON_DEFAULTS_FILE": os.devnull,
+        "COLCON_HOME": VENV / "etc/colcon",
+        "PIP_DISABLE_PIP_VERSION_CHECK": 1,
+        "PIP_NO_INPUT": 1,
+        "PYTHONNOUSERSITE": 1,
+    }
+    return kept | {name: str(value) for name, value in ours.items()}
 
 
 def run(title: str, log: str, *command: str | Path) -> None:
-    """Run one command with its output in `.venv/log/LOG`, and say what it does and how long it took.
+    """Run one command with its output in `.venv/log/LOG`; say what it does and how long it took.
 
-    Raises SetupError, with the command's last lines, when it fails.
+    Raises SetupError when it fails, after the last lines of its output.
     """
     LOGS.mkdir(parents=True, exist_ok=True)
     path = LOGS / log
     print(f"  {title} ...", end=" ", flush=True)
     begin = time.monotonic()
-    with path.open("w") as output:
-        status = subprocess.call(
-            [str(part) for part in command], stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-            cwd=ROOT, env=clean_environment(),
-        )  # fmt: skip
+    arguments = [str(part) for part in command]
+    with path.open("w") as output, subprocess.Popen(
+        arguments, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
+        cwd=ROOT, env=clean_environment(), start_new_session=True, close_fds=False,
+    ) as process:  # fmt: skip
+        try:
+            status = process.wait()
+        except BaseException:
+            os.killpg(process.pid, signal.SIGKILL)  # its own children too: none may go on writing into .venv
+            raise
     print(f"{time.monotonic() - begin:.0f} s" if status == 0 else "failed", flush=True)
     if status:
-        tail = "\n".join(f"    {line}" for line in path.read_text(errors="replace").splitlines()[-12:])
-        print(tail, file=sys.stderr)
-        raise SetupError(f"{title} failed; all its output is in {path.relative_to(ROOT)}")
-
-
-def install_libraries() -> None:
-    """Make `.venv` afresh and install the lock into it: nothing of an older lock or an interrupted set-up stays."""
-    if VENV.exists():
-        shutil.rmtree(VENV)
-    run("making .venv", "venv.log", sys.executable, "-m", "venv", VENV)
-    pip = (VENV / "bin/python", "-m", "pip", "install", "--no-deps", "--requirement", LOCK)
-    run("installing ROS 2 and the libraries (a minute or two, 600 MB to download)", "pip.log", *pip)
-    patch_cmake_paths()
+        for line in path.read_text(errors="replace").splitlines()[-10:]:
+            print(f"    {line}", file=sys.stderr)
+        what = title.partition(" (")[0]
+        raise SetupError(f"{what}: failed with status {status}; its whole output is in {path}")
 
 
 def site_packages() -> Path:
@@ -184,98 +187,108 @@ def site_packages() -> Path:
     return next((VENV / "lib").glob("python3.*/site-packages"))
 
 
+def install_libraries() -> None:
+    """Make `.venv` afresh from the lock: nothing of an older lock or of an interrupted set-up stays."""
+    if VENV.exists():
+        shutil.rmtree(VENV)
+    run("making .venv", "venv.log", sys.executable, "-m", "venv", VENV)
+    run(
+        "installing ROS 2 and the libraries (a minute, longer where 500 MB must be downloaded first)", "pip.log",
+        VENV / "bin/python", "-m", "pip", "install", "--no-deps", "--requirement", LOCK,
+    )  # fmt: skip
+    patch_cmake_paths()
+    run(
+        "turning off the usage statistics of rerun's viewer, in .venv/etc", "rerun.log",
+        "env", f"XDG_CONFIG_HOME={VENV / 'etc'}", f"XDG_DATA_HOME={VENV / 'etc'}",
+        VENV / "bin/rerun", "analytics", "disable",
+    )  # fmt: skip
+
+
 def patch_cmake_paths() -> None:
     """Put this machine's paths into the wheels' CMake files, which carry those of the machine that built them."""
-    cpython = r"/opt/python/cp\d+-cp\d+"
+    cpython = rb"/opt/python/cp\d+-cp\d+"
     paths = (
-        (re.compile(cpython + r"/lib/python3\.\d+/site-packages"), str(site_packages())),
-        (re.compile(cpython + r"/include/python3\.\d+"), sysconfig.get_paths()["include"]),
-        (re.compile(cpython), str(VENV)),
+        (cpython + rb"/lib/python3\.\d+/site-packages", site_packages()),
+        (cpython + rb"/include/python3\.\d+", sysconfig.get_paths()["include"]),
+        (cpython, VENV),
     )
     for path in (VENV / "share").rglob("*"):
-        if not path.is_file() or b"/opt/python/cp" not in path.read_bytes():
-            continue
-        try:
-            text = path.read_text()
-        except UnicodeDecodeError:
+        text = path.read_bytes() if path.is_file() else b""
+        if b"/opt/python/cp" not in text:
             continue
         for pattern, replacement in paths:
-            text = pattern.sub(replacement, text)
-        path.write_text(text)
+            text = re.sub(pattern, os.fsencode(replacement).replace(b"\\", rb"\\"), text)
+        path.write_bytes(text)
 
 
 def build_packages(names: list[str]) -> None:
-    """Build ROS packages into `.venv`, where what an earlier build of them left is removed first."""
+    """Build ROS packages into `.venv`, after removing what an earlier build of them left."""
     site = site_packages()
     for name in names:
-        for stale in (VENV / "build" / name, VENV / "share" / name, VENV / "include" / name, site / name):
-            shutil.rmtree(stale, ignore_errors=True)
+        (STAMPS / name).unlink(missing_ok=True)
+        for folder in (VENV / "build", VENV / "include", VENV / "lib", VENV / "share", site):
+            shutil.rmtree(folder / name, ignore_errors=True)
         for library in (VENV / "lib").glob(f"lib{name}__*"):
             library.unlink()
     run(
         f"building {', '.join(names)}", "colcon.log", VENV / "bin/python", "-m", "colcon",
-        "--log-base", VENV / "log/colcon", "build", "--merge-install", "--symlink-install",
+        "--log-base", LOGS / "colcon", "build", "--merge-install", "--symlink-install",
         "--install-base", VENV, "--build-base", VENV / "build",
-        "--base-paths", *PACKAGES.values(), "--packages-select", *names,
+        "--base-paths", *(PACKAGES[name] for name in names),
         "--cmake-args", "-DBUILD_TESTING=OFF", "-DCMAKE_BUILD_TYPE=Release",
     )  # fmt: skip
+    # colcon's links serve a sourced shell only; these lines make the checkout's packages, and the entry points that the
+    # build wrote beside its links, known to .venv/bin/python with nothing sourced.
+    folders = [PACKAGES[name] for name in PYTHON_PACKAGES] + [VENV / "build" / name for name in PYTHON_PACKAGES]
+    (site / "ema_twin.pth").write_text("".join(f"{folder}\n" for folder in folders))
 
-    link_sources(site)
 
-
-def link_sources(site: Path) -> None:
-    """Let `.venv/bin/python` import the Python packages from the checkout, and find their entry points, with nothing sourced."""
-    python_packages = [name for name, folder in PACKAGES.items() if (folder / "setup.py").exists()]
-    lines = [str(PACKAGES[name]) for name in python_packages] + [str(VENV / "build" / name) for name in python_packages]
-    (site / "ema_twin.pth").write_text("\n".join(lines) + "\n")
+@contextmanager
+def only_one() -> Iterator[None]:
+    """Let one set-up of this checkout run at a time."""
+    with (ROOT / ".venv.lock").open("w") as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("waiting for another set-up of this checkout to end", flush=True)
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        os.set_inheritable(handle.fileno(), True)  # a step that survives the killing of this process keeps the lock
+        yield
 
 
 def setup() -> None:
-    """Bring `.venv` up to date, one caller at a time."""
-    with (ROOT / ".setup.lock").open("w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        begin = time.monotonic()
-        libraries = library_key()
-        outdated = [name for name in PACKAGES if not is_current(name, package_key(name))]
-        if is_current("libraries", libraries) and not outdated:
-            return
+    """Bring `.venv` up to date; where nothing changed, start no process."""
+    begin = time.monotonic()
+    if not is_current("libraries", library_key()):
+        check_python()
         check_prerequisites()
-        print("Setting up .venv (once; a later run only does what changed)", flush=True)
-        if not is_current("libraries", libraries):
-            install_libraries()
-            stamp("libraries", libraries)
+        print("Setting up .venv, once; a later run does only what changed", flush=True)
+        install_libraries()
+        stamp("libraries", library_key())
+    outdated = [name for name in PACKAGES if not is_current(name, package_key(name))]
+    if outdated:
         build_packages(outdated)
         for name in outdated:
             stamp(name, package_key(name))
-        print(f"Set-up done in {time.monotonic() - begin:.0f} s", flush=True)
+        print(f"  .venv is ready after {time.monotonic() - begin:.0f} s", flush=True)
 
 
-def refresh_lock() -> None:
-    """Resolve the requirements anew, for all Python versions at once, and write requirements.lock."""
-    with tempfile.TemporaryDirectory() as folder:
-        run("getting the resolver", "lock.log", sys.executable, "-m", "venv", folder)
-        python = Path(folder, "bin/python")
-        run("getting the resolver", "lock.log", python, "-m", "pip", "install", "uv")
-        low = ".".join(map(str, PYTHONS[0]))
-        run(
-            "resolving", "lock.log", python, "-m", "uv", "pip", "compile", "--universal", "--upgrade",
-            "--python-version", low, "--no-annotate", "--custom-compile-command", "make lock",
-            *REQUIREMENTS, "--output-file", LOCK,
-        )  # fmt: skip
+def interrupt(signal_number: int, frame: object) -> None:
+    """End on SIGTERM as on Ctrl-C."""
+    raise KeyboardInterrupt
 
 
 def main() -> int:
-    """Command line; returns the process's status."""
-    parser = argparse.ArgumentParser(description="Make .venv, with ROS 2 and this project's packages in it.")
-    parser.add_argument("--lock", action="store_true", help="refresh requirements.lock instead")
-    arguments = parser.parse_args()
+    """Set up; returns the process's status."""
+    signal.signal(signal.SIGTERM, interrupt)
     try:
-        refresh_lock() if arguments.lock else setup()
-    except SetupError as error:
+        with only_one():
+            setup()
+    except (SetupError, OSError) as error:
         print(f"set-up: {error}", file=sys.stderr)
-        return error.status
+        return getattr(error, "status", 1)
     except KeyboardInterrupt:
-        print("\nset-up: interrupted; run it again to go on", file=sys.stderr)
+        print("\nset-up: interrupted; the next run goes on", file=sys.stderr)
         return 130
     return 0
 

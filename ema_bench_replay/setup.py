@@ -5,7 +5,7 @@ from setuptools import find_packages, setup
 setup(
     name="ema_bench_replay",
     version="0.1.0",
-    description="Recordings of an actuator bench: Siemens trace import, MCAP reading and writing, replay and record nodes",
+    description="Recordings of an actuator bench: Siemens trace import, MCAP files, replay and record nodes",
     maintainer="EMA twin authors",
     maintainer_email="maintainers@ema-twin.example.org",
     license="Apache-2.0",

@@ -137,7 +137,9 @@ def test_a_stiff_transmission_without_play_moves_as_a_rigid_one(stock):
 
 
 def test_the_gap_lets_the_output_trail_by_its_half_width(stock):
-    bench = virtual_bench(stock.with_effect("backlash", {"width": 0.004}), parse_command("triangle:0.04:2"), 8.0, seed=None)
+    bench = virtual_bench(
+        stock.with_effect("backlash", {"width": 0.004}), parse_command("triangle:0.04:2"), 8.0, seed=None
+    )
     lag = bench.signals["motor_position"] / 124.0 - bench.signals["output_position"]
     assert np.median(lag[(bench.time > 1.0) & (bench.time < 1.9)]) == pytest.approx(0.002, rel=0.02)
     assert np.median(lag[(bench.time > 3.0) & (bench.time < 3.9)]) == pytest.approx(-0.002, rel=0.02)
@@ -221,7 +223,9 @@ def test_a_twin_explains_its_own_virtual_bench_to_the_noise_floor(stock):
 
 
 def test_the_unexplained_torque_is_the_torque_of_the_missing_effect(stock):
-    bench = virtual_bench(stock.with_effect("sun_runout", {"torque": 0.03}, {"kind": "conservative"}), parse_command("ramp:0.05"), 6.0)
+    bench = virtual_bench(
+        stock.with_effect("sun_runout", {"torque": 0.03}, {"kind": "conservative"}), parse_command("ramp:0.05"), 6.0
+    )
     for source in ("setpoint", "current"):
         found = simulate(stock, bench, source).signals["unexplained_torque"]
         expected = 0.03 * np.sin(bench.signals["motor_position"])

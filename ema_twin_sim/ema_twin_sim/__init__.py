@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ema_bench_replay.load import load
+    from ema_bench_replay.recording import load
     from ema_twin_sim.command import parse_command
     from ema_twin_sim.comparison import compare
     from ema_twin_sim.effects import catalogue
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "catalogue": "ema_twin_sim.effects",
     "compare": "ema_twin_sim.comparison",
-    "load": "ema_bench_replay.load",
+    "load": "ema_bench_replay.recording",
     "load_model": "ema_twin_sim.model_file",
     "parse_command": "ema_twin_sim.command",
     "save_model": "ema_twin_sim.model_file",

@@ -41,11 +41,12 @@ class Command:
         return re.sub(r"[^\w.+-]+", "_", Path(self.text).stem if self.text.endswith(".csv") else self.text)
 
     def __call__(self, time: np.ndarray) -> np.ndarray:
+        """Values (n,) at times [s] (n,)."""
         return self.function(np.asarray(time, np.float64))
 
 
 def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Command:
-    """The command that ``KIND:A[:B]`` or a file describes; ``start`` [rad or rad/s] is added, ``phase`` [rad] shifts it.
+    """The command that ``KIND:A[:B]`` or a file describes, moved by ``start`` [rad or rad/s] and ``phase`` [rad].
 
     Raises InputError where the text is no command.
     """
@@ -93,7 +94,9 @@ def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
     try:
         lines = path.read_text("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a command ({error}); give a text file of time,value lines") from None
+        raise InputError(
+            f"{path}: cannot be read as a command ({error}); give a text file of time,value lines"
+        ) from None
     for number, line in enumerate(lines, 1):
         fields = [field for field in re.split(r"[;,\s]+", line.split("#")[0].strip()) if field]
         if not fields or (number == 1 and not re.match(r"[-+.\d]", fields[0])):

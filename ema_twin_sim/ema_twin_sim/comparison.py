@@ -9,8 +9,8 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from .running_comparison import UNITS, RunningComparison
 from .model import Model
+from .running_comparison import UNITS, RunningComparison
 from .simulation import choose_input, simulate
 from .twin import DEFAULT_STEP
 from .where import Dependence, Stretch, find_dependences

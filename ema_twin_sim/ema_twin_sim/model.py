@@ -13,7 +13,6 @@ from .constants import CONSTANTS
 from .effects import Effect, find_effect
 
 
-
 @dataclass(frozen=True)
 class ConstantValue:
     """The value of a constant: SI unit as in ``constants.CONSTANTS``, relative tolerance (one standard deviation)."""
@@ -87,10 +86,10 @@ class Model:
     def with_value(self, path: str, value: float) -> Model:
         """A model with one number changed: ``effects.NAME.PARAMETER`` or a constant's path.
 
-        Raises InputError with the range where the value is outside it, with the nearest name where there is no such path.
+        Raises InputError with the range where the value is outside it, with the nearest name where a path is unknown.
         """
         if path.startswith("effects."):
-            _, name, parameter = (path.split(".") + ["", ""])[:3]
+            _, name, parameter = [*path.split("."), "", ""][:3]
             if name not in self.effects:
                 held = ", ".join(self.effects) or "none"
                 raise InputError(f"model {self.name}: no effect '{name}'; it holds {held}")
@@ -145,7 +144,9 @@ def checked_instance(
     values = {}
     for name, parameter in table.items():
         if name not in parameters and complete:
-            raise InputError(f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it")
+            raise InputError(
+                f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
+            )
         given = parameters.get(name, parameter.default)
         values[name] = check_range(given, parameter.lower, parameter.upper, parameter.unit, f"{place}.{name}")
     chosen = effect.default_options()

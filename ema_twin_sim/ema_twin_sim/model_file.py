@@ -1,7 +1,7 @@
 """Model files: YAML, ``{version, machine, drive, transmission, sensors, effects}``, read strictly and written whole.
 
-A file may name a ``base`` beside it (models of one bench share one file of constants); its own entries then overrule the
-base's. What is written is always whole: a file that stands alone.
+A file may name a ``base`` beside it (models of one bench share one file of constants); its own entries then overrule
+the base's. What is written is always whole: a file that stands alone.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import yaml
 
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.outputs import new_file
 
 from .constants import CONSTANTS, KINDS, PARTS
 from .effects import find_effect
@@ -25,7 +26,7 @@ _LARGEST = 1 << 20  # bytes; a model file is a few kilobytes
 
 
 def load_model(name: str | os.PathLike[str]) -> Model:
-    """The model in a file, or the one of that name in config/models. Raises InputError naming file, place and remedy."""
+    """The model in a file, or the one of that name in config/models. Raises InputError with file, place and remedy."""
     path = Path(name)
     if path.suffix not in (".yaml", ".yml") and not path.is_file():
         path = find_configuration("models", f"{name}.yaml")
@@ -43,8 +44,6 @@ def load_model(name: str | os.PathLike[str]) -> Model:
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
     """Write a model whole. Raises InputError where the file exists (without ``force``) or cannot be written."""
     path = Path(path)
-    if path.exists() and not force:
-        raise InputError(f"{path}: exists already; choose another name or give --force")
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
     for part in PARTS[1:]:
         content[part] = {"kind": model.kinds[part]} if part in model.kinds else {}
@@ -64,19 +63,15 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         for name, instance in model.effects.items()
     }
     text = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160)
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_text(f"# EMA twin model, whole; units as stated, tolerances relative (one std)\n{text}", "utf-8")
-        partial.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose a folder you may write to") from None
+    with new_file(path, force=force) as file:
+        file.write(f"# EMA twin model, whole; units as stated, tolerances relative (one std)\n{text}".encode())
     return path
 
 
 class _Dumper(yaml.SafeDumper):
     """Innermost mappings on one line each, as in the shipped files."""
 
-    def represent_mapping(self, tag, mapping, flow_style=None):  # noqa: ANN001, ANN201
+    def represent_mapping(self, tag, mapping, flow_style=None):
         leaf = all(not isinstance(value, Mapping) or not value for value in mapping.values())
         return super().represent_mapping(tag, mapping, flow_style=leaf)
 
@@ -115,7 +110,9 @@ def _merged(below: Mapping, above: Mapping) -> dict:
 def _section(path: Path, content: Mapping, key: str) -> Mapping:
     section = content.get(key)
     if not isinstance(section, Mapping):
-        raise InputError(f"{path}: {key}: missing or no mapping; give this section (see config/models/polito_bench.yaml)")
+        raise InputError(
+            f"{path}: {key}: missing or no mapping; give this section (see config/models/polito_bench.yaml)"
+        )
     return section
 
 
@@ -156,7 +153,9 @@ def _constant(path: Path, place: str, entry: object) -> ConstantValue:
                 f"{path}: {place}: unknown key '{key}'; {nearest(str(key), ('value', 'unit', 'tolerance', 'source'))}"
             )
     if str(entry.get("unit")) != constant.unit:
-        raise InputError(f"{path}: {place}: unit '{entry.get('unit')}' but '{constant.unit}' is needed; convert the value")
+        raise InputError(
+            f"{path}: {place}: unit '{entry.get('unit')}' but '{constant.unit}' is needed; convert the value"
+        )
     value = check_range(entry["value"], constant.lower, constant.upper, constant.unit, f"{path}: {place}")
     tolerance = check_range(entry.get("tolerance", 0.05), 0.0, 10.0, "(relative)", f"{path}: {place}.tolerance")
     return ConstantValue(value, tolerance, str(entry.get("source", "")))

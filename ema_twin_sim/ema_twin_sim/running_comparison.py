@@ -67,7 +67,7 @@ class RunningComparison:
         return measured - twin.get(name, math.nan), measured
 
     def add_rows(self, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Take whole recordings, signals float64 (n,) by name, and return the residuals (n,) of those that both have."""
+        """Take whole recordings, signals float64 (n,) by name, and return the residuals (n,) of what both have."""
         residuals = {}
         count = 0
         for name in UNITS:

@@ -58,7 +58,13 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
 
 def virtual_bench(
-    model: Model, command: Command, seconds: float = 20.0, *, seed: int | None = 0, name: str = "", step: float = DEFAULT_STEP
+    model: Model,
+    command: Command,
+    seconds: float = 20.0,
+    *,
+    seed: int | None = 0,
+    name: str = "",
+    step: float = DEFAULT_STEP,
 ) -> Recording:
     """A recording of the model driven by a command, with the sensors' noise (``seed`` None: none).
 
@@ -67,7 +73,9 @@ def virtual_bench(
     period = round(model.value("sensors.sample_period") * 1e9)
     count = int(seconds * 1e9 / period + 1e-9) + 1
     if not 2 <= count <= 50_000_000:
-        raise InputError(f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s")
+        raise InputError(
+            f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s"
+        )
     stamps = np.arange(count, dtype=np.int64) * period
     wanted = command(stamps * 1e-9)
     column = "speed_setpoint" if command.speed else "output_command"
@@ -76,7 +84,9 @@ def virtual_bench(
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
     twin.start({column: bench[0, BENCH.index(column)]}, 0.0, 0.0)
     rows = twin.follow(stamps, bench)
-    signals = {n: rows[:, k] for k, n in enumerate(TWIN) if n not in ("motor_torque", "load_torque", "unexplained_torque")}
+    signals = {
+        n: rows[:, k] for k, n in enumerate(TWIN) if n not in ("motor_torque", "load_torque", "unexplained_torque")
+    }
     if command.speed:
         del signals["output_command"]
     if seed is not None:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 _BINS = 16
+_SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
 _STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
 _ANGLE_BINS = 256  # per revolution: orders up to 128
 _LOWEST_ORDER, _HIGHEST_ORDER, _ORDER_STEP = 0.2, 60.0, 0.02
@@ -44,7 +45,8 @@ class Dependence:
     rmse_there: float
     rmse_elsewhere: float
     profile: tuple[float, ...]  # RMSE per bin, bins from the variable's lowest value to its highest
-    text: str
+    place: str  # where it is worst, in words
+    means: tuple[tuple[float, str], tuple[float, str]] | None  # the lowest and the highest mean of a bin, and where
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``."""
@@ -57,7 +59,7 @@ class Dependence:
             "rmse_elsewhere": self.rmse_elsewhere,
             "unit": self.unit,
             "profile": list(self.profile),
-            "text": self.text,
+            "place": self.place,
         }
 
 
@@ -70,7 +72,7 @@ def find_dependences(signal: str, unit: str, stretches: Sequence[Stretch]) -> li
     speed = np.concatenate([stretch.speed for stretch in stretches])
     direction = np.where(np.abs(speed) < _STANDSTILL, 0.0, np.sign(speed))
     variables = (
-        ("speed", "rad/s of the motor shaft", speed, _quantiles(speed)),
+        ("speed", "rad/s", speed, _speed_edges(speed)),
         ("direction", "", direction, np.array([-1.5, -0.5, 0.5, 1.5])),
         ("output_position", "rad", *_even([stretch.output_position for stretch in stretches])),
         ("time", "s", *_even([stretch.time for stretch in stretches])),
@@ -93,10 +95,12 @@ def _finite(stretch: Stretch) -> Stretch:
     return Stretch(*(getattr(stretch, name)[good] for name in Stretch.__dataclass_fields__))
 
 
-def _quantiles(values: np.ndarray) -> np.ndarray:
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
-    edges[-1] = np.nextafter(edges[-1], np.inf)
-    return edges
+def _speed_edges(speed: np.ndarray) -> np.ndarray:
+    """Bins that are narrow at low speed, where friction changes, and symmetric, so that directions compare."""
+    usual = float(np.quantile(np.abs(speed), 0.995)) or 1.0
+    edges = usual * np.array(_SPEED_SHARES)
+    edges[-1] = max(np.nextafter(float(np.abs(speed).max()), np.inf), edges[-1])
+    return np.concatenate([-edges[:0:-1], edges])
 
 
 def _even(parts: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +110,13 @@ def _even(parts: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _binned(
-    signal: str, unit: str, residual: np.ndarray, variable: str, variable_unit: str, values: np.ndarray, edges: np.ndarray
+    signal: str,
+    unit: str,
+    residual: np.ndarray,
+    variable: str,
+    variable_unit: str,
+    values: np.ndarray,
+    edges: np.ndarray,
 ) -> Dependence | None:
     place = np.digitize(values, edges) - 1
     count = np.bincount(place, minlength=len(edges) - 1).astype(float)
@@ -123,18 +133,23 @@ def _binned(
     worst = int(np.argmax(np.where(used, profile, -1.0)))
     elsewhere = math.sqrt((total - square[worst]) / max(1.0, samples - count[worst]))
     there = float(profile[worst])
-    text = _in_words(variable, variable_unit, edges, worst)
+    lowest, highest = (
+        int(pick(np.where(used, mean, fill))) for pick, fill in ((np.argmin, np.inf), (np.argmax, -np.inf))
+    )
+    places = [_in_words(variable, variable_unit, edges, k) for k in (worst, lowest, highest)]
     return Dependence(
         signal, unit, variable, max(0.0, float(share)), float(edges[worst]), float(edges[worst + 1]), variable_unit,
-        there, elsewhere, tuple(profile.tolist()), text,
+        there, elsewhere, tuple(profile.tolist()), places[0],
+        ((float(mean[lowest]), places[1]), (float(mean[highest]), places[2])),
     )  # fmt: skip
 
 
-def _in_words(variable: str, unit: str, edges: np.ndarray, worst: int) -> str:
+def _in_words(variable: str, unit: str, edges: np.ndarray, place: int) -> str:
     if variable == "direction":
-        return ("moving backward", "near standstill and at reversals", "moving forward")[worst]
-    name = {"speed": "at a speed", "output_position": "at an output position", "time": "at a time"}[variable]
-    return f"{name} of {edges[worst]:.3g} to {edges[worst + 1]:.3g} {unit}"
+        return ("moving backward", "near standstill and at reversals", "moving forward")[place]
+    name = {"speed": "at", "output_position": "at an output position of", "time": "at"}[variable]
+    of = " of the motor shaft" if variable == "speed" else ""
+    return f"{name} {edges[place]:.3g} to {edges[place + 1]:.3g} {unit}{of}"
 
 
 def _by_order(signal: str, unit: str, stretches: Sequence[Stretch]) -> Dependence | None:
@@ -168,7 +183,7 @@ def _by_order(signal: str, unit: str, stretches: Sequence[Stretch]) -> Dependenc
     amplitude = math.sqrt(2.0 * power[best] / samples)
     bands = [float(np.sqrt(band.max() / samples)) for band in np.array_split(power, _BINS)]
     return Dependence(
-        signal, unit, "order", share, float(orders[best]), float(orders[best]), "cycles per motor revolution",
+        signal, unit, "order", share, float(orders[best]), float(orders[best]), "cycles/rev",
         amplitude / math.sqrt(2.0), math.sqrt(max(0.0, total - float(power[best])) / samples), tuple(bands),
-        f"periodic, {orders[best]:.3g} times per motor revolution",
+        f"{orders[best]:.3g} times per motor revolution", None,
     )  # fmt: skip

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.table import Table
 
+from ..quantities import quantity
 from . import options
-from .output import console, progress_bar, quantity, sparkline
+from .output import console, progress_bar, sparkline
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
+    from ..where import Dependence
 
 EXAMPLES = """Examples:
 
@@ -23,6 +25,8 @@ ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors
 
 AT_NOISE = 1.1
 """An RMSE up to this many noise floors counts as the sensors' noise."""
+WEAK = 0.1
+"""A variable that explains less of an error than this is not what it depends on."""
 
 
 def run(
@@ -76,7 +80,8 @@ def _errors(comparisons: Sequence[Comparison]) -> Table:
         for k, comparison in enumerate(comparisons):
             signals = comparison.recordings[row].signals
             label = [recording.name if k == 0 else ""] + ([comparison.model] if several else [])
-            table.add_row(*label, *(_cell(signals.get(n)) for n in names), end_section=several)
+            last = several and k == len(comparisons) - 1
+            table.add_row(*label, *(_cell(signals.get(n)) for n in names), end_section=last)
     table.add_section()
     for k, comparison in enumerate(comparisons):
         label = ["all recordings" if k == 0 else ""] + ([comparison.model] if several else [])
@@ -117,15 +122,15 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     for column in ("error of", "against"):
         table.add_column(column)
     table.add_column("explains", justify="right")
-    table.add_column("low … high")
-    table.add_column("worst")
+    table.add_column("RMSE, low … high")
+    table.add_column("largest")
     table.add_column("RMSE there", justify="right")
     table.add_column("elsewhere", justify="right")
     for signal in dict.fromkeys(d.signal for d in found):
         for d in (d for d in found if d.signal == signal):
             table.add_row(
                 signal.replace("_", " "), d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
-                sparkline(d.profile), d.text, quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit),
+                sparkline(d.profile), d.place, quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit),
             )  # fmt: skip
         table.add_section()
     console.print(table)
@@ -133,18 +138,22 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         console.print(in_words(next(d for d in found if d.signal == signal)))
 
 
-def in_words(dependence) -> str:  # noqa: ANN001 (a Dependence; its module costs numpy)
+def in_words(dependence: Dependence) -> str:
     """One sentence for the dependence that explains most of a signal's error."""
     d = dependence
     signal = d.signal.replace("_", " ")
     there, elsewhere = quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit)
-    if d.share < 0.05:
+    if d.share < WEAK:
         return (
-            f"The {signal}'s error follows none of these variables alone; it is worst {d.text}: "
+            f"The {signal}'s error follows none of these variables alone; it is largest {d.place}: "
             f"{there} there, {elsewhere} elsewhere."
         )
-    kind = "has an order" if d.variable == "order" else f"depends on {d.variable.replace('_', ' ')}"
+    share = f"{100.0 * d.share:.0f} % of it"
+    if d.means is None:
+        amplitude = quantity(d.rmse_there * 2.0**0.5, d.unit)
+        return f"The {signal}'s error is periodic, {d.place} ({share}), with an amplitude of {amplitude}."
+    (low, low_place), (high, high_place) = d.means
     return (
-        f"The {signal}'s error {kind} ({100.0 * d.share:.0f} % of it): worst {d.text}, "
-        f"{there} there, {elsewhere} elsewhere."
+        f"The {signal}'s error depends on {d.variable.replace('_', ' ')} ({share}): on average "
+        f"{quantity(low, d.unit)} {low_place}, {quantity(high, d.unit)} {high_place}."
     )

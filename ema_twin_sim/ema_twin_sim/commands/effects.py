@@ -49,7 +49,13 @@ def run(
             "source": effect.source,
             "options": {name: list(choices) for name, choices in effect.options.items()},
             "parameters": {
-                p.name: {"unit": p.unit, "default": p.default, "lower": p.lower, "upper": p.upper, "text": p.description}
+                p.name: {
+                    "unit": p.unit,
+                    "default": p.default,
+                    "lower": p.lower,
+                    "upper": p.upper,
+                    "text": p.description,
+                }
                 for p in effect.parameters
             },
         }
@@ -58,7 +64,7 @@ def run(
     write_json(json, contents[0] if id else contents)
 
 
-def _show_one(effect) -> None:  # noqa: ANN001 (an Effect; its module costs numpy)
+def _show_one(effect) -> None:
     console.print(f"[bold]{effect.id}[/bold]: {effect.summary}\n")
     console.print(f"  equation   {effect.equation}", markup=False)
     console.print(f"  residual   {effect.signature}", markup=False)

@@ -10,8 +10,9 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..quantities import quantity
 from . import options
-from .output import console, quantity, tracked, warn
+from .output import console, tracked, warn
 
 EXAMPLES = """Examples:
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import find_recordings, load
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.outputs import new_file
+from ema_bench_replay.recording import Recording, load
 
 from .output import tracked, warn
 
@@ -23,7 +22,7 @@ def load_runs(
     end: float | None = None,
     strict: bool = False,
 ) -> list[Recording]:
-    """The recordings that the paths name, cut to [start, end] seconds; warnings are printed, or refused if ``strict``."""
+    """The recordings that the paths name, cut to [start, end] s; warnings are printed, or refused if ``strict``."""
     files = [file for path in paths for file in find_recordings(path)]
     recordings = []
     for file in tracked(files, "reading"):
@@ -38,16 +37,19 @@ def load_runs(
     return recordings
 
 
+def find_recordings(path: Path) -> list[Path]:
+    """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these."""
+    if not path.is_dir() or any(path.glob("*.mcap")):
+        return [path]
+    inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
+    return inside or [path]
+
+
 def write_json(path: Path | None, content: object) -> None:
     """Write a result as JSON, replacing the file; numbers that are not finite become null."""
-    if path is None:
-        return
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        partial.write_text(json.dumps(_finite(content), indent=1, allow_nan=False) + "\n", "utf-8")
-        os.replace(partial, path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose a folder you may write to") from None
+    if path is not None:
+        with new_file(path, force=True) as file:
+            file.write((json.dumps(_finite(content), indent=1, allow_nan=False) + "\n").encode())
 
 
 def _finite(content: object) -> object:

@@ -1,6 +1,7 @@
 """The command ``ema-twin``: its verbs, and how it ends.
 
-Exit status: 0 done; 2 input refused, with one line that names file, place and remedy; 1 an internal error; 130 interrupted.
+Exit status: 0 done; 2 input refused, with one line that names file, place and remedy; 1 an internal error; 130
+interrupted.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The compiled plant: drive, transmission, friction and sensors, advanced step by step. It knows nothing of ROS or files.
+"""The compiled plant: drive, transmission, friction and sensors, advanced step by step, without ROS or files.
 
 Numba keys its cache of machine code by one source file's date, and the kernel is made of several: the cache therefore
 lives in a folder named after the content of all of them, so that no edit or update ever runs stale code.

@@ -7,7 +7,8 @@ acceleration. Positive values oppose positive motion, as every torque of the cat
 
 F is one causal filter for both sides: the drive's own smoothing of the speed (which the measured speed already has, so
 it is applied to the torques only) and two equal lags that keep the derivative of a noisy speed readable. Being causal,
-it is computed sample by sample in the same way live and offline.
+it is computed sample by sample in the same way live and offline. Where the transmission has play or gives way, the
+output side is simulated, driven by the measured motor (``driven_output.py``).
 """
 
 import math
@@ -16,6 +17,7 @@ import numpy as np
 from numba import njit
 
 from .drive import lag_gain
+from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import held_by_dry_friction
 from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
@@ -64,8 +66,8 @@ def filtered_balance(state, torque, speed, inertia, interval, smoothing, lag):
 
 
 @njit(error_model="numpy")
-def unexplained_torque(plant, state, effects, bench, row, interval, time):
-    """The unexplained torque [N m] at one sample (see ``py``), NaN where current or motion is not measured."""
+def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
+    """The unexplained torque [N m] at one sample (see the module), NaN where current or motion is not measured."""
     current = bench[row, CURRENT_IN]
     position = bench[row, MOTOR_POSITION_IN]
     counter_speed = (position - bench[row - 1, MOTOR_POSITION_IN]) / interval
@@ -102,19 +104,22 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time):
         plant.motor_viscous + plant.output_viscous,
     )
     torque, dry, output_torque = evaluate(effects, at)
-    extra = dry - plant.motor_dry - plant.output_dry
-    unbalanced = unbalanced_torque(
-        drive_torque,
-        torque + output_torque,
-        sharp,
-        plant.motor_viscous + plant.output_viscous,
-        dry,
-        plant.motor_break_away + plant.output_break_away + extra,
-    )
+    viscous = plant.motor_viscous + plant.output_viscous
+    break_away = plant.motor_break_away + plant.output_break_away + (dry - plant.motor_dry - plant.output_dry)
+    if plant.two_inertia == 0.0:
+        other = torque + output_torque
+    else:
+        passed = driven_output(plant, state, sharp, travel, output_torque, interval, step)
+        other = torque + passed
+        viscous = plant.motor_viscous
+        inertia = plant.motor_inertia
+        dry -= plant.output_dry
+        break_away -= plant.output_break_away
+    unbalanced = unbalanced_torque(drive_torque, other, sharp, viscous, dry, break_away)
     return filtered_balance(state, unbalanced, speed, inertia, interval, smoothing, lag)
 
 
-@njit(error_model="numpy")
+@njit(cache=True, error_model="numpy")
 def balance_response(plants, interval, has_speed, of_current, count):
     """Unexplained torque [N m] (count,) that one sample's error of 1 A, or of 1 rad/s (1 rad), causes while turning.
 

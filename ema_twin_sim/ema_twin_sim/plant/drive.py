@@ -41,6 +41,4 @@ def speed_controller(plant, error, integral, integrate):
 @njit(error_model="numpy")
 def quadrature_voltage(plant, speed, current, current_rate):
     """Quadrature voltage [V] that the winding needs: back-EMF, resistance and inductance of one phase."""
-    return (
-        plant.back_emf_constant * speed + plant.phase_resistance * current + plant.phase_inductance * current_rate
-    )
+    return plant.back_emf_constant * speed + plant.phase_resistance * current + plant.phase_inductance * current_rate

@@ -1,8 +1,8 @@
 """The compiled step of the twin: one loop for a whole recording, for one live sample, and for the virtual bench.
 
-``advance`` integrates from each row's stamp to the next with the input interpolated between both, in equal steps of
-at most ``step`` seconds, and writes what the bench's sensors would show at each stamp. A live twin calls it with two rows, an
-offline run with all of them: the arithmetic is the same, so are the results.
+``advance`` integrates from each row's stamp to the next with the input interpolated between both, in equal steps of at
+most ``step`` seconds, and writes what the bench's sensors would show at each stamp. A live twin calls it with two rows,
+an offline run with all of them: the arithmetic is the same, so are the results.
 """
 
 import math
@@ -20,7 +20,6 @@ from .layout import (
     PLANT,
     SETPOINT,
     SETPOINT_IN,
-    STANDALONE,
     STANDALONE_SPEED,
     STATE,
 )
@@ -75,7 +74,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     motor_origin = state.motor_angle_origin
     output_origin = state.output_angle_origin
 
-    column = CURRENT_IN if source == CURRENT else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
+    column = (
+        CURRENT_IN if source == CURRENT else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
+    )
     step = plant.control_cycle / math.ceil(plant.control_cycle / step - 1e-9)  # so that cycles begin on a step
     h = 0.0
     interval_before = int64(-1)
@@ -87,7 +88,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
         interval = nanoseconds * 1e-9
         if nanoseconds != interval_before:
             interval_before = nanoseconds
-            steps = max(1, int(math.ceil(interval / step - 1e-9)))
+            steps = max(1, math.ceil(interval / step - 1e-9))
             h = interval / steps
             current_gain = lag_gain(h, plant.current_lag)
             smoothing_gain = lag_gain(h, plant.speed_smoothing)
@@ -226,7 +227,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
         twin[row, 7] = quadrature_voltage(plant, speed, current, current_rate)
         twin[row, 8] = plant.torque_constant * current
         twin[row, 9] = transmitted
-        twin[row, 10] = unexplained_torque(plant, state, effects, bench, row, interval, time)
+        twin[row, 10] = unexplained_torque(plant, state, effects, bench, row, interval, time, h)
 
     state.time = time
     state.motor_angle = angle

@@ -75,6 +75,12 @@ STATE = np.dtype(
         ("balance_speed_1", "f8"),
         ("balance_speed_2", "f8"),
         ("balance_ready", "f8"),
+        # the output driven by the measured motion (see driven_output.py), angles and speeds at the fast shaft
+        ("driven_motor_angle", "f8"),
+        ("driven_motor_speed", "f8"),
+        ("driven_output_angle", "f8"),
+        ("driven_output_speed", "f8"),
+        ("driven_ready", "f8"),
     ],
     align=True,
 )

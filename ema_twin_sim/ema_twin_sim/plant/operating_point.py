@@ -53,10 +53,10 @@ _KEEP_ALIVE: list[object] = []  # an address must not outlive its code
 
 
 @intrinsic
-def call_effect(typing_context, address, at, parameters):  # noqa: ANN001, ANN201 (Numba's own protocol)
+def call_effect(typing_context, address, at, parameters):
     """Call the compiled effect at ``address`` with an operating point and four parameters."""
 
-    def generate(context, builder, signature, arguments):  # noqa: ANN001, ANN202
+    def generate(context, builder, signature, arguments):
         address, at, parameters = arguments
         function_type = context.call_conv.get_function_type(types.float64, SIGNATURE.args)
         pointer = builder.inttoptr(address, function_type.as_pointer())

@@ -51,6 +51,4 @@ def shaft_speed(speed, torque, viscous, dry, break_away, inertia, step):
     """Speed [rad/s] of one inertia after a step under ``torque`` [N m], viscous and dry friction."""
     gain = step / inertia
     drag = 1.0 / (1.0 + gain * viscous)
-    return after_dry_friction(
-        (speed + gain * torque) * drag, speed, gain * dry * drag, gain * break_away * drag
-    )
+    return after_dry_friction((speed + gain * torque) * drag, speed, gain * dry * drag, gain * break_away * drag)

@@ -1,0 +1,57 @@
+"""Replay, twin and monitor: `ros2 launch ema_twin_config ema_twin.launch.py recording:=RUN.mcap model:=polito_bench`.
+
+Without `recording:=`, the twin answers whatever publishes `/bench/state`: the real bench. `record:=FOLDER` keeps all
+topics.
+"""
+
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.launch_context import LaunchContext
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+ARGUMENTS = {
+    "model": ("polito_bench", "model of the machine: a shipped name or a YAML file"),
+    "recording": ("", "recording to play: an MCAP, its folder, or a CSV trace; none: a bench that is running"),
+    "map": ("siemens", "import map that names a CSV's columns"),
+    "rate": ("1.0", "speed of playing, 1 is real time; 0 plays as fast as it goes"),
+    "loop": ("false", "play the recording again and again"),
+    "input": ("auto", "what drives the twin: setpoint, current, standalone, or auto"),
+    "command": ("sine:0.02:1", "command of a standalone twin"),
+    "record": ("", "folder to record all topics into; none: do not record"),
+}
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """The nodes that these arguments ask for."""
+    given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    from_start = bool(given["recording"])
+    standalone = given["input"] == "standalone"
+    twin = {"model": given["model"], "input": given["input"], "from_start": from_start, "command": given["command"]}
+    started = [Node(package="ema_twin_sim", executable="twin", parameters=[twin], output="screen")]
+    if not standalone:
+        monitor = {name: twin[name] for name in ("model", "input", "from_start")}
+        started.append(Node(package="ema_twin_sim", executable="monitor", parameters=[monitor], output="screen"))
+    if given["record"]:
+        record = {"output": given["record"]}
+        started.append(Node(package="ema_bench_replay", executable="record", parameters=[record], output="screen"))
+    if given["recording"] and not standalone:
+        replay = {
+            "recording": given["recording"],
+            "map": given["map"],
+            "rate": float(given["rate"]),
+            "loop": given["loop"].lower() == "true",
+            "on_end": "wait",
+            "subscribers": len(started),
+        }
+        started.append(Node(package="ema_bench_replay", executable="replay", parameters=[replay], output="screen"))
+    return started
+
+
+def generate_launch_description() -> LaunchDescription:
+    """What `ros2 launch` calls."""
+    arguments = [
+        DeclareLaunchArgument(name, default_value=default, description=description)
+        for name, (default, description) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*arguments, OpaqueFunction(function=nodes)])

@@ -1,0 +1,241 @@
+"""Bags to recordings: the EmaState messages of an MCAP, whoever wrote it."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from mcap.records import Schema
+
+from ema_bench_replay.bag_writer import METADATA_NAME, STATE_TOPIC, STATE_TYPE
+from ema_bench_replay.cdr import CdrError, Types, decode, parse
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.mcap_scan import McapScan
+from ema_bench_replay.recording import SIGNALS, Recording
+
+_STAMP = ("header.stamp.sec", "header.stamp.nanosec")
+_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+_NAMES = (*_STAMP, "run", "sequence", *SIGNALS)
+# What `bag_writer` adds to a recording's own metadata.
+_WRITTEN = ("signals", "warnings", *_ORIGINS)
+
+
+def read_bag(path: str | Path, *, topic: str | None = None) -> Recording:
+    """Read the EmaState messages of one topic: `topic`, else /bench/state, else the only one there is.
+
+    `path` is an MCAP or a folder with one. The samples are those of the first run in the bag, in the order of their
+    sequence (of their stamps where they have none); repeated ones are dropped. A signal that is NaN throughout is
+    absent; one that is NaN in places is refused, but for unexplained_torque, which a twin may not know at once. A
+    damaged file is used up to the damage. What was left out is told in the warnings. Raises InputError.
+    """
+    file = _file(Path(path))
+    scan = McapScan(file)
+    topic, channels, types = _choose(scan, topic)
+    columns = _read(scan, channels, types)
+    warnings = []
+    if scan.damage:
+        warnings.append(f"{file.name}: {scan.damage}; used up to the last whole part")
+    if not columns:
+        where = " before the damage" if scan.damage else ""
+        raise InputError(f"{file}: {topic} has no samples{where}; record it again")
+    samples = _Samples(file, topic, columns)
+    samples.first_run()
+    samples.in_order()
+    own: dict[str, str] = {}
+    for record in scan.metadata:
+        if record.name == METADATA_NAME:
+            own.update(record.metadata)
+    # Findings of the import belong to the bench's own signals.
+    found = own.get("warnings", "") if topic == STATE_TOPIC else ""
+    return samples.recording(
+        metadata={key: value for key, value in own.items() if key not in _WRITTEN},
+        warnings=[*found.splitlines(), *warnings, *samples.warnings],
+    )
+
+
+def _file(path: Path) -> Path:
+    if not path.is_dir():
+        return path
+    found = sorted(path.glob("*.mcap"))
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        raise InputError(f"{path}: the folder holds no .mcap; give the folder of one bag, or a file")
+    names = ", ".join(file.name for file in found)
+    raise InputError(f"{path}: the folder holds {len(found)} .mcap files; name one of them: {names}")
+
+
+def _choose(scan: McapScan, topic: str | None) -> tuple[str, set[int], Types]:
+    """The topic to read, its channels, and the types that its messages are made of."""
+    topics: dict[str, list[tuple[int, Schema]]] = defaultdict(list)
+    others = set()
+    for channel in scan.channels.values():
+        schema = scan.schemas.get(channel.schema_id)
+        if schema and schema.name == STATE_TYPE and channel.message_encoding == "cdr" and schema.encoding == "ros2msg":
+            topics[channel.topic].append((channel.id, schema))
+        else:
+            others.add(f"{channel.topic} ({schema.name if schema else 'no type'})")
+    if not topics:
+        if not others:
+            raise InputError(f"{scan.path}: {scan.damage or 'the file is empty'}, no topic is left; record it again")
+        seen = ", ".join(sorted(others))
+        raise InputError(f"{scan.path}: holds no {STATE_TYPE}, but {seen}; give a bag of /bench/state, or a CSV trace")
+    if topic is None:
+        topic = STATE_TOPIC if STATE_TOPIC in topics else next(iter(topics))
+        if len(topics) > 1 and topic != STATE_TOPIC:
+            raise InputError(f"{scan.path}: holds {', '.join(sorted(topics))} and no {STATE_TOPIC}; name one topic")
+    if topic not in topics:
+        raise InputError(f"{scan.path}: holds no {STATE_TYPE} on {topic}; there is {', '.join(sorted(topics))}")
+    schema = topics[topic][0][1]
+    try:
+        types, root = parse(schema.data.decode("utf-8", errors="replace"), schema.name)
+    except CdrError as error:
+        raise InputError(f"{scan.path}: the type of {topic} {error}; record it with ros2msg definitions") from None
+    names = {field.name for field in types[root]}
+    if "header" not in names or not names & set(SIGNALS):
+        raise InputError(f"{scan.path}: {topic} has no header or no signal; its {STATE_TYPE} is not this project's")
+    return topic, {channel for channel, other in topics[topic] if other.data == schema.data}, types
+
+
+def _read(scan: McapScan, channels: set[int], types: Types) -> dict[str, np.ndarray]:
+    """All samples of these channels, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
+
+    The angle origins are those of the first message: a run has one.
+    """
+    columns = _Columns()
+    root = "/".join(STATE_TYPE.split("/")[::2])
+    origins: dict[str, np.ndarray] = {}
+    for block in scan.blocks(channels):
+        try:
+            fields = decode(types, root, block.data, block.offsets, block.sizes, _NAMES)
+            if not columns.size:
+                origins = decode(types, root, block.data, block.offsets[:1], block.sizes[:1], _ORIGINS)
+        except CdrError as error:
+            raise InputError(f"{scan.path}: a message {error}; it was not written as its definition says") from None
+        seconds, nanoseconds = (fields.pop(name).astype(np.int64) for name in _STAMP)
+        columns.add({**fields, "stamp": seconds * 1_000_000_000 + nanoseconds, "log_time": block.log_times})
+    return {**columns.finish(), **origins}
+
+
+class _Columns:
+    """Columns that grow block by block, in place: a long recording is held once, and never twice."""
+
+    def __init__(self) -> None:
+        self.size = 0
+        self._arrays: dict[str, np.ndarray] = {}
+
+    def add(self, block: dict[str, np.ndarray]) -> None:
+        """Append rows. Signals take no space before they are known: most of them never are."""
+        size = self.size + len(block["stamp"])
+        for name, values in block.items():
+            if name not in self._arrays:
+                if name in SIGNALS and np.isnan(values).all():
+                    continue
+                self._arrays[name] = np.full(self.size, np.nan if name in SIGNALS else 0, values.dtype)
+            array = self._arrays[name]
+            if len(array) < size:
+                array.resize(size + size // 4, refcheck=False)
+            array[self.size : size] = values
+        self.size = size
+
+    def finish(self) -> dict[str, np.ndarray]:
+        """The columns, each of the length that all have."""
+        for array in self._arrays.values():
+            array.resize(self.size, refcheck=False)
+        return self._arrays
+
+
+class _Samples:
+    """The samples of one topic on their way to a recording."""
+
+    def __init__(self, file: Path, topic: str, columns: dict[str, np.ndarray]) -> None:
+        self.file, self.topic, self.columns = file, topic, columns
+        self.warnings: list[str] = []
+        self.origins = {name: float(columns.pop(name)[0]) for name in _ORIGINS if name in columns}
+        log_times = self.columns.pop("log_time")
+        if (log_times[1:] < log_times[:-1]).any():
+            self._keep(np.argsort(log_times, kind="stable"))
+
+    def first_run(self) -> None:
+        """Keep the first run: runs are told apart by their number, else by a stamp that goes back."""
+        if "run" in self.columns:
+            runs = self.columns["run"]
+            of_first = runs == runs[0]
+            if of_first.all():
+                return
+            count = len(np.unique(runs))
+            self._keep(np.flatnonzero(of_first))
+        else:
+            back = np.flatnonzero(np.diff(self.columns["stamp"]) < 0)
+            if not back.size:
+                return
+            count = back.size + 1
+            self._keep(np.arange(back[0] + 1))
+        self._warn(f"holds {count} runs; the first one is used ({len(self.columns['stamp'])} samples)")
+
+    def in_order(self) -> None:
+        """Sort, drop what is repeated, and count what is missing."""
+        key = self.columns.get("sequence", self.columns["stamp"])
+        if (key[1:] <= key[:-1]).any():
+            _, first = np.unique(key, return_index=True)
+            repeated = len(key) - len(first)
+            self._keep(first)
+            if repeated:
+                self._warn(f"{repeated} samples are there twice; used once")
+        stamps = self.columns["stamp"]
+        wrong = np.flatnonzero(np.diff(stamps) <= 0)
+        if wrong.size:
+            raise self._error(f"time does not go on at sample {wrong[0] + 1}", "record it again, one run at a time")
+        if "sequence" in self.columns:
+            sequence = self.columns["sequence"].astype(np.int64)
+            late, missing = int(sequence[0]), int(sequence[-1] - sequence[0]) + 1 - len(sequence)
+            if late:
+                self._warn(f"begins with sample {late} of its run: the recorder came late")
+            if missing:
+                self._warn(f"{missing} samples are missing")
+
+    def recording(self, metadata: dict[str, str], warnings: list[str]) -> Recording:
+        """The recording, with these warnings and the ones found here."""
+        stamps = self.columns["stamp"]
+        signals = {}
+        for name in SIGNALS:
+            if name in self.columns and self._is_known(name, stamps):
+                signals[name] = self.columns[name]
+        if not signals:
+            raise self._error("all signals are NaN", "record a topic that carries values")
+        warnings = list(dict.fromkeys([*warnings, *self.warnings]))
+        return Recording(
+            self.file.stem,
+            stamps - stamps[0],
+            signals,
+            int(stamps[0]),
+            **self.origins,
+            metadata=metadata,
+            warnings=tuple(warnings),
+        )
+
+    def _is_known(self, name: str, stamps: np.ndarray) -> bool:
+        """Whether a signal is known throughout; False where it never is. Unknown in places is an error."""
+        known = np.isfinite(self.columns[name])
+        if known.all():
+            return True
+        if not known.any():
+            return False
+        first = int(np.argmin(known))
+        what = f"{name} is not a number in {np.count_nonzero(~known)} of {len(known)} samples"
+        where = f"first {(stamps[first] - stamps[0]) * 1e-9:g} s after the start"
+        if name == "unexplained_torque":
+            self._warn(f"{what}, {where}; left out")
+            return False
+        raise self._error(f"{what}, {where}", "record it again, or leave this signal unset throughout")
+
+    def _keep(self, places: np.ndarray) -> None:
+        for name in self.columns:
+            self.columns[name] = self.columns[name][places]
+
+    def _warn(self, message: str) -> None:
+        self.warnings.append(f"{self.file.name}: {self.topic}: {message}")
+
+    def _error(self, wrong: str, remedy: str) -> InputError:
+        return InputError(f"{self.file}: {self.topic}: {wrong}; {remedy}")

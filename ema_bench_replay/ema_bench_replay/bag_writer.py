@@ -1,0 +1,170 @@
+"""Recordings to bags: an MCAP that `ros2 bag`, Foxglove, PlotJuggler and rerun open as it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+from mcap.opcode import Opcode
+
+from ema_bench_replay.bag_metadata import JOINTS_QOS, STATE_QOS, Topic, metadata_yaml
+from ema_bench_replay.cdr import layout_of, parse, serialise
+from ema_bench_replay.definitions import message_definition
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
+from ema_bench_replay.outputs import new_file
+from ema_bench_replay.recording import Recording
+
+STATE_TOPIC, STATE_TYPE = "/bench/state", "ema_twin_msgs/msg/EmaState"
+JOINTS_TOPIC, JOINTS_TYPE = "/bench/joint_states", "sensor_msgs/msg/JointState"
+#: Name of the MCAP metadata record in which a recording's own metadata stand.
+METADATA_NAME = "ema_twin"
+
+_CHUNK = 1_000_000_000  # ns
+_JOINTS_PERIOD = 10_000_000  # ns
+_BLOCK = 20_000  # rows encoded at a time
+
+
+def write_bag(recording: Recording, directory: str | Path, *, force: bool = False) -> Path:
+    """Write a recording as DIRECTORY/NAME/NAME.mcap with its metadata.yaml; returns that folder.
+
+    An interrupted call leaves no half file. Raises InputError where the bag exists (without `force`) or cannot be
+    written.
+    """
+    folder = Path(directory) / recording.name
+    file = folder / f"{recording.name}.mcap"
+    index = folder / "metadata.yaml"
+    if not force and index.exists():
+        raise InputError(f"{folder}: holds a bag already; choose another folder with -o, or --force to replace it")
+    with new_file(file, force=force) as stream:
+        text = _write(recording, stream, file.name)
+    with new_file(index, force=True) as stream:
+        stream.write(text.encode())
+    return folder
+
+
+def write_mcap(recording: Recording, path: str | Path, *, force: bool = False) -> None:
+    """Write a recording as one MCAP file of that name, without the folder that rosbag2 wants around it."""
+    with new_file(Path(path), force=force) as stream:
+        _write(recording, stream, Path(path).name)
+
+
+def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
+    """Write the MCAP; returns the text of metadata.yaml."""
+    file = McapFile(stream)
+    file.add_metadata(METADATA_NAME, _metadata(recording))
+    state = _encoder(file, STATE_TOPIC, STATE_TYPE, STATE_QOS, {"header": {"frame_id": "bench"}, "run": 1})
+    encoders = [(state, np.arange(len(recording)))]
+    joints = {"motor": "motor_position", "output": "output_position"}
+    joints = {joint: signal for joint, signal in joints.items() if recording.has(signal)}
+    if joints:
+        zeros = [0.0] * len(joints)
+        example = {"name": list(joints), "position": zeros, "velocity": zeros, "header": {"frame_id": "bench"}}
+        encoder = _encoder(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example)
+        encoders.append((encoder, np.flatnonzero(np.diff(recording.stamps // _JOINTS_PERIOD, prepend=-1))))
+    columns = {STATE_TOPIC: _state_columns(recording), JOINTS_TOPIC: _joint_columns(recording, joints)}
+    for start, end in _blocks(recording.stamps):
+        rows = [(encoder, samples[slice(*np.searchsorted(samples, (start, end)))]) for encoder, samples in encoders]
+        blocks = [(encoder, encoder.encode(recording, columns[encoder.topic], samples)) for encoder, samples in rows]
+        for chunk in _chunks(blocks, recording.start):
+            file.add_chunk(chunk)
+    file.finish()
+    counts = file.counts
+    topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e, _ in encoders]
+    return metadata_yaml(name, *file.span, topics)
+
+
+class _Encoder(NamedTuple):
+    """Makes the message records of one topic, all alike but for their numbers."""
+
+    topic: str
+    type_name: str
+    type_hash: str
+    qos: str
+    channel: int
+    dtype: np.dtype  # of a record: prefix and message
+    blank: bytes  # a record with everything that does not change
+
+    def encode(self, recording: Recording, columns: dict[str, np.ndarray], samples: np.ndarray) -> np.ndarray:
+        """Records (n,) of these samples."""
+        records = np.frombuffer(bytearray(self.blank) * len(samples), self.dtype)
+        stamps = recording.stamps[samples] + recording.start
+        prefix, message = records["prefix"], records["message"]
+        prefix["log_time"] = prefix["publish_time"] = stamps
+        prefix["sequence"] = samples
+        message["header.stamp.sec"], message["header.stamp.nanosec"] = np.divmod(stamps, 1_000_000_000)
+        for name, values in columns.items():
+            message[name] = values[samples]
+        return records
+
+
+def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict) -> _Encoder:
+    definition = message_definition(type_name)
+    channel = file.add_channel(topic, type_name, definition.text, qos, definition.type_hash)
+    types, root = parse(definition.text, type_name)
+    message = serialise(types, root, example)
+    dtype = np.dtype([("prefix", MESSAGE_PREFIX), ("message", layout_of(types, root, message).dtype)])
+    blank = np.zeros(1, dtype)
+    blank["prefix"]["opcode"] = Opcode.MESSAGE
+    blank["prefix"]["length"] = dtype.itemsize - PREFIX_UNCOUNTED
+    blank["prefix"]["channel"] = channel
+    return _Encoder(topic, type_name, definition.type_hash, qos, channel, dtype, blank["prefix"].tobytes() + message)
+
+
+def _state_columns(recording: Recording) -> dict[str, np.ndarray]:
+    """Fields of EmaState; what is not here stays NaN."""
+    origins = {name: np.full(len(recording), getattr(recording, name)) for name in _ORIGINS}
+    return {"sequence": np.arange(len(recording)), **recording.signals, **origins}
+
+
+_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+
+
+def _joint_columns(recording: Recording, joints: dict[str, str]) -> dict[str, np.ndarray]:
+    """Fields of JointState. Only the motor's speed is measured; the output's is not known."""
+    if not joints:
+        return {}
+    unknown = np.full(len(recording), np.nan)
+    speeds = {"motor": recording.signals.get("speed", unknown), "output": unknown}
+    return {
+        "position": np.column_stack([recording.signals[signal] for signal in joints.values()]),
+        "velocity": np.column_stack([speeds[joint] for joint in joints]),
+    }
+
+
+def _blocks(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Rows from, to (exclusive) of blocks that end where a chunk ends."""
+    chunk = stamps // _CHUNK
+    ends = np.append(np.flatnonzero(np.diff(chunk)) + 1, len(stamps))
+    start = 0
+    while start < len(stamps):
+        # At least one whole chunk, else as many as fit.
+        place = max(np.searchsorted(ends, start + _BLOCK, side="right") - 1, np.searchsorted(ends, start, side="right"))
+        yield start, int(ends[place])
+        start = int(ends[place])
+
+
+def _chunks(blocks: list[tuple[_Encoder, np.ndarray]], start: int) -> Iterator[list[Messages]]:
+    """The records of one block, cut into chunks of one second."""
+    seconds = [(records["prefix"]["log_time"].astype(np.int64) - start) // _CHUNK for _, records in blocks]
+    for second in np.unique(seconds[0]):
+        chunk = []
+        for (encoder, records), of_record in zip(blocks, seconds, strict=True):
+            low, high = np.searchsorted(of_record, (second, second + 1))
+            if low < high:
+                part = records[low:high]
+                offsets = np.arange(high - low) * records.dtype.itemsize
+                chunk.append(Messages(encoder.channel, part["prefix"]["log_time"], offsets, part.tobytes()))
+        yield chunk
+
+
+def _metadata(recording: Recording) -> dict[str, str]:
+    return {
+        **recording.metadata,
+        "signals": " ".join(recording.signals),
+        "motor_angle_origin": repr(float(recording.motor_angle_origin)),
+        "output_angle_origin": repr(float(recording.output_angle_origin)),
+        "warnings": "\n".join(recording.warnings),
+    }

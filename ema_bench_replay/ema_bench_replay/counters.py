@@ -1,0 +1,119 @@
+"""Encoder counters: wraps of their word undone, and jumps found and taken out, with every finding told."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+# A jump is taken for a power of two or for whole revolutions where it comes this near to it (in revolutions).
+_NEAR = 0.005
+# Powers of two below this one are taken for no word of a counter.
+_SMALLEST_POWER = 12
+# Deviations of this many robust standard deviations are still noise of the encoder.
+_NOISE_FACTOR = 10.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that the counter did and the shaft did not."""
+
+    kind: str  # "wrap" or "jump"
+    sample: int  # the first sample after it
+    counts: int  # what the counter showed too much from there on, and what was therefore taken out
+    revolutions: float  # the same
+    whole: bool  # whether these are whole revolutions (then the counter's angle is still the shaft's)
+
+    def describe(self, time: float) -> str:
+        """The finding in words; `time` is that of its sample, in s."""
+        if self.kind == "wrap":
+            return f"counter wrapped ({self.counts:+d} counts) at {time:.3f} s; unwrapped"
+        size = "whole revolutions" if self.whole else "not whole"
+        jump = f"{self.counts:+d} counts ({self.revolutions:+.4g} revolutions, {size})"
+        return f"counter jumped by {jump} at {time:.3f} s; repaired"
+
+
+def unwrap_counts(
+    raw: np.ndarray,
+    time: np.ndarray,
+    counts_per_revolution: float,
+    *,
+    bits: int = 32,
+    maximum_speed: float = math.inf,
+    maximum_acceleration: float = math.inf,
+) -> tuple[np.ndarray, list[Finding]]:
+    """The counts as the shaft went, from the counter's first reading on.
+
+    A step of more than half the counter's word is a wrap. A step is a jump where it is more than `maximum_speed`
+    allows, or leaves the path that its neighbours predict by more than `maximum_acceleration` allows in one sample
+    period (and by more than the encoder's noise). What the neighbours predict is kept of it; where the rest is near to
+    whole revolutions or to a power of two, exactly these are taken out.
+
+    Args:
+        raw: counter readings, int64 (n,), or float64 where they have fractions.
+        time: s, float64 (n,), strictly increasing.
+        counts_per_revolution: of the shaft that the counter sits on.
+        bits: width of the counter's word. It may be read as signed or as unsigned.
+        maximum_speed: of that shaft, rad/s.
+        maximum_acceleration: of that shaft, rad/s².
+
+    Returns:
+        Repaired counts (n,) of the same kind as `raw`, and what was found, in order of time.
+    """
+    if raw.size < 2:
+        return raw.copy(), []
+    word = 1 << bits
+    steps = np.diff(raw)
+    findings = []
+    if raw.min() >= -word // 2 and raw.max() < word:
+        turns = np.rint(steps / word).astype(steps.dtype)
+        for place in np.flatnonzero(turns):
+            size = int(turns[place]) * word
+            findings.append(Finding("wrap", int(place) + 1, size, size / counts_per_revolution, False))
+        steps -= turns * word
+    period = np.diff(time)
+    radian = counts_per_revolution / (2 * math.pi)
+    predicted = _predicted_speed(steps / period) * period
+    excess = steps - predicted
+    noise = 1.4826 * float(np.median(np.abs(excess)))
+    possible = maximum_acceleration * radian * period**2 + _NOISE_FACTOR * noise + 2.0
+    too_fast = np.abs(steps) > maximum_speed * radian * period + _NOISE_FACTOR * noise + 2.0
+    for place in np.flatnonzero(too_fast | (np.abs(excess) > possible)):
+        size, whole = _jump_size(float(excess[place]), counts_per_revolution)
+        if size:
+            findings.append(Finding("jump", int(place) + 1, size, size / counts_per_revolution, whole))
+            steps[place] -= size
+    if not findings:
+        return raw.copy(), []
+    counts = np.concatenate((raw[:1], raw[0] + np.cumsum(steps)))
+    return counts, sorted(findings, key=lambda finding: finding.sample)
+
+
+def _predicted_speed(speed: np.ndarray) -> np.ndarray:
+    """Speed of each step as its neighbours have it: the mean of the medians of three before and of three after it.
+
+    At either end, where three are not there, the other side alone.
+    """
+    if speed.size < 7:
+        return np.full(speed.size, np.median(speed))
+    medians = _median_of_three(speed[:-2], speed[1:-1], speed[2:])  # medians[i]: of the steps i, i + 1, i + 2
+    before = np.concatenate((medians[1:4], medians[:-1]))
+    after = np.concatenate((medians[1:], medians[-4:-1]))
+    return (before + after) / 2
+
+
+def _median_of_three(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    return np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
+
+
+def _jump_size(excess: float, counts_per_revolution: float) -> tuple[int, bool]:
+    """Counts to take out, and whether they are whole revolutions."""
+    near = _NEAR * counts_per_revolution
+    revolutions = round(excess / counts_per_revolution)
+    if revolutions and abs(excess - revolutions * counts_per_revolution) <= near:
+        return round(revolutions * counts_per_revolution), True
+    power = 1 << max(round(math.log2(abs(excess))), 0) if excess else 0
+    if power >= 1 << _SMALLEST_POWER and abs(abs(excess) - power) <= min(near, power / 64):
+        return int(math.copysign(power, excess)), False
+    return round(excess), False

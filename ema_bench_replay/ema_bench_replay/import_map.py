@@ -1,0 +1,189 @@
+"""Import maps: which column of a text trace is which signal, in which unit. Being YAML, a new drive needs no code."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ema_bench_replay.checked_yaml import Checker, read_yaml
+from ema_bench_replay.configuration import find_configuration
+from ema_bench_replay.recording import SIGNALS
+
+#: SI value of one of each unit that a map may name.
+UNITS: dict[str, float] = {
+    **{"1": 1.0, "A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "degC": 1.0},
+    **{"rad": 1.0, "deg": math.pi / 180, "rev": 2 * math.pi, "m": 1.0, "mm": 1e-3},
+    **{"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": 2 * math.pi / 60, "m/s": 1.0, "mm/s": 1e-3},
+    **{"N m": 1.0, "mN m": 1e-3, "N": 1.0},
+}
+#: Nanoseconds in one of each unit of time.
+TIME_UNITS: dict[str, float] = {"s": 1e9, "ms": 1e6, "us": 1e3, "µs": 1e3, "ns": 1.0}
+
+_POSITIONS = ("motor_position", "output_position")
+_COUNTER_KEYS = ("counts_per_revolution", "bits", "maximum_speed", "maximum_acceleration")
+
+# r4821, p1460, r482[1], r482.1, also inside a longer name: the number of a drive's parameter, and an index.
+_PARAMETER = re.compile(r"(?<![A-Za-z])[rp]0*(\d+)(?:\[(\d+)\]|\.(\d+))?(?!\d)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Column:
+    """One place where a signal may be found: a parameter number, a column's name, or a regular expression for it."""
+
+    name: str
+    follows: str | None = None  # this column must follow that one, else that one is taken in its stead
+    slope: float = 0.0  # and with at least this slope
+
+    def find(self, header: list[str]) -> list[int]:
+        """Which of the columns in `header` it names, best first; empty where none."""
+        if wanted := _PARAMETER.fullmatch(self.name):
+            ranked = sorted((*_rank(wanted, name), place) for place, name in enumerate(header))
+            return [place for rank, _, place in ranked if rank == ranked[0][0] < _NO_FIT]
+        same = [place for place, name in enumerate(header) if name.lower() == self.name.lower()]
+        pattern = re.compile(self.name, re.IGNORECASE)
+        return same or [place for place, name in enumerate(header) if pattern.fullmatch(name)]
+
+
+@dataclass(frozen=True)
+class SignalMap:
+    """How one signal is read."""
+
+    signal: str
+    columns: tuple[Column, ...]  # the first one that the trace has is taken
+    factor: float  # SI value of one of the column's own units (of one count, for a counter)
+    counts_per_revolution: float | None = None  # given for a counter
+    bits: int = 32  # width of that counter
+    maximum_speed: float = math.inf  # rad/s of the shaft that the counter sits on
+    maximum_acceleration: float = math.inf  # rad/s²
+    write_as: str = ""  # the column's name when a trace is written
+    decimals: int = 4  # of the column when a trace is written
+
+
+@dataclass(frozen=True)
+class ImportMap:
+    """A whole map. `text` is the YAML it came from: it is kept with every recording that the map reads."""
+
+    name: str
+    text: str
+    time: Column
+    time_unit: str
+    signals: tuple[SignalMap, ...]
+    delimiter: str | None = None  # None: found out
+    number_format: str | None = None  # "german" or "english"; None: found out
+    time_name: str = "X [ms]"  # names of columns when a trace is written
+    column_name: str = "{column}"
+
+
+def load_map(name_or_path: str | Path) -> ImportMap:
+    """Read an import map: the name of a shipped one, or a path. InputError names the file, the place and the remedy."""
+    path = find_configuration("maps", name_or_path)
+    content, text = read_yaml(path)
+    check = Checker(path)
+    top = check.mapping(
+        content,
+        "",
+        ("version", "description", "delimiter", "number_format", "time", "signals", "column_name"),
+        required=("version", "time", "signals"),
+    )
+    check.choice(top["version"], "version", (1,))
+    time = check.mapping(top["time"], "time", ("column", "unit", "write_as"), required=("column", "unit"))
+    signals = check.mapping(top["signals"], "signals", SIGNALS)
+    if not signals:
+        raise check.error("signals", "names no signal", f"map at least one of {', '.join(SIGNALS)}")
+    delimiter = check.choice(top.get("delimiter", "auto"), "delimiter", ("auto", ";", ",", "tab"))
+    number_format = check.choice(top.get("number_format", "auto"), "number_format", ("auto", "german", "english"))
+    return ImportMap(
+        name=path.stem,
+        text=text,
+        time=_column(check, time["column"], "time.column"),
+        time_unit=check.choice(time["unit"], "time.unit", TIME_UNITS),
+        signals=tuple(_signal(check, name, value) for name, value in signals.items()),
+        delimiter={"auto": None, "tab": "\t"}.get(delimiter, delimiter),
+        number_format=None if number_format == "auto" else number_format,
+        time_name=check.text(time.get("write_as", time["column"]), "time.write_as"),
+        column_name=check.text(top.get("column_name", "{column}"), "column_name"),
+    )
+
+
+def _signal(check: Checker, name: str, content: Any) -> SignalMap:
+    place = f"signals.{name}"
+    counter_keys = _COUNTER_KEYS if name in _POSITIONS else ()
+    keys = ("columns", "unit", "factor", "write_as", "decimals", *counter_keys)
+    value = check.mapping(content, place, keys, required=("columns",))
+    if not isinstance(value["columns"], list) or not value["columns"]:
+        raise check.error(f"{place}.columns", "is no list of columns", "write for instance `columns: [r4821]`")
+    columns = tuple(_column(check, item, f"{place}.columns[{i}]") for i, item in enumerate(value["columns"]))
+    factor = check.number(value.get("factor", 1.0), f"{place}.factor")
+    if factor == 0.0:
+        raise check.error(f"{place}.factor", "is 0", "give another one, or remove the signal")
+    is_counter = "counts_per_revolution" in value
+    for key in ("unit",) if is_counter else counter_keys:
+        if key in value:
+            if is_counter:
+                raise check.error(f"{place}.{key}", "does not go with counts_per_revolution", "remove one of them")
+            raise check.error(f"{place}.{key}", "belongs to a counter", "add counts_per_revolution, or remove it")
+    positive = {
+        key: check.number(value[key], f"{place}.{key}", lower=1e-9)
+        for key in ("counts_per_revolution", "maximum_speed", "maximum_acceleration")
+        if key in value
+    }
+    if is_counter:
+        factor *= 2 * math.pi / positive["counts_per_revolution"]
+    else:
+        factor *= UNITS[check.choice(value.get("unit", "1"), f"{place}.unit", UNITS)]
+    return SignalMap(
+        signal=name,
+        columns=columns,
+        factor=factor,
+        bits=check.choice(value.get("bits", 32), f"{place}.bits", (16, 24, 32)),
+        write_as=check.text(value.get("write_as", columns[0].name), f"{place}.write_as"),
+        decimals=int(check.number(value.get("decimals", 0 if is_counter else 4), f"{place}.decimals", 0, 12)),
+        **positive,
+    )
+
+
+def _column(check: Checker, content: Any, place: str) -> Column:
+    if isinstance(content, dict):
+        keys = ("column", "follows", "slope")
+        value = check.mapping(content, place, keys, required=keys)
+        column = Column(
+            check.text(value["column"], f"{place}.column"),
+            check.text(value["follows"], f"{place}.follows"),
+            check.number(value["slope"], f"{place}.slope"),
+        )
+    else:
+        column = Column(check.text(content, place))
+    try:
+        re.compile(column.name)
+    except re.error as error:
+        raise check.error(place, f"{column.name!r} is no regular expression ({error})", "escape it") from None
+    return column
+
+
+_NO_FIT = 3
+
+
+def _rank(wanted: re.Match[str], name: str) -> tuple[int, int]:
+    """How well a column's name fits a parameter (0 is best), and its index, to choose among equals.
+
+    Drives write r4821 also as r482[1] or r482.1: number and index, run together.
+    """
+    found = list(_PARAMETER.finditer(name))
+    if not found:
+        return _NO_FIT, 0
+    number, index = _number_and_index(found[-1])
+    wanted_number, wanted_index = _number_and_index(wanted)
+    if (number, index) == (wanted_number, wanted_index):
+        return 0, 0
+    if number + index == wanted_number + wanted_index:
+        return 1, 0
+    if not wanted_index and number == wanted_number:
+        return 2, int(index)
+    return _NO_FIT, 0
+
+
+def _number_and_index(match: re.Match[str]) -> tuple[str, str]:
+    return match[1], match[2] or match[3] or ""

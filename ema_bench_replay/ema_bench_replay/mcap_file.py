@@ -1,0 +1,189 @@
+"""MCAP files in the ROS 2 profile, written a chunk at a time from records that are bytes already.
+
+The library's own writer takes one Python call a message; this one takes a second of data at once. The records around
+the messages (schemas, channels, statistics, summary) are the library's.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+import zstandard
+from mcap.data_stream import RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+MAGIC = b"\x89MCAP0\r\n"
+#: What stands before each message: opcode, length of what follows, channel, sequence, log time, publish time.
+MESSAGE_PREFIX = np.dtype(
+    [
+        *(("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4")),
+        *(("log_time", "<u8"), ("publish_time", "<u8")),
+    ]
+)
+#: Of `MESSAGE_PREFIX`, what the record's length does not count.
+PREFIX_UNCOUNTED = 9
+
+_INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
+
+
+class Messages(NamedTuple):
+    """Message records of one channel that lie one behind the other."""
+
+    channel: int
+    log_times: np.ndarray  # uint64 (n,), ns
+    offsets: np.ndarray  # int64 (n,), where each record begins in `records`
+    records: bytes
+
+
+class McapFile:
+    """An MCAP that is being written to a stream that the caller opens and closes."""
+
+    def __init__(self, stream: BinaryIO) -> None:
+        """Write the file's head."""
+        self._stream = stream
+        self._position = 0
+        self._schemas: list[Schema] = []
+        self._channels: list[Channel] = []
+        self._metadata: list[MetadataIndex] = []
+        self._chunks: list[ChunkIndex] = []
+        self._counts: dict[int, int] = {}
+        self._unwritten: list[McapRecord] = []  # schemas and channels, for the head of the next chunk
+        self._compressor = zstandard.ZstdCompressor(level=1)
+        self._write(MAGIC + _bytes(Header(profile="ros2", library="ema_bench_replay")))
+
+    @property
+    def counts(self) -> dict[int, int]:
+        """Messages written so far, by channel."""
+        return dict(self._counts)
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """Log times of the first and the last message, ns; zeros where there is none."""
+        starts = [chunk.message_start_time for chunk in self._chunks]
+        ends = [chunk.message_end_time for chunk in self._chunks]
+        return min(starts, default=0), max(ends, default=0)
+
+    def add_channel(self, topic: str, type_name: str, definition: str, qos: str, type_hash: str) -> int:
+        """Announce a topic; returns the channel's number. `qos` is what rosbag2 calls offered_qos_profiles (YAML)."""
+        schema = next((schema for schema in self._schemas if schema.name == type_name), None)
+        if schema is None:
+            schema = Schema(len(self._schemas) + 1, definition.encode(), "ros2msg", type_name)
+            self._schemas.append(schema)
+            self._unwritten.append(schema)
+        metadata = {"offered_qos_profiles": qos, "topic_type_hash": type_hash}
+        channel = Channel(len(self._channels) + 1, topic, "cdr", metadata, schema.id)
+        self._channels.append(channel)
+        self._unwritten.append(channel)
+        self._counts[channel.id] = 0
+        return channel.id
+
+    def add_metadata(self, name: str, content: dict[str, str]) -> None:
+        """Write a metadata record."""
+        record = _bytes(Metadata(name, content))
+        self._metadata.append(MetadataIndex(self._position, len(record), name))
+        self._write(record)
+
+    def add_chunk(self, groups: list[Messages]) -> None:
+        """Write messages as one compressed chunk, with their index."""
+        head = b"".join(map(_bytes, self._unwritten))
+        self._unwritten = []
+        data = b"".join([head, *(group.records for group in groups)])
+        first = min(int(group.log_times.min()) for group in groups)
+        last = max(int(group.log_times.max()) for group in groups)
+        packed = self._compressor.compress(data)
+        start = self._position
+        self._write(_bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data))))
+        end = self._position
+        index_offsets = {}
+        offset = len(head)
+        for group in groups:
+            index_offsets[group.channel] = self._position
+            self._write(_index(group, offset))
+            self._counts[group.channel] += len(group.offsets)
+            offset += len(group.records)
+        self._chunks.append(
+            ChunkIndex(
+                chunk_start_offset=start,
+                chunk_length=end - start,
+                message_start_time=first,
+                message_end_time=last,
+                message_index_offsets=index_offsets,
+                message_index_length=self._position - end,
+                compression="zstd",
+                compressed_size=len(packed),
+                uncompressed_size=len(data),
+            )
+        )
+
+    def finish(self) -> None:
+        """Write the summary and the file's end."""
+        self._write(b"".join(map(_bytes, self._unwritten)) + _bytes(DataEnd(0)))
+        start = self._position
+        first, last = self.span
+        statistics = Statistics(
+            attachment_count=0,
+            channel_count=len(self._channels),
+            channel_message_counts=self._counts,
+            chunk_count=len(self._chunks),
+            message_count=sum(self._counts.values()),
+            message_end_time=last,
+            message_start_time=first,
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+        summary, offsets = RecordBuilder(), []
+        for opcode, records in (
+            (Opcode.SCHEMA, self._schemas),
+            (Opcode.CHANNEL, self._channels),
+            (Opcode.STATISTICS, [statistics]),
+            (Opcode.CHUNK_INDEX, self._chunks),
+            (Opcode.METADATA_INDEX, self._metadata),
+        ):
+            begin = summary.count
+            for record in records:
+                record.write(summary)
+            if records:
+                offsets.append(SummaryOffset(opcode, start + begin, summary.count - begin))
+        offsets_start = start + summary.count
+        for offset in offsets:
+            offset.write(summary)
+        data = summary.end()
+        # The checksum covers the summary and the footer up to the checksum itself.
+        crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start), zlib.crc32(data))
+        self._write(data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
+
+    def _write(self, data: bytes) -> None:
+        self._stream.write(data)
+        self._position += len(data)
+
+
+def _index(group: Messages, offset: int) -> bytes:
+    entries = np.empty(len(group.offsets), _INDEX_ENTRY)
+    entries["log_time"] = group.log_times
+    entries["offset"] = group.offsets
+    entries["offset"] += offset
+    head = struct.pack("<BQHI", Opcode.MESSAGE_INDEX, 6 + entries.nbytes, group.channel, entries.nbytes)
+    return head + entries.tobytes()
+
+
+def _bytes(record: McapRecord) -> bytes:
+    builder = RecordBuilder()
+    record.write(builder)
+    return builder.end()

@@ -1,0 +1,197 @@
+"""An MCAP read from front to back in blocks of message records, as far as it is whole.
+
+A file that was cut, or never finished, has no summary; so nothing here needs one. Message records come as blocks of
+bytes (a chunk's content, or a run of records where the writer used no chunks), to be decoded in bulk.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import lz4.frame
+import numpy as np
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.reader import SeekingReader
+from mcap.records import Channel, Chunk, Metadata, Schema
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.mcap_file import MAGIC
+
+_PLAIN_BLOCK = 4 << 20
+_LARGEST_CHUNK = 2 << 30
+_RECORD = struct.Struct("<BQ")
+_MESSAGE = struct.Struct("<BQHIQ")  # opcode, length, channel, sequence, log time
+_MESSAGE_HEAD = 31  # bytes of a message record before its data
+# What the library's parsers raise where bytes are not what they should be.
+_UNREADABLE = (McapError, struct.error, ValueError, OSError, KeyError, AssertionError, MemoryError, OverflowError)
+
+
+class Block(NamedTuple):
+    """Messages of some channels in one buffer."""
+
+    data: bytes
+    offsets: np.ndarray  # int64 (n,): where each message's data begins
+    sizes: np.ndarray  # int64 (n,): bytes of it
+    log_times: np.ndarray  # int64 (n,), ns
+
+
+class McapScan:
+    """One MCAP file. Once its blocks were read, `damage` says in words what was wrong with it, or is None."""
+
+    def __init__(self, path: Path) -> None:
+        """Read what kinds of messages the file holds. Raises InputError where it is no MCAP."""
+        self.path = path
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.metadata: list[Metadata] = []
+        self.damage: str | None = None
+        with self._open() as file:
+            try:
+                summary = SeekingReader(file).get_summary()
+            except _UNREADABLE:
+                summary = None
+        if summary and summary.channels:
+            self.schemas, self.channels = dict(summary.schemas), dict(summary.channels)
+        else:
+            for data in self._contents():
+                self._messages(data, set())
+
+    def blocks(self, wanted: set[int]) -> Iterator[Block]:
+        """The messages of the wanted channels, in the file's order, up to where the file is damaged."""
+        self.metadata, self.damage = [], None
+        for data in self._contents():
+            offsets, sizes, times = self._messages(data, wanted)
+            if offsets:
+                yield Block(data, np.array(offsets), np.array(sizes), np.array(times))
+
+    def _open(self) -> BinaryIO:
+        try:
+            return self.path.open("rb")
+        except OSError as error:
+            raise InputError(f"{self.path}: cannot be read ({error.strerror}); check its permissions") from None
+
+    def _contents(self) -> Iterator[bytes]:
+        """Records with messages, decompressed; other records are taken in on the way."""
+        with self._open() as file:
+            end = file.seek(0, 2) - len(MAGIC)
+            file.seek(max(end, 0))
+            finished = file.read() == MAGIC and end > len(MAGIC)
+            file.seek(0)
+            if file.read(len(MAGIC)) != MAGIC:
+                raise InputError(f"{self.path}: is no MCAP; give a bag or a CSV trace")
+            whole = False
+            while True:
+                head = file.read(_RECORD.size)
+                if len(head) < _RECORD.size:
+                    break
+                opcode, length = _RECORD.unpack(head)
+                if length > end:
+                    break
+                if opcode == Opcode.DATA_END:
+                    whole = True
+                    break
+                if opcode == Opcode.MESSAGE:
+                    file.seek(-len(head), 1)
+                    if not (data := self._plain(file, end)):
+                        break
+                elif opcode in (Opcode.CHUNK, Opcode.SCHEMA, Opcode.CHANNEL, Opcode.METADATA):
+                    content = file.read(length)
+                    if len(content) < length:
+                        break
+                    if opcode != Opcode.CHUNK:
+                        self._take(opcode, content)
+                        continue
+                    if (chunk := self._chunk(content)) is None:
+                        return
+                    data = chunk
+                else:
+                    file.seek(length, 1)
+                    continue
+                yield data
+            if not (whole and finished):
+                self.damage = "the file is cut"
+
+    def _plain(self, file: BinaryIO, end: int) -> bytes:
+        """Message records that lie side by side outside of chunks; leaves the file behind the last whole one."""
+        start = file.tell()
+        data = file.read(_PLAIN_BLOCK)
+        _, length = _RECORD.unpack_from(data)
+        if _RECORD.size + length > len(data) and start + length < end:
+            data += file.read(_RECORD.size + length - len(data))
+        place = 0
+        while place + _RECORD.size <= len(data):
+            opcode, length = _RECORD.unpack_from(data, place)
+            following = place + _RECORD.size + length
+            if opcode not in (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL) or following > len(data):
+                break
+            place = following
+        file.seek(start + place)
+        return data[:place]
+
+    def _chunk(self, content: bytes) -> bytes | None:
+        """Records in a chunk; None, with the damage noted, where they cannot be had."""
+        try:
+            chunk = Chunk.read(ReadDataStream(BytesIO(content)))
+            if chunk.uncompressed_size > _LARGEST_CHUNK:
+                raise ValueError  # no writer does this
+            if chunk.compression == "zstd":
+                data = zstandard.ZstdDecompressor().decompress(chunk.data, max_output_size=chunk.uncompressed_size)
+            elif chunk.compression == "lz4":
+                data = lz4.frame.decompress(chunk.data)
+            elif chunk.compression == "":
+                data = chunk.data
+            else:
+                how = f"its chunks are compressed with {chunk.compression!r}"
+                raise InputError(f"{self.path}: {how}; write it with zstd, lz4 or none")
+        except InputError:
+            raise
+        except (zstandard.ZstdError, RuntimeError, *_UNREADABLE):
+            self.damage = "a chunk is damaged"
+            return None
+        if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+            self.damage = "a chunk is damaged"
+            return None
+        return data
+
+    def _take(self, opcode: int, content: bytes) -> None:
+        stream = ReadDataStream(BytesIO(content))
+        try:
+            if opcode == Opcode.SCHEMA:
+                schema = Schema.read(stream)
+                self.schemas.setdefault(schema.id, schema)
+            elif opcode == Opcode.CHANNEL:
+                channel = Channel.read(stream)
+                self.channels.setdefault(channel.id, channel)
+            else:
+                self.metadata.append(Metadata.read(stream))
+        except _UNREADABLE:
+            self.damage = "a record is damaged"
+
+    def _messages(self, data: bytes, wanted: set[int]) -> tuple[list[int], list[int], list[int]]:
+        """Where the data of each wanted message lies, how long it is, and its log time."""
+        offsets: list[int] = []
+        sizes: list[int] = []
+        times: list[int] = []
+        place, end = 0, len(data)
+        while place + _MESSAGE.size <= end:  # no record that matters here is shorter
+            opcode, length, channel, _, time = _MESSAGE.unpack_from(data, place)
+            following = place + _RECORD.size + length
+            if following > end:
+                break
+            if opcode == Opcode.MESSAGE:
+                if channel in wanted:
+                    offsets.append(place + _MESSAGE_HEAD)
+                    sizes.append(length + _RECORD.size - _MESSAGE_HEAD)
+                    times.append(time)
+            elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                self._take(opcode, data[place + _RECORD.size : following])
+            place = following
+        return offsets, sizes, times

@@ -1,0 +1,115 @@
+"""Declaring a node's parameters: with description, unit and range, and one line of refusal where one is wrong."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import ParameterException
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from ema_bench_replay.errors import InputError
+
+_FOREIGN = ("use_sim_time", "start_type_description_service", "qos_overrides.")
+"""Parameters that rclpy declares itself."""
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """One parameter of a node; its type is that of `default`."""
+
+    name: str
+    default: bool | int | float | str | Sequence[str]
+    description: str
+    unit: str = ""
+    lower: float = -math.inf
+    upper: float = math.inf
+    choices: Sequence[str] = ()
+    fixed: bool = True  # read once at the start
+
+    @property
+    def range(self) -> str:
+        """What the parameter may be, in words; empty where anything goes."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
+        if math.isinf(self.lower) and math.isinf(self.upper):
+            return ""
+        return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
+
+    def checked(self, value: object) -> object:
+        """The value in the parameter's own type; whole numbers pass for floats. Raises InputError with the range."""
+        kind = type(self.default)
+        if kind is float and type(value) is int:
+            value = float(value)
+        if kind is tuple:
+            value = tuple(value) if isinstance(value, (list, tuple)) else value
+        if type(value) is not kind:
+            names = {
+                bool: "true or false",
+                int: "a whole number",
+                float: "a number",
+                str: "text",
+                tuple: "a list of texts",
+            }
+            raise InputError(f"parameter {self.name}: {value!r} is not {names[kind]}; give {self.range or names[kind]}")
+        outside = kind in (int, float) and not self.lower <= value <= self.upper
+        if outside or (self.choices and value not in self.choices):
+            raise InputError(f"parameter {self.name}: {value} is refused; give {self.range}")
+        return value
+
+    def descriptor(self) -> ParameterDescriptor:
+        """What `ros2 param describe` shows."""
+        number = isinstance(self.default, float) and math.isfinite(self.lower) and math.isfinite(self.upper)
+        return ParameterDescriptor(
+            description=f"{self.description} [{self.unit}]" if self.unit else self.description,
+            additional_constraints=self.range,
+            read_only=self.fixed,
+            # A whole number for a float (`rate:=5`) is no mistake; `checked` holds the type.
+            dynamic_typing=True,
+            floating_point_range=[FloatingPointRange(from_value=self.lower, to_value=self.upper)] if number else [],
+        )
+
+
+def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, object]:
+    """Declare parameters; returns their values, as given at the start. Raises InputError on a wrong one."""
+    values = {}
+    for declaration in declarations:
+        default = declaration.default
+        try:
+            given = node.declare_parameter(
+                declaration.name, list(default) if isinstance(default, tuple) else default, declaration.descriptor()
+            ).value
+        except ParameterException as error:
+            raise InputError(
+                f"{node.get_name()}: parameter {declaration.name}: {error}; give {declaration.range}"
+            ) from None
+        try:
+            values[declaration.name] = declaration.checked(given)
+        except InputError as error:
+            raise InputError(f"{node.get_name()}: {error}") from None
+    return values
+
+
+def refuse_unknown(node: Node) -> None:
+    """Raise InputError on a parameter given at the start that the node lacks: ROS would silently not apply it."""
+    for name in node._parameter_overrides:  # rclpy has no public way to see them
+        if not node.has_parameter(name) and not name.startswith(_FOREIGN):
+            near = difflib.get_close_matches(name, node._parameters, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(sorted(node._parameters))}"
+            raise InputError(f"{node.get_name()}: parameter {name}: there is none of this name; {hint}")
+
+
+def check_all(declarations: Iterable[Declaration], parameters: Iterable[Parameter]) -> SetParametersResult:
+    """The answer to a request to set parameters of a running node: refused with the range where one is wrong."""
+    by_name = {declaration.name: declaration for declaration in declarations}
+    try:
+        for parameter in parameters:
+            if parameter.name in by_name:
+                by_name[parameter.name].checked(parameter.value)
+    except InputError as error:
+        return SetParametersResult(successful=False, reason=str(error))
+    return SetParametersResult(successful=True)

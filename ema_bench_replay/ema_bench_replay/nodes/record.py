@@ -1,0 +1,172 @@
+"""The node `record`: topics into a bag, as they come."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from functools import partial
+from importlib import import_module
+
+from rclpy.context import Context
+from rclpy.event_handler import QoSMessageLostInfo, SubscriptionEventCallbacks
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+
+from ema_bench_replay.bag_metadata import qos_profile
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.stream_writer import StreamWriter
+
+from . import diagnostics
+from .parameters import Declaration, declare, refuse_unknown
+from .spin import run, steady_timer
+
+PARAMETERS = (
+    Declaration("output", "", "folder to make, with the MCAP and its metadata.yaml"),
+    Declaration("topics", ("*",), "topics to record; * and ? stand for any text and any character"),
+)
+
+_LOOK_AROUND = 0.1
+"""s between two looks for topics that have come up."""
+_FLUSH = 0.5
+"""s after which a message is on disk, however slowly they come."""
+
+
+class RecordNode(Node):
+    """Records every message of the topics, serialised as it is.
+
+    A topic is subscribed to as it is published: reliable where every publisher is, so that nothing is lost, with the
+    messages sent before where every publisher keeps them. What DDS reports as lost is counted.
+
+    Attributes:
+        written: messages written, by topic.
+        lost: messages lost, by topic.
+    """
+
+    def __init__(self, *, parameters: Sequence[Parameter] = (), context: Context | None = None) -> None:
+        """Raises InputError where a parameter is wrong, or the output cannot be written."""
+        super().__init__("record", parameter_overrides=list(parameters), context=context)
+        given = declare(self, PARAMETERS)
+        refuse_unknown(self)
+        if not given["output"]:
+            raise InputError("record: parameter output: it is not given; give output:=FOLDER")
+        self._patterns = given["topics"]
+        self._writer = StreamWriter(given["output"])
+        self._unreadable: dict[str, str] = {}
+        self._problem = ""
+        self.written: dict[str, int] = {}
+        self.lost: dict[str, int] = {}
+        self._diagnostics = diagnostics.Diagnostics(self, str(given["output"]), self._report)
+        self._look_around()
+        steady_timer(self, _LOOK_AROUND, self._look_around)
+        steady_timer(self, _FLUSH, self._flush)
+
+    def _look_around(self) -> None:
+        for topic, types in self.get_topic_names_and_types():
+            wanted = any(fnmatchcase(topic, pattern) for pattern in self._patterns)
+            if wanted and topic not in self.written and topic not in self._unreadable and self.count_publishers(topic):
+                self._subscribe(topic, types[0])
+
+    def _subscribe(self, topic: str, type_name: str) -> None:
+        package, _, name = type_name.split("/")
+        offered = [endpoint.qos_profile for endpoint in self.get_publishers_info_by_topic(topic)]
+        try:
+            message_type = getattr(import_module(f"{package}.msg"), name)
+            self._writer.add_topic(topic, type_name, "\n".join(map(_as_yaml, offered)))
+        except (ImportError, AttributeError, InputError) as error:
+            self._unreadable[topic] = type_name
+            self.get_logger().warning(f"{topic} is not recorded: {type_name} is not installed here ({error})")
+            return
+        self.written[topic] = self.lost[topic] = 0
+        self.create_subscription(
+            message_type,
+            topic,
+            partial(self._on_message, topic),
+            _matching(offered),
+            raw=True,
+            event_callbacks=SubscriptionEventCallbacks(message_lost=partial(self._on_lost, topic)),
+        )
+
+    def _on_message(self, topic: str, message: bytes) -> None:
+        if self._problem:
+            self.lost[topic] += 1
+            return
+        try:
+            # With message info, which has the time of sending too, the events executor of these rclpy versions fails.
+            self._writer.write(topic, message, time.time_ns())
+        except InputError as error:
+            self._fail(error)
+        else:
+            self.written[topic] += 1
+
+    def _flush(self) -> None:
+        if not self._problem:
+            try:
+                self._writer.flush()
+            except InputError as error:
+                self._fail(error)
+
+    def _fail(self, error: InputError) -> None:
+        """The disk is full, or gone: what is written stays, and the node goes on to say so."""
+        self._problem = str(error)
+        self.get_logger().error(self._problem)
+
+    def _on_lost(self, topic: str, event: QoSMessageLostInfo) -> None:
+        self.lost[topic] += event.total_count_change
+
+    def _report(self) -> diagnostics.Report:
+        lost = sum(self.lost.values())
+        if self._problem:
+            level, message = diagnostics.ERROR, self._problem
+        elif lost:
+            level, message = diagnostics.ERROR, f"{lost} messages lost"
+        elif self._unreadable:
+            level, message = diagnostics.WARN, f"not recorded: {', '.join(self._unreadable)}"
+        else:
+            level, message = diagnostics.OK, "recording"
+        figures = {f"{topic} written": count for topic, count in self.written.items()}
+        return diagnostics.Report(level, message, {**figures, "lost": lost})
+
+    def destroy_node(self) -> None:
+        """Finish the file, and say what is in it."""
+        try:
+            self._writer.finish()
+        except InputError as error:
+            self._fail(error)
+        text = f"{sum(self.written.values())} messages of {len(self.written)} topics in {self._writer.path}"
+        lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
+        if lost:
+            self.get_logger().warning(f"{text}; lost: {', '.join(lost)}")
+        else:
+            self.get_logger().info(f"{text}, none lost")
+        super().destroy_node()
+
+
+def _matching(offered: Sequence[QoSProfile]) -> QoSProfile:
+    """The strongest profile that all publishers can serve."""
+    reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
+    kept = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
+    return QoSProfile(
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE,
+        history=HistoryPolicy.KEEP_ALL,
+    )
+
+
+def _as_yaml(profile: QoSProfile) -> str:
+    return qos_profile(
+        reliability=profile.reliability.name.lower(),
+        durability=profile.durability.name.lower(),
+        history=profile.history.name.lower(),  # "unknown": DDS does not tell it, and rosbag2 writes the same
+        depth=profile.depth,
+    )
+
+
+def main() -> int:
+    """Run the node in this process; returns the exit status."""
+    return run(RecordNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,281 @@
+"""The node `replay`: a recording's samples as `/bench/state`, at their times."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rosgraph_msgs.msg import Clock
+from std_srvs.srv import Trigger
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording, load
+from ema_twin_msgs.msg import EmaState, Run
+from ema_twin_msgs.srv import Seek
+
+from . import diagnostics, qos
+from .joint_states import JointStates
+from .keep_all_publisher import KeepAllPublisher
+from .messages import header
+from .parameters import Declaration, check_all, declare, refuse_unknown
+from .playback import Playback
+from .spin import run, steady_timer
+from .state_codec import write_state
+
+PARAMETERS = (
+    Declaration("recording", "", "recording to play: an MCAP, the folder that import wrote, or a CSV trace"),
+    Declaration("map", "siemens", "import map that names a CSV's columns: a shipped name or a YAML file"),
+    Declaration(
+        "rate", 1.0, "speed of playing, 1 is real time; 0 plays as fast as it goes", "1", 0.0, 1000.0, fixed=False
+    ),
+    Declaration("loop", False, "begin again after the last sample"),
+    Declaration("start", 0.0, "place in the recording to start from, and to return to in a loop", "s", 0.0, 1e6),
+    Declaration("paused", False, "wait for the resume or step service before the first sample"),
+    Declaration("on_end", "exit", "what to do after the last sample", choices=("exit", "wait")),
+    Declaration("subscribers", 2, "readers of bench/state to wait for before the first sample", "1", 0, 100),
+    Declaration("patience", 5.0, "longest time to wait for those readers", "s", 0.0, 3600.0),
+)
+
+_BURST = 32
+"""Most samples sent at once, so that the executor's other callbacks get their turn: services, and nodes beside."""
+_SHORTEST_PERIOD = 0.001
+"""s between two looks for samples that are due; several are, where the recording is faster."""
+_EARLY = 100_000
+"""ns by which a sample may be sent early, rather than a period late."""
+_CLOCK_PERIOD = 0.02
+"""s."""
+_LOOK_AROUND = 0.02
+"""s between two counts of the readers, while waiting for them."""
+
+
+class ReplayNode(Node):
+    """Plays a recording.
+
+    Every start, loop and seek is a run of its own, announced on `bench/run`, with sequence from 0, positions from zero
+    and the recording's stamps from there; a pause is not. A run's number is one more than the last; the first of a
+    process is the second since the epoch at which it started, so that it differs from an earlier process's.
+
+    Attributes:
+        finished: the last sample was sent, and received by every reader; the node wants to end (`on_end` is `exit`).
+        ended: the last sample was sent.
+        run: the present run's number.
+        sent: samples sent, of all runs.
+    """
+
+    def __init__(
+        self,
+        recording: Recording | None = None,
+        *,
+        parameters: Sequence[Parameter] = (),
+        context: Context | None = None,
+    ) -> None:
+        """Play `recording`, or the one that the parameter names. Raises InputError where a parameter is wrong."""
+        super().__init__("replay", parameter_overrides=list(parameters), context=context)
+        given = declare(self, PARAMETERS)
+        refuse_unknown(self)
+        if recording is None:
+            if not given["recording"]:
+                raise InputError("replay: parameter recording: it is not given; give recording:=FILE")
+            recording = load(given["recording"], import_map=given["map"])
+        for warning in recording.warnings:
+            self.get_logger().warning(warning)
+        self.finished = False
+        self._recording = recording
+        self._exit_at_end = given["on_end"] == "exit"
+        try:
+            self._playback = Playback(
+                recording.stamps,
+                rate=given["rate"],
+                loop=given["loop"],
+                start=given["start"],
+                paused=given["paused"],
+            )
+        except InputError as error:
+            raise InputError(f"{recording.name}: start: {error}") from None
+        self.run, self._next_run = 0, int(time.time()) % 2**32
+        self._announced = 0
+        self._waits_until: int | None = time.monotonic_ns() + int(given["patience"] * 1e9)
+        self._wanted_readers = given["subscribers"]
+        self._worst_delay = 0
+
+        self._publisher = KeepAllPublisher(self, EmaState, "bench/state", qos.STATE)
+        self._run_publisher = self.create_publisher(Run, "bench/run", qos.LATEST)
+        self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
+        self._joints = JointStates(self, "bench/joint_states")
+        self._diagnostics = diagnostics.Diagnostics(self, recording.name, self._report)
+        self.create_service(Trigger, "~/pause", self._on_pause)
+        self.create_service(Trigger, "~/resume", self._on_resume)
+        self.create_service(Trigger, "~/step", self._on_step)
+        self.create_service(Seek, "~/seek", self._on_seek)
+        self.add_on_set_parameters_callback(self._on_parameters)
+        steady_timer(self, _CLOCK_PERIOD, self._publish_clock)
+        self._timer = steady_timer(self, _LOOK_AROUND, self._wait_for_readers)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the last sample was sent."""
+        return self._playback.ended
+
+    @property
+    def sent(self) -> int:
+        """Samples sent, of all runs."""
+        return self._publisher.sent
+
+    def _wait_for_readers(self) -> None:
+        readers = self._publisher.readers
+        if readers < self._wanted_readers:
+            if time.monotonic_ns() < self._waits_until:
+                return
+            self.get_logger().warning(f"starts with {readers} of {self._wanted_readers} readers of bench/state")
+        self._waits_until = None
+        self._playback.start(time.monotonic_ns())
+        self._serve()
+
+    def _serve(self) -> None:
+        """Look for samples that are due once a sample period, counted from the beginning of the playback's own time."""
+        self._timer.cancel()
+        self.destroy_timer(self._timer)
+        rate = self._playback.rate
+        period = max(_SHORTEST_PERIOD, self._recording.sample_period / rate) if rate else 0.0
+        self._timer = steady_timer(self, period, self._play)
+
+    def _play(self) -> None:
+        """Send what is due."""
+        playback = self._playback
+        for _ in range(_BURST):
+            wait = playback.wait(time.monotonic_ns())
+            if wait is None:
+                self._timer.cancel()
+                return
+            if wait > _EARLY:
+                return
+            self._worst_delay = max(self._worst_delay, -wait)
+            self._send(playback.next)
+            playback.played()
+            if playback.ended:
+                self._end()
+
+    def _send(self, index: int) -> None:
+        if self._announced != self._playback.passes:
+            self._announce()
+        stamp = self._recording.start + int(self._recording.stamps[index])
+        sequence = index - self._playback.first
+        signals = {name: values.item(sequence) for name, values in self._arrays}
+        self._publisher.send(write_state(stamp, self.run, sequence, signals | self._origins))
+        self._joints.publish(stamp, signals)
+
+    def _announce(self) -> None:
+        """Begin a run: positions are zero at its first sample."""
+        self._announced = self._playback.passes
+        self.run, self._next_run = self._next_run, (self._next_run + 1) % 2**32
+        played = self._recording.between(float(self._recording.time[self._playback.first]))
+        self._arrays = list(played.signals.items())
+        self._origins = {
+            "motor_angle_origin": played.motor_angle_origin,
+            "output_angle_origin": played.output_angle_origin,
+        }
+        self._run_publisher.publish(
+            Run(
+                header=header(played.start),
+                run=self.run,
+                recording=played.name,
+                samples=len(played),
+                duration=played.duration,
+                signals=list(played.signals),
+            )
+        )
+
+    def _end(self) -> None:
+        count = len(self._recording) - self._playback.first
+        self.get_logger().info(
+            f"sent {count} samples of {self._recording.name} in run {self.run}, {self.sent} in all runs"
+        )
+        if self._exit_at_end:
+            # Readers may be behind, and what they have not received ends with this process.
+            if not self._publisher.wait_for_readers(timeout=5.0):
+                self.get_logger().warning("a reader of bench/state has not received all samples")
+            self.finished = True
+
+    def _on_pause(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._playback.pause()
+        return self._answer(response, "paused")
+
+    def _on_resume(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._playback.resume(time.monotonic_ns())
+        return self._answer(response, "playing")
+
+    def _on_step(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        try:
+            self._playback.step()
+        except InputError as error:
+            return Trigger.Response(success=False, message=str(error))
+        return self._answer(response, "one sample")
+
+    def _on_seek(self, request: Seek.Request, response: Seek.Response) -> Seek.Response:
+        try:
+            self._playback.seek(request.position, time.monotonic_ns())
+        except InputError as error:
+            return Seek.Response(success=False, message=str(error))
+        return self._answer(response, "a new run begins")
+
+    def _answer(self, response: Trigger.Response | Seek.Response, what: str) -> Trigger.Response | Seek.Response:
+        if self._waits_until is None:
+            self._serve()
+        response.success = True
+        response.message = f"{what} at {self._playback.position(time.monotonic_ns()) * 1e-9:.3f} s"
+        return response
+
+    def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        result = check_all(PARAMETERS, parameters)
+        for parameter in parameters:
+            if result.successful and parameter.name == "rate":
+                self._playback.set_rate(float(parameter.value), time.monotonic_ns())
+                if self._waits_until is None:
+                    self._serve()
+        return result
+
+    def _publish_clock(self) -> None:
+        if self._waits_until is None:
+            now = self._recording.start + self._playback.position(time.monotonic_ns())
+            self._clock_publisher.publish(Clock(clock=header(now).stamp))
+
+    def _report(self) -> diagnostics.Report:
+        playback = self._playback
+        if self._waits_until is not None:
+            condition = "waits for readers"
+        elif playback.ended:
+            condition = "ended"
+        else:
+            condition = "paused" if playback.paused else "playing"
+        return diagnostics.Report(
+            diagnostics.OK,
+            condition,
+            {
+                "run": self.run,
+                "position [s]": playback.position(time.monotonic_ns()) * 1e-9,
+                "rate": playback.rate,
+                "samples sent": self.sent,
+                "readers": self._publisher.readers,
+                "sent again, a reader was behind": self._publisher.repeated,
+                "longest delay [ms]": self._worst_delay * 1e-6,
+            },
+        )
+
+    def destroy_node(self) -> None:
+        """Say how many samples were sent, where the end was not reached."""
+        if not self.ended:
+            self.get_logger().info(f"stopped after {self.sent} samples of {self._recording.name}")
+        super().destroy_node()
+
+
+def main() -> int:
+    """Run the node in this process; returns the exit status."""
+    return run(ReplayNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

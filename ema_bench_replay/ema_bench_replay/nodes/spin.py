@@ -1,0 +1,123 @@
+"""The loop that runs every node, alone in its process or together with others.
+
+rclpy's own `spin` must not be used: with `EventsExecutor`, which takes less than half the processor time of the default
+executor at our rates, it burns a core and delivers nothing. `spin_once` in a loop works.
+"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+import rclpy
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.context import Context
+from rclpy.executors import Executor, ExternalShutdownException
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.timer import Timer
+from rclpy.utilities import remove_ros_args
+
+from ema_bench_replay.errors import InputError
+
+try:
+    from rclpy.experimental import EventsExecutor as _Executor
+except ImportError:
+    from rclpy.executors import SingleThreadedExecutor as _Executor
+
+_TIMEOUT = 0.2
+"""Longest time [s] in which the loop does not look whether it shall end."""
+
+_interrupted = threading.Event()
+
+
+def interrupted() -> bool:
+    """Whether SIGINT or SIGTERM arrived: what waits for another process must give up."""
+    return _interrupted.is_set()
+
+
+@contextmanager
+def signals_end_the_loop() -> Iterator[None]:
+    """Let SIGINT and SIGTERM end `spin` between two callbacks, with ROS still up: nodes can close what they hold.
+
+    rclpy's own handlers would shut ROS down under a running callback. Does nothing away from the main thread, which
+    alone receives signals.
+    """
+    _interrupted.clear()
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.signal(number, lambda *_: _interrupted.set()) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+def make_executor(nodes: Iterable[Node], context: Context | None = None) -> Executor:
+    """An executor that holds `nodes`; `spin` runs it."""
+    executor = _Executor(context=context)
+    for node in nodes:
+        executor.add_node(node)
+    return executor
+
+
+def spin(executor: Executor, until: Callable[[], bool], context: Context | None = None) -> None:
+    """Serve the executor's nodes until `until()` is true, SIGINT or SIGTERM arrives, or the context is shut down."""
+    try:
+        while rclpy.ok(context=context) and not _interrupted.is_set() and not until():
+            executor.spin_once(timeout_sec=_TIMEOUT)
+    except ExternalShutdownException:
+        pass
+
+
+def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
+    """A timer [s] on the monotonic clock: `/clock` stands still while a replay is paused, and jumps when it seeks.
+
+    Its periods are counted from its making and do not drift. Never `reset` it: with `EventsExecutor` that leaves a
+    second call pending, and a timer that does so in its callback soon keeps all subscriptions from being served.
+    """
+    return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
+def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
+    """Run one node in this process until it says `finished`, or SIGINT or SIGTERM arrives.
+
+    `arguments` are the command line's, program name included, where they are not the process's own.
+
+    Returns:
+        The process's exit status: 0, or 2 where the node refused its arguments, with one line on standard error.
+    """
+    with signals_end_the_loop():
+        node = None
+        try:
+            _initialise(list(sys.argv if arguments is None else arguments))
+            node = make_node()
+            executor = make_executor([node])
+            spin(executor, until=lambda: getattr(node, "finished", False))
+            executor.shutdown()
+        except InputError as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 2
+        finally:
+            if node is not None:
+                node.destroy_node()
+            rclpy.try_shutdown()
+    return 0
+
+
+def _initialise(arguments: list[str]) -> None:
+    """Start ROS. Raises InputError on arguments that it does not understand, or would leave aside without a word."""
+    try:
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:
+        raise InputError(f"arguments: {str(error).splitlines()[0]}; give --ros-args -p NAME:=VALUE") from None
+    left = remove_ros_args(arguments)[1:]
+    if left:
+        raise InputError(f"arguments: {left[0]}: nodes take parameters only; give --ros-args -p NAME:=VALUE")

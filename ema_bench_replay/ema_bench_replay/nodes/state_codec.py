@@ -1,0 +1,73 @@
+"""EmaState to and from the bytes that travel: the one place where the project reads and writes samples.
+
+ROS fills a field that nobody sets with 0.0, which reads as a measurement; `write_state` fills NaN.
+
+Publishers and subscriptions of EmaState carry serialised messages (`publish(bytes)`, `raw=True`), because rclpy's way
+through a Python object with 21 checked properties takes 11 µs each way, and this one 1 µs: of the tenth of a core that
+a node takes at 500 Hz, that is the share that can be saved.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Mapping
+from functools import lru_cache
+from operator import attrgetter
+from typing import NamedTuple
+
+from rclpy.serialization import deserialize_message
+
+from ema_twin_msgs.msg import EmaState
+
+FIELDS = tuple(name for name, kind in EmaState.get_fields_and_field_types().items() if kind == "double")
+"""Names of the float fields of an EmaState, in its order: the signals, and the two angle origins."""
+
+_UNKNOWN = dict.fromkeys(FIELDS, math.nan)
+_values = attrgetter(*FIELDS)
+
+# Plain CDR: four bytes that say so, then the fields, each aligned to its size counted from there.
+_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
+_ORDERS = {0: ">", 1: "<"}
+
+
+class State(NamedTuple):
+    """One sample: `stamp` in ns since the epoch, signals in SI units, NaN where unknown."""
+
+    run: int
+    sequence: int
+    stamp: int
+    signals: dict[str, float]
+
+
+@lru_cache(maxsize=64)
+def _layout(order: str, frame_id: int) -> struct.Struct:
+    """sec, nanosec, length of frame_id, run, sequence, floats; `frame_id` is its length, its closing zero included."""
+    before_run = -frame_id % 4
+    before_sequence = -(12 + frame_id + before_run + 4) % 8
+    return struct.Struct(f"{order}iII{frame_id + before_run}xI{before_sequence}xQ{len(FIELDS)}d")
+
+
+_written = _layout("<", 1)
+
+
+def write_state(stamp: int, run: int, sequence: int, signals: Mapping[str, float]) -> bytes:
+    """A serialised EmaState of these signals (SI), stamped in ns since the epoch; fields not among them are NaN."""
+    seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+    return _LITTLE_ENDIAN + _written.pack(seconds, nanoseconds, 1, run, sequence, *(_UNKNOWN | signals).values())
+
+
+def read_state(message: bytes) -> State:
+    """A serialised EmaState as plain Python, whoever wrote it."""
+    order = _ORDERS.get(message[1]) if message[0] == 0 else None
+    if order is None:  # another encoding than plain CDR
+        return _by_ros(message)
+    (frame_id,) = struct.unpack_from(f"{order}I", message, 12)
+    seconds, nanoseconds, _, run, sequence, *values = _layout(order, frame_id).unpack_from(message, 4)
+    return State(run, sequence, seconds * 1_000_000_000 + nanoseconds, dict(zip(FIELDS, values, strict=True)))
+
+
+def _by_ros(message: bytes) -> State:
+    state = deserialize_message(message, EmaState)
+    stamp = state.header.stamp.sec * 1_000_000_000 + state.header.stamp.nanosec
+    return State(state.run, state.sequence, stamp, dict(zip(FIELDS, _values(state), strict=True)))

@@ -1,0 +1,174 @@
+"""A recording: the named signals of one run of a machine, frozen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+#: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
+SIGNALS: tuple[str, ...] = (
+    "current",  # A, quadrature
+    "current_setpoint",  # A
+    "speed",  # rad/s, fast shaft
+    "speed_setpoint",  # rad/s, fast shaft
+    "motor_position",  # rad, fast shaft, unwrapped
+    "output_position",  # rad, slow shaft
+    "output_command",  # rad, slow shaft
+    "voltage",  # V, quadrature
+    "motor_torque",  # N m
+    "load_torque",  # N m, fast shaft
+    "temperature",  # degree Celsius
+    "direct_current",  # A
+    "phase_current_u",  # A
+    "phase_current_v",  # A
+    "phase_current_w",  # A
+    "unexplained_torque",  # N m, fast shaft; only a twin fills it
+)
+
+#: Stamp of the first sample where a recording has no date; ROS reads time 0 as "not set".
+NO_DATE = 1_000_000_000
+
+# A step longer than this many sample periods has lost samples in it.
+_GAP_FACTOR = 1.5
+
+
+class Gap(NamedTuple):
+    """Samples that are missing in the middle of a recording."""
+
+    time: float  # s, last sample before the gap
+    duration: float  # s, from that sample to the next one
+    missing: int  # samples that would have fitted in
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One run of a machine (or of its twin). Signals are read-only and in SI units (m, m/s, N on linear machines).
+
+    Raises ValueError where the parts do not fit each other: that is the caller's mistake, not the user's.
+    """
+
+    name: str  # stem of the file it came from
+    stamps: np.ndarray  # int64 (n,): ns since the first sample, strictly increasing from 0
+    signals: Mapping[str, np.ndarray]  # float64 (n,) each; a signal that the machine lacks is absent
+    start: int = NO_DATE  # ns of the first sample since the epoch
+    motor_angle_origin: float = np.nan  # rad: what the motor counter showed where motor_position is zero
+    output_angle_origin: float = np.nan  # rad: the same for the output encoder
+    metadata: Mapping[str, str] = field(default_factory=dict)
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        stamps = _frozen(self.stamps, np.int64)
+        if stamps.ndim != 1 or not stamps.size or stamps[0] != 0 or (stamps[1:] <= stamps[:-1]).any():
+            raise ValueError(f"{self.name}: stamps must be one-dimensional and rise strictly from 0")
+        signals = {name: _frozen(values, np.float64) for name, values in self.signals.items()}
+        for name, values in signals.items():
+            if name not in SIGNALS:
+                raise ValueError(f"{self.name}: no signal is called {name!r}")
+            if values.shape != stamps.shape:
+                raise ValueError(f"{self.name}: {name} has shape {values.shape}, stamps have {stamps.shape}")
+        object.__setattr__(self, "stamps", stamps)
+        in_order = {name: signals[name] for name in SIGNALS if name in signals}
+        object.__setattr__(self, "signals", MappingProxyType(in_order))
+        object.__setattr__(self, "metadata", MappingProxyType(dict(self.metadata)))
+        object.__setattr__(self, "warnings", tuple(self.warnings))
+
+    def __len__(self) -> int:
+        return self.stamps.size
+
+    def __reduce__(self):  # mapping proxies cannot be pickled, and a diagnosis runs in a worker process
+        values = (self.name, self.stamps, dict(self.signals), self.start, self.motor_angle_origin)
+        return Recording, (*values, self.output_angle_origin, dict(self.metadata), self.warnings)
+
+    @cached_property
+    def time(self) -> np.ndarray:
+        """Seconds since the first sample, float64 (n,)."""
+        return _frozen(self.stamps * 1e-9, np.float64)
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first sample to the last."""
+        return float(self.stamps[-1]) * 1e-9
+
+    @cached_property
+    def sample_period(self) -> float:
+        """The usual step between two samples (the median), s; NaN where there is one sample only."""
+        return float(np.median(np.diff(self.stamps))) * 1e-9 if len(self) > 1 else np.nan
+
+    @cached_property
+    def gaps(self) -> tuple[Gap, ...]:
+        """Where samples are missing: steps longer than one and a half sample periods."""
+        steps = np.diff(self.stamps) * 1e-9
+        places = np.flatnonzero(steps > _GAP_FACTOR * self.sample_period)
+        period = self.sample_period
+        return tuple(Gap(float(self.time[i]), float(steps[i]), round(steps[i] / period) - 1) for i in places)
+
+    def has(self, *names: str) -> bool:
+        """Whether all these signals are there."""
+        return all(name in self.signals for name in names)
+
+    def between(self, start: float | None = None, end: float | None = None) -> Recording:
+        """The samples from `start` to `end` (s since the first sample, both included; None: no limit on that side).
+
+        Stamps begin at 0 again, and so do both positions: what is taken from them moves into their angle origins, and
+        into output_command, which is measured from the same zero as output_position.
+        """
+        low = 0 if start is None else round(start * 1e9)
+        high = int(self.stamps[-1]) if end is None else round(end * 1e9)
+        first, last = np.searchsorted(self.stamps, low), np.searchsorted(self.stamps, high, side="right")
+        if first >= last:
+            span = f"{low * 1e-9:g} s to {high * 1e-9:g} s"
+            raise InputError(f"{self.name}: no sample from {span}; it lasts from 0 s to {self.duration:g} s")
+        if last - first == len(self):
+            return self
+        signals = {name: values[first:last] for name, values in self.signals.items()}
+        shift = {name: float(signals[name][0]) for name in ("motor_position", "output_position") if name in signals}
+        for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
+            if name in signals and origin in shift:
+                signals[name] = signals[name] - shift[origin]
+        return replace(
+            self,
+            stamps=self.stamps[first:last] - self.stamps[first],
+            signals=signals,
+            start=self.start + int(self.stamps[first]),
+            motor_angle_origin=self.motor_angle_origin + shift.get("motor_position", 0.0),
+            output_angle_origin=self.output_angle_origin + shift.get("output_position", 0.0),
+        )
+
+
+def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
+    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import wrote.
+
+    Raises InputError, in one line, where there is none or it cannot be used.
+    """
+    # The readers build on this module, and who reads an MCAP needs no CSV.
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file; give a CSV trace, an MCAP or the folder that import wrote")
+    if path.is_dir() or path.suffix.lower() == ".mcap":
+        from ema_bench_replay.bag_reader import read_bag
+
+        return read_bag(path)
+    if path.suffix.lower() in (".csv", ".txt", ".tsv"):
+        from ema_bench_replay.import_map import load_map
+        from ema_bench_replay.trace_csv import read_trace
+
+        return read_trace(path, load_map(import_map))
+    kind = f"a file of kind {path.suffix!r}" if path.suffix else "a file without extension"
+    raise InputError(f"{path}: {kind} is no recording; give a .csv trace, an .mcap or the folder that import wrote")
+
+
+def _frozen(values: np.ndarray, kind: type) -> np.ndarray:
+    """The values as a read-only array of that kind; copied only where they could be written to from elsewhere."""
+    array: np.ndarray = np.asarray(values, dtype=kind)
+    if array.flags.writeable:
+        array = array.view()
+        array.flags.writeable = False
+    return array

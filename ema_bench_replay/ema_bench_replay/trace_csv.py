@@ -1,0 +1,209 @@
+"""Text traces (the Siemens drive's CSV, or any other that an import map describes) to recordings, and back."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.counters import unwrap_counts
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.import_map import TIME_UNITS, Column, ImportMap, SignalMap
+from ema_bench_replay.recording import Recording
+from ema_bench_replay.trace_table import TraceTable, read_table
+from ema_bench_replay.trace_writer import write_trace
+
+__all__ = ["read_trace", "write_trace"]
+
+# Steps are told apart from the usual one beyond this share of it, and beyond what the time column's decimals resolve.
+_UNEQUAL = 0.01
+
+
+def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
+    """Read a text trace through an import map.
+
+    Both positions begin at zero; what the counters showed there is kept as their angle origins. All other values are
+    those of the text times the unit's SI value. The metadata hold source, hash and map, and what `write_trace` needs to
+    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. Raises
+    InputError.
+    """
+    path = Path(path)
+    table = read_table(path, import_map.delimiter, import_map.number_format)
+    return _Trace(table, import_map).recording()
+
+
+class _Trace:
+    """One trace on its way to a recording."""
+
+    def __init__(self, table: TraceTable, import_map: ImportMap) -> None:
+        self.table = table
+        self.map = import_map
+        self.warnings = list(table.warnings)
+        self.columns: dict[str, int] = {}  # signal: its place in the table
+        self.origins: dict[str, float] = {}  # position: rad where it is zero
+
+    def recording(self) -> Recording:
+        time_place, stamps, time_origin = self._time()
+        maps = {signal.signal: signal for signal in self.map.signals}
+        for signal in self.map.signals:
+            place = self._place(signal)
+            if place is not None:
+                self.columns[signal.signal] = place
+        if not self.columns:
+            known = ", ".join(column.name for signal in self.map.signals for column in signal.columns)
+            raise InputError(
+                f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
+                "name the right map with --map"
+            )
+        time = stamps * 1e-9
+        signals = {name: self._values(maps[name], time) for name in self.columns}
+        if "output_command" in signals:
+            # Measured from the same zero as the output position where both show one scale, else from its own start.
+            same_scale = "output_position" in signals and not maps["output_position"].counts_per_revolution
+            zero = self.origins["output_position"] if same_scale else signals["output_command"][0]
+            signals["output_command"] = signals["output_command"] - zero
+            self.origins["output_command"] = float(zero)
+        return Recording(
+            name=self.table.path.stem,
+            stamps=stamps,
+            signals=signals,
+            motor_angle_origin=self.origins.get("motor_position", np.nan),
+            output_angle_origin=self.origins.get("output_position", np.nan),
+            metadata=self._metadata(time_place, time_origin),
+            warnings=tuple(self.warnings),
+        )
+
+    def _time(self) -> tuple[int, np.ndarray, float]:
+        """Place of the time column, stamps in ns from 0, and what the column shows at the first sample."""
+        table = self.table
+        places = self.map.time.find(table.header)
+        if not places:
+            shown = ", ".join(table.header)[:200]
+            raise InputError(
+                f"{table.path}: line {table.header_line}: no time column ({self.map.time.name}) among {shown!r}; "
+                "export the trace with its time axis, or name it in the import map"
+            )
+        values, name = table.columns[places[0]], table.header[places[0]]
+        in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)
+        unit = in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else self.map.time_unit
+        stamps = np.rint((values - values[0]) * TIME_UNITS[unit]).astype(np.int64)
+        steps = np.diff(stamps)
+        wrong = np.flatnonzero(steps <= 0)
+        if wrong.size:
+            row = int(wrong[0]) + 1
+            how = "repeats" if steps[wrong[0]] == 0 else "goes back"
+            remedy = "remove the row" if steps[wrong[0]] == 0 else "cut the file there, it holds more than one run"
+            shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
+            raise InputError(f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}")
+        if len(stamps) < 2:
+            raise InputError(f"{table.path}: has one row only; a recording needs at least two")
+        resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]
+        self._report_steps(stamps, steps, resolution)
+        return places[0], stamps, float(values[0])
+
+    def _report_steps(self, stamps: np.ndarray, steps: np.ndarray, resolution: float) -> None:
+        period = float(np.median(steps))
+        gaps = np.flatnonzero(steps > 1.5 * period)
+        if gaps.size:
+            missing = int(np.rint(steps[gaps] / period - 1).sum())
+            longest = gaps[np.argmax(steps[gaps])]
+            self._warn(
+                f"{missing} samples are missing in {gaps.size} gap{'s' if gaps.size > 1 else ''}, the longest "
+                f"{steps[longest] * 1e-6:g} ms from {stamps[longest] * 1e-9:g} s on"
+            )
+        others = np.delete(steps, gaps)
+        if np.abs(others - period).max(initial=0.0) > max(_UNEQUAL * period, 1.001 * resolution):
+            self._warn(f"time steps are unequal: {others.min() * 1e-6:g} to {others.max() * 1e-6:g} ms")
+
+    def _place(self, signal: SignalMap) -> int | None:
+        """Which column of the table is that signal; None where it has none."""
+        for column in signal.columns:
+            places = column.find(self.table.header)
+            if not places:
+                continue
+            place = places[0]
+            if len(places) > 1:
+                names = ", ".join(self.table.header[other] for other in places)
+                self._warn(f"{column.name} is in {len(places)} columns ({names}); {self.table.header[place]} is used")
+            return self._following(column, place, signal.signal)
+        return None
+
+    def _following(self, column: Column, place: int, signal: str) -> int:
+        """The column at `place`; but if it should follow another one and does not, that one."""
+        leaders = Column(column.follows).find(self.table.header) if column.follows else []
+        if not leaders:
+            return place
+        slope, error = _slope(self.table.columns[leaders[0]], self.table.columns[place])
+        if slope + 3 * error >= column.slope:
+            return place
+        self._warn(
+            f"{column.name} hardly follows {column.follows} (slope {slope:.2f}, less than {column.slope:g}), so it is "
+            f"not the {signal.replace('_', ' ')}; {column.follows} is used in its stead"
+        )
+        return leaders[0]
+
+    def _values(self, signal: SignalMap, time: np.ndarray) -> np.ndarray:
+        """A signal in SI units; positions from zero on."""
+        place = self.columns[signal.signal]
+        values = self.table.columns[place]
+        if signal.counts_per_revolution:
+            values = self._counts(signal, signal.counts_per_revolution, place, time)
+        if signal.signal not in ("motor_position", "output_position"):
+            return values * signal.factor
+        self.origins[signal.signal] = float(values[0] * signal.factor)
+        return (values - values[0]) * signal.factor
+
+    def _counts(self, signal: SignalMap, per_revolution: float, place: int, time: np.ndarray) -> np.ndarray:
+        values = self.table.columns[place]
+        whole = values.astype(np.int64)
+        name = self.table.header[place]
+        if (whole == values).all():
+            values = whole
+        else:
+            row = int(np.argmax(whole != values))
+            line = self.table.header_line + 1 + row
+            self._warn(f"line {line}: {name} is a counter but shows fractions ({values[row]:.10g})")
+        counts, findings = unwrap_counts(
+            values,
+            time,
+            per_revolution,
+            bits=signal.bits,
+            maximum_speed=signal.maximum_speed,
+            maximum_acceleration=signal.maximum_acceleration,
+        )
+        for finding in findings:
+            self._warn(f"{name}: {finding.describe(time[finding.sample])}")
+        return counts
+
+    def _metadata(self, time_place: int, time_origin: float) -> dict[str, str]:
+        signal_of = {place: name for name, place in reversed(self.columns.items())}
+        columns = [
+            {"name": name, "signal": "time" if place == time_place else signal_of.get(place), "decimals": decimals}
+            for place, (name, decimals) in enumerate(zip(self.table.header, self.table.decimals, strict=True))
+        ]
+        style = asdict(self.table.style)
+        text = {"columns": columns, "time_origin": time_origin, "origins": self.origins, "style": style}
+        return {
+            "source": self.table.path.name,
+            "sha256": self.table.sha256,
+            "map": self.map.name,
+            "map_text": self.map.text,
+            "text": json.dumps(text),
+        }
+
+    def _warn(self, message: str) -> None:
+        self.warnings.append(f"{self.table.path.name}: {message}")
+
+
+def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:
+    """Slope of the follower's regression on its leader, and its standard error (infinite where the leader rests)."""
+    x, y = leader - leader.mean(), follower - follower.mean()
+    square = float(x @ x)
+    if not square:
+        return 0.0, np.inf
+    slope = float(x @ y) / square
+    left = y - slope * x
+    return slope, float(np.sqrt(left @ left / max(len(x) - 2, 1) / square))

@@ -1,0 +1,239 @@
+"""A text trace as a table of numbers: header, delimiter and number format found out, every cell accounted for."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
+from ema_bench_replay.text_blocks import NotText, text_blocks
+
+#: A longer trace is refused: it would not fit into the memory of an ordinary machine.
+LARGEST = 2 << 30
+_ROWS_FOR_DECIMALS = 50
+_BYTES_FOR_NEWLINE = 1 << 16
+
+
+@dataclass(frozen=True)
+class TraceTable:
+    """The numbers of a trace, as they stand in the file."""
+
+    path: Path
+    sha256: str
+    header: list[str]  # names of the columns
+    header_line: int  # its line number, counted from 1; the rows follow without a break
+    columns: list[np.ndarray]  # float64 (n,) each
+    decimals: list[int]  # how many each column shows
+    style: Style
+    warnings: tuple[str, ...]
+
+    def place(self, row: int) -> str:
+        """File and line of a row (counted from 0), for messages."""
+        return f"{self.path}: line {self.header_line + 1 + row}"
+
+
+@dataclass(frozen=True)
+class Style:
+    """How the rows of a text trace are written."""
+
+    delimiter: str = ";"
+    trailing: bool = True  # a delimiter ends each row
+    newline: str = "\r\n"
+    decimal: str = ","
+    thousands: str = "."  # empty where thousands are not set off
+
+
+def read_table(path: Path, delimiter: str | None = None, number_format: str | None = None) -> TraceTable:
+    """Read a delimited text file: one header line and numbers below it.
+
+    Comments (#, %), blank lines and single quoted texts may stand above the header. A cut last row is left out, with a
+    warning. `delimiter` and `number_format` ("german", "english") are found out where they are None. Raises InputError.
+    """
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
+        with path.open("rb") as file:
+            sha256 = _sha256(file)
+            newline = "\r\n" if b"\r\n" in file.read(_BYTES_FOR_NEWLINE).replace(b"\0", b"") else "\n"
+            file.seek(0)
+            blocks = text_blocks(file)
+            first, is_last = next(blocks)
+            header_text, header_line, body = _header(path, first)
+            rows = _RowReader(path, header_text, header_line, body, delimiter, number_format)
+            parts = [rows.read(body, is_last)]
+            parts += [rows.read(block, is_last) for block, is_last in blocks]
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from None
+    except NotText:
+        raise InputError(f"{path}: is no text; give the drive's trace exported as CSV") from None
+    columns = [np.concatenate([part[:, place] for part in parts]) for place in range(len(rows.header))]
+    if not columns[0].size:
+        raise InputError(f"{path}: has a header and no rows below it; export the trace again")
+    style = rows.style(newline)
+    return TraceTable(path, sha256, rows.header, header_line, columns, rows.decimals, style, tuple(rows.warnings))
+
+
+class _RowReader:
+    """Reads the rows of one file; what the first rows tell about their form holds for all."""
+
+    def __init__(
+        self, path: Path, header: str, header_line: int, body: bytes, delimiter: str | None, number_format: str | None
+    ) -> None:
+        self.path = path
+        self.line = header_line + 1  # of the next row
+        self.warnings: list[str] = []
+        self.written_delimiter = delimiter or next((mark for mark in (";", "\t", ",") if mark in header), ";")
+        cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
+        self.trailing = len(cells) > 1 and not cells[-1]
+        self.header = cells[:-1] if self.trailing else cells
+        # A comma inside quotation marks is part of a number; the ones between cells become semicolons.
+        self.quoted_commas = self.written_delimiter == "," and b'"' in body
+        self.delimiter = ";" if self.quoted_commas else self.written_delimiter
+        sample = self._tidy(body)
+        self.format = self._format(sample, number_format)
+        self.grouped = self.format.thousands.encode() in sample and self.delimiter != self.format.thousands
+        self.decimals = self._decimals(sample)
+
+    def style(self, newline: str) -> Style:
+        thousands = self.format.thousands if self.grouped else ""
+        return Style(self.written_delimiter, self.trailing, newline, self.format.decimal, thousands)
+
+    def read(self, block: bytes, is_last: bool) -> np.ndarray:
+        """The rows of a block, float64 (rows, columns)."""
+        text = self._tidy(block)
+        if is_last and text:
+            text = text.rstrip(b"\n") + b"\n" if text.endswith(b"\n") else self._without_torn_row(text)
+        rows = self._fast(text)
+        if rows is None:
+            rows = self._careful(text, is_last)
+        self.line += len(rows)
+        return rows
+
+    def _tidy(self, block: bytes) -> bytes:
+        """The block without quotation marks, and without blanks around its cells."""
+        if b'"' in block:
+            if self.quoted_commas:
+                block = re.sub(rb'"([^"\n]*)"|,', lambda found: b";" if found[1] is None else found[1], block)
+            block = block.translate(None, b'"')
+        if b" " in block or (b"\t" in block and self.delimiter != "\t"):
+            blank = rb"[ \t]*" if self.delimiter != "\t" else b" *"
+            block = re.sub(blank + rb"([\n" + self.delimiter.encode() + rb"])" + blank, rb"\1", block).lstrip(b" ")
+        return block
+
+    def _format(self, sample: bytes, number_format: str | None) -> NumberFormat:
+        if number_format:
+            return FORMATS[number_format]
+        form, assumed = detect(sample, self.delimiter, ENGLISH if self.written_delimiter == "," else GERMAN)
+        if assumed:
+            self.warnings.append(f"{self.path.name}: {assumed}; set number_format in the import map if that is wrong")
+        return form
+
+    def _decimals(self, sample: bytes) -> list[int]:
+        """The most decimals that each column shows in the first rows."""
+        lines = sample[: 1 << 16].decode("latin-1").split("\n")[:_ROWS_FOR_DECIMALS]
+        most = [0] * len(self.header)
+        for line in lines[:-1]:
+            for place, cell in enumerate(line.split(self.delimiter)[: len(most)]):
+                most[place] = max(most[place], len(cell.partition(self.format.decimal)[2]))
+        return most
+
+    def _without_torn_row(self, text: bytes) -> bytes:
+        """A text whose last row has no line end: with one where the row is whole, else without that row."""
+        end = text.rfind(b"\n") + 1
+        cells = text[end:].decode("latin-1").split(self.delimiter)
+        whole = len(cells) == len(self.header) + self.trailing
+        if whole and not self.trailing:
+            whole = len(cells[-1].partition(self.format.decimal)[2]) == self.decimals[-1]
+        if whole:
+            return text + b"\n"
+        self._report_torn(self.line + text.count(b"\n"))
+        return text[:end]
+
+    def _report_torn(self, line: int) -> None:
+        self.warnings.append(f"{self.path.name}: line {line}: the last row is cut; used up to the row before it")
+
+    def _fast(self, text: bytes) -> np.ndarray | None:
+        """The rows where nothing is out of the ordinary, else None. What passes here, `_careful` would read alike."""
+        delimiter, form = self.delimiter.encode(), self.format
+        if not text or text.translate(None, b"0123456789+-.,eE\n" + delimiter):
+            return None
+        buffer = np.frombuffer(text, dtype=np.uint8)
+        is_end = buffer == ord("\n")
+        ends = np.flatnonzero((buffer == delimiter[0]) | is_end)
+        count = int(np.count_nonzero(is_end))
+        width = len(self.header) + self.trailing
+        if ends.size != count * width or not is_end[ends[width - 1 :: width]].all():
+            return None
+        lengths = np.diff(ends, prepend=-1).reshape(count, width) - 1
+        if (lengths[:, : len(self.header)] == 0).any() or (self.trailing and lengths[:, -1].any()):
+            return None
+        if form.thousands == self.delimiter:
+            dropped = b""
+        elif form.groups_are_whole(text):
+            dropped = form.thousands.encode()
+        else:
+            return None
+        plain = text.translate(bytes.maketrans(form.decimal.encode() + delimiter, b". "), dropped)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # what NumPy 1 gives where it cannot read on
+            try:
+                values = np.fromstring(plain, sep=" ")
+            except (ValueError, DeprecationWarning):
+                return None
+        return values.reshape(count, -1) if values.size == count * len(self.header) else None
+
+    def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
+        """The rows, cell by cell; InputError names the first one that is wrong."""
+        lines = text.decode("latin-1").split("\n")[:-1]
+        rows = np.empty((len(lines), len(self.header)))
+        for number, line in enumerate(lines):
+            place = f"{self.path}: line {self.line + number}"
+            cells = line.split(self.delimiter)
+            if not cells[-1] and (self.trailing or len(cells) == len(self.header) + 1):
+                cells.pop()
+            if len(cells) != len(self.header):
+                if is_last and number == len(lines) - 1 and len(cells) < len(self.header):
+                    self._report_torn(self.line + number)
+                    return rows[:-1]
+                counts = f"has {len(cells)} cells where the header has {len(self.header)}"
+                raise InputError(f"{place}: {counts}; remove or complete the row")
+            for column, cell in enumerate(cells):
+                try:
+                    rows[number, column] = self.format.value(cell)
+                except ValueError:
+                    wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
+                    raise InputError(
+                        f"{place}: column {self.header[column]!r}: {wrong}; correct it, or remove the row"
+                    ) from None
+        return rows
+
+
+def _sha256(file: BinaryIO) -> str:
+    digest = hashlib.sha256()
+    while block := file.read(1 << 20):
+        digest.update(block)
+    file.seek(0)
+    return digest.hexdigest()
+
+
+def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
+    """Header line, its number (counted from 1) and what follows it in the block."""
+    number = 0
+    while block:
+        number += 1
+        raw, _, block = block.partition(b"\n")
+        try:
+            line = raw.decode("utf-8").strip()
+        except UnicodeDecodeError:
+            line = raw.decode("cp1252", errors="replace").strip()
+        is_preamble = line.startswith(("#", "%")) or line.lower().startswith("sep=") or re.fullmatch(r'"[^"]*"', line)
+        if line and not is_preamble:
+            return line, number, block
+    raise InputError(f"{path}: {'has no header line' if number else 'is empty'}; export the trace again")

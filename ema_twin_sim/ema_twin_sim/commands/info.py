@@ -1,0 +1,126 @@
+"""``ema-twin info``: what a recording or a model holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from ..quantities import quantity
+from . import options
+from .output import console
+
+EXAMPLES = """Examples:
+
+ema-twin info recordings/BancoEMA_ramp_0.05
+
+ema-twin info polito_bench"""
+
+SIGNAL_UNITS = {
+    "current": "A",
+    "current_setpoint": "A",
+    "speed": "rad/s",
+    "speed_setpoint": "rad/s",
+    "motor_position": "rad",
+    "output_position": "rad",
+    "output_command": "rad",
+    "voltage": "V",
+    "motor_torque": "N m",
+    "load_torque": "N m",
+    "unexplained_torque": "N m",
+    "temperature": "°C",
+}
+
+
+def run(
+    what: Annotated[str, typer.Argument(metavar="RUN|MODEL", help="A recording, a model file or a model's name.")],
+    import_map: options.ImportMap = "siemens",
+    json: options.JsonFile = None,
+) -> None:
+    """Show what a recording holds (signals, gaps, where it came from) or what a model is made of."""
+    from ema_bench_replay.configuration import configuration_names
+
+    path = Path(what)
+    if path.suffix in (".yaml", ".yml") or (not path.exists() and what in configuration_names("models")):
+        _show_model(what, json)
+    else:
+        _show_recording(path, import_map, json)
+
+
+def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
+    from .inputs import load_runs, write_json
+
+    contents = []
+    for recording in load_runs([path], import_map=import_map):
+        console.print(f"[bold]{recording.name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s")
+        table = Table(pad_edge=False)
+        for column in ("signal", "unit", "least", "mean", "greatest"):
+            table.add_column(column, justify="left" if column in ("signal", "unit") else "right")
+        for name, values in recording.signals.items():
+            unit = SIGNAL_UNITS.get(name, "A")
+            table.add_row(name, unit, *(quantity(float(v), "") for v in (values.min(), values.mean(), values.max())))
+        console.print(table)
+        console.print(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+        for key, value in recording.metadata.items():
+            if "\n" not in value and len(value) < 200:
+                console.print(f"  {key}: {value}", markup=False, soft_wrap=True)
+        contents.append(
+            {
+                "name": recording.name,
+                "samples": len(recording),
+                "duration": recording.duration,
+                "sample_period": recording.sample_period,
+                "signals": list(recording.signals),
+                "gaps": [gap._asdict() for gap in recording.gaps],
+                "metadata": dict(recording.metadata),
+                "warnings": list(recording.warnings),
+            }
+        )
+    write_json(json, contents[0] if len(contents) == 1 else contents)
+
+
+def _show_model(name: str, json: Path | None) -> None:
+    from ..constants import CONSTANTS
+    from ..model_file import load_model
+    from .inputs import write_json
+
+    model = load_model(name)
+    console.print(
+        f"[bold]{model.name}[/bold]: machine {model.machine}; {', '.join(map(' '.join, model.kinds.items()))}"
+    )
+    table = Table(pad_edge=False)
+    for column in ("constant", "value", "unit", "±", "source"):
+        table.add_column(column, justify="right" if column in ("value", "±") else "left")
+    for path, held in model.constants.items():
+        table.add_row(path, f"{held.value:g}", CONSTANTS[path].unit, f"{100 * held.tolerance:g} %", held.source)
+    console.print(table)
+    effects = Table(pad_edge=False)
+    for column in ("effect", "options", "parameters"):
+        effects.add_column(column)
+    for instance_name, instance in model.effects.items():
+        effects.add_row(
+            instance_name + ("" if instance.enabled else " (off)"),
+            ", ".join(f"{k} {v}" for k, v in instance.options.items()),
+            ", ".join(f"{k} {v:g}" for k, v in instance.parameters.items()),
+        )
+    console.print(effects)
+    write_json(
+        json,
+        {
+            "name": model.name,
+            "machine": model.machine,
+            "kinds": dict(model.kinds),
+            "constants": {path: {**vars(held), "unit": CONSTANTS[path].unit} for path, held in model.constants.items()},
+            "effects": {
+                n: {
+                    "effect": i.effect,
+                    "options": dict(i.options),
+                    "parameters": dict(i.parameters),
+                    "enabled": i.enabled,
+                }
+                for n, i in model.effects.items()
+            },
+        },
+    )

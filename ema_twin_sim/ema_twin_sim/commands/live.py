@@ -1,0 +1,212 @@
+"""``ema-twin live``: replay, twin and monitor together as ROS nodes, with rerun."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from ..quantities import quantity
+from . import options
+from .output import console, warn
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..model import Model
+    from ..nodes.live import LiveResult, Pair
+
+EXAMPLES = """Examples:
+
+ema-twin live recordings/BancoEMA_sine_0.02_1Hz --model polito_bench
+
+ema-twin live run.mcap --model better.yaml --rate 5 --headless --json live.json
+
+ema-twin live --model polito_bench     (attaches to a running /bench/state: the real bench)"""
+
+
+def run(
+    run: Annotated[
+        Path | None, typer.Argument(metavar="[RUN]", help="A recording to replay; without it, the running bench.")
+    ] = None,
+    model: options.ModelName = "polito_bench",
+    input: options.Input = None,
+    rate: Annotated[float, typer.Option(min=0.0, max=1000.0, help="Speed of the replay; 0: as fast as it goes.")] = 1.0,
+    headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
+    rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
+    record: Annotated[
+        Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
+    ] = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Replay a recording beside the twin and the monitor as ROS 2 nodes, in real time, until every sample is compared.
+
+    The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
+    compare gives for the same recording and model.
+    """
+    from ..model_file import load_model
+    from ..nodes.live import run_live
+    from ..noise import noise_floors
+    from .inputs import load_runs, write_json
+
+    found = load_model(model)
+    recording = None
+    if run is not None:
+        recordings = load_runs([run], import_map=import_map, start=start, end=end, strict=strict)
+        if len(recordings) != 1:
+            raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
+        recording = recordings[0]
+    follower = Follower(found, recording)
+    view = _view(rrd, headless, noise_floors(found))
+    if view is not None:
+        follower.watchers.append(view.take)
+    try:
+        result = run_live(
+            recording,
+            found,
+            input=input or "auto",
+            rate=rate,
+            on_pairs=follower.take,
+            notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
+            record_to=record,
+        )
+    finally:
+        if view is not None:
+            view.close()
+    show(result)
+    write_json(json, as_json(result))
+    for warning in result.warnings:
+        warn(warning)
+    if result.interrupted and recording is not None:
+        raise KeyboardInterrupt
+    if recording is not None and not result.complete:
+        counts = ", ".join(f"{name} {count}" for name, count in result.counts.items())
+        raise InputError(f"{result.name}: not every sample was compared ({counts}); play it slower (--rate)")
+
+
+def as_json(result: LiveResult) -> dict[str, object]:
+    """What ``compare --json`` writes, from the running nodes."""
+    signals = {name: dict(signal) for name, signal in result.signals.items()}
+    return {
+        "model": result.model,
+        "input": result.input,
+        "recordings": [
+            {"name": result.name, "samples": result.samples, "duration": result.duration, "signals": signals}
+        ],
+        "overall": signals,
+        "where": [],
+        "warnings": list(result.warnings),
+        "complete": result.complete,
+        "counts": dict(result.counts),
+    }
+
+
+def show(result: LiveResult) -> None:
+    """Print what the nodes ended with."""
+    console.print(
+        f"\n[bold]{result.name}[/bold] beside {result.model}, live: {result.samples} samples compared "
+        f"({'complete' if result.complete else 'not complete'}), input {result.input}"
+    )
+    for name, signal in result.signals.items():
+        if not signal["driven"]:
+            rmse, floor = float(signal["rmse"]), float(signal["noise_floor"])
+            console.print(
+                f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, str(signal['unit'])):>12}   "
+                f"{rmse / floor:8.1f} × noise"
+            )
+
+
+class Follower:
+    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches."""
+
+    def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
+        from ..noise import noise_floors
+
+        self.watchers: list = []
+        self._floors = noise_floors(model)
+        self._duration = recording.duration if recording is not None else None
+        self._window = window
+        self._first: int | None = None
+        self._next = 0.0
+        self._sums: dict[str, list[float]] = {}
+
+    def take(self, pairs: list[Pair]) -> None:
+        """A batch of pairs from the running monitor."""
+        for pair in pairs:
+            if self._first is None or pair.stamp < self._first:
+                self._first, self._next = pair.stamp, self._window
+            for name in ("output_position", "current", "speed"):
+                residual = pair.residuals.get(name, float("nan"))
+                if residual == residual:
+                    held = self._sums.setdefault(name, [0.0, 0.0])
+                    held[0] += residual * residual
+                    held[1] += 1.0
+            elapsed = (pair.stamp - self._first) * 1e-9
+            if elapsed >= self._next:
+                self._print(elapsed)
+                self._next = elapsed + self._window
+        for watcher in self.watchers:
+            watcher(pairs)
+
+    def _print(self, elapsed: float) -> None:
+        from ..running_comparison import UNITS
+
+        of = f" of {self._duration:.0f}" if self._duration else ""
+        parts = []
+        for name, (square, count) in self._sums.items():
+            rmse = (square / count) ** 0.5
+            label = name.replace("_", " ")
+            parts.append(f"{label} {quantity(rmse, UNITS[name]):>10} {rmse / self._floors[name]:5.0f}×")
+        console.print(f"  {elapsed:5.1f}{of} s   error " + "   ".join(parts), highlight=False)
+        self._sums.clear()
+
+
+class LiveView:
+    """The rerun view of a live run; takes batches of pairs."""
+
+    def __init__(self, view) -> None:
+        self._view = view
+        self._first: int | None = None
+
+    def take(self, pairs: list[Pair]) -> None:
+        """A batch of pairs from the running monitor."""
+        import numpy as np
+
+        if self._first is None:
+            self._first = pairs[0].stamp
+        time = [(pair.stamp - self._first) * 1e-9 for pair in pairs]
+
+        def columns(side: str) -> dict[str, np.ndarray]:
+            names = getattr(pairs[0], side).keys()
+            return {name: np.array([getattr(pair, side)[name] for pair in pairs], float) for name in names}
+
+        self._view.add(time, columns("bench"), columns("twin"), columns("residuals"))
+
+    def tell(self, time: float, text: str) -> None:
+        """A line of the story."""
+        self._view.tell(time, text)
+
+    def close(self) -> None:
+        """Write what is held back."""
+        self._view.close()
+
+
+def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveView | None:
+    """The rerun view that is wanted: a file, a viewer where there is a screen and one may, or none."""
+    from ..views.screen import display_available
+
+    viewer = not headless and display_available()
+    if not headless and not viewer:
+        console.print("No display: the viewer stays closed (give --rrd FILE to look at the run later).", style="dim")
+    if rrd is None and not viewer:
+        return None
+    from ..views.rerun_view import RerunView
+
+    return LiveView(RerunView(rrd, "ema-twin", floors, viewer=viewer))

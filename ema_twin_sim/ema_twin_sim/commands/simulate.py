@@ -1,0 +1,63 @@
+"""``ema-twin simulate``: the virtual bench makes a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from ..quantities import quantity
+from . import options
+from .output import console, warn
+
+EXAMPLES = """Examples:
+
+ema-twin simulate --model polito_bench --command ramp:0.05 -o ramp.mcap
+
+ema-twin simulate --model better.yaml --command sine:0.02:1 --seconds 10 --seed 3 -o sine.CSV
+
+Commands, of the slow shaft: ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, \
+or a file of time [s], value [rad] lines; prefix speed- for a speed command (speed-ramp is rad/s2)."""
+
+
+def run(
+    model: options.ModelName,
+    command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A[:B]|FILE", help="What the bench does.")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
+    seconds: Annotated[float, typer.Option(help="Duration [s].")] = 20.0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
+    noise: Annotated[bool, typer.Option("--noise/--no-noise", help="With the sensors' noise.")] = True,
+    start: Annotated[float, typer.Option("--offset", help="Added to the command [rad, or rad/s].")] = 0.0,
+    phase: Annotated[float, typer.Option(help="Phase that a periodic command begins with [rad].")] = 0.0,
+    force: options.Force = False,
+) -> None:
+    """Run the virtual bench: the model driven by a command, through the bench's sensors, into a recording."""
+    from dataclasses import replace
+
+    from ema_bench_replay.bag_writer import write_mcap
+    from ema_bench_replay.import_map import load_map
+    from ema_bench_replay.trace_writer import write_trace
+
+    from ..command import parse_command
+    from ..model_file import load_model
+    from ..simulation import virtual_bench
+
+    if output.suffix.lower() not in (".mcap", ".csv"):
+        raise InputError(f"{output}: unknown kind of recording '{output.suffix}'; name it .mcap or .CSV")
+    parsed = parse_command(command, start=start, phase=phase)
+    recording = virtual_bench(load_model(model), parsed, seconds, seed=seed if noise else None)
+    recording = replace(recording, name=output.stem)
+    if output.suffix.lower() == ".mcap":
+        write_mcap(recording, output, force=force)
+    else:
+        for warning in write_trace(recording, output, load_map("siemens"), force=force):
+            warn(warning)
+    every = quantity(recording.sample_period, "s")
+    console.print(
+        f"{output}: {len(recording)} samples, {recording.duration:.2f} s, every {every}; "
+        f"{', '.join(recording.signals)}",
+        soft_wrap=True,
+    )

@@ -1,0 +1,99 @@
+"""A twin that follows a bench sample by sample: when it starts, what it leaves out, where it counts from. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ..model import Model
+from ..simulation import DRIVING
+from ..twin import Twin
+from .sample_stream import Kind, SampleStream
+from .warm_up import warm_up_twin
+
+_ZERO_OF = {
+    "motor_position": "motor_position",
+    "output_position": "output_position",
+    "output_command": "output_position",
+}
+"""Signals that are measured from the run's first sample, and the one whose first value is their zero."""
+
+
+def input_for(wanted: str, sample: Mapping[str, float]) -> str:
+    """The input that drives a twin beside this sample: as wanted; for `auto` the setpoint where there is one."""
+    if wanted != "auto":
+        return wanted
+    return "current" if math.isnan(sample["speed_setpoint"]) else "setpoint"
+
+
+class Follower:
+    """Answers each bench sample, by the rule of `sample_stream`.
+
+    A run's positions need not begin at zero (a bench that has been running): the twin counts from the first sample, and
+    its answers are moved back.
+
+    Attributes:
+        stream: counts of the samples that arrived.
+        twin: the twin; its parameters may be changed between two samples.
+        input: what drives it.
+        answered: samples answered.
+        problem: why samples are not answered; empty where they are.
+    """
+
+    def __init__(self, model: Model, wanted: str = "auto", from_start: bool = True) -> None:
+        """`wanted` is `setpoint`, `current` or `auto`; for `from_start` see `SampleStream`."""
+        self._wanted = wanted
+        self.input = "setpoint" if wanted == "auto" else wanted
+        warm_up_twin(model, self.input)
+        self.twin = Twin(model, self.input)
+        self.stream = SampleStream(from_start)
+        self.answered = 0
+        self.problem = ""
+        self._running = False
+        self._stamp = 0
+        self._zeros: dict[str, float] = {}
+
+    def answer(self, run: int, sequence: int, stamp: int, sample: Mapping[str, float]) -> dict[str, float] | None:
+        """The twin's signals at this sample (SI, stamped in ns); None where the sample is left out.
+
+        A run's samples before the first one with a value of the driving signal are left out, and `problem` says so.
+        """
+        kind = self.stream.accept(run, sequence, stamp)
+        if kind is Kind.LEFT_OUT:
+            return None
+        if kind is Kind.FIRST:
+            self._choose_input(sample)
+            self._running = False
+        if self._running:
+            answer = self.twin.advance(stamp - self._stamp, self._moved(sample, -1.0))
+        elif math.isnan(sample[DRIVING[self.input]]):
+            self.problem = f"the bench sends no {DRIVING[self.input]}, which drives the twin under input {self.input}"
+            return None
+        else:
+            answer = self._start(sample)
+        self._stamp = stamp
+        self.answered += 1
+        return self._moved(answer, 1.0)
+
+    def _choose_input(self, sample: Mapping[str, float]) -> None:
+        wanted = input_for(self._wanted, sample)
+        if wanted != self.input:
+            self.twin = Twin(self.twin.model, wanted)
+            self.input = wanted
+
+    def _start(self, sample: Mapping[str, float]) -> dict[str, float]:
+        self.problem = ""
+        self._running = True
+        zeros = {name: sample[origin] for name, origin in _ZERO_OF.items()}
+        self._zeros = {name: zero for name, zero in zeros.items() if zero and math.isfinite(zero)}
+        return self.twin.start(
+            self._moved(sample, -1.0),
+            sample["motor_angle_origin"] + self._zeros.get("motor_position", 0.0),
+            sample["output_angle_origin"] + self._zeros.get("output_position", 0.0),
+        )
+
+    def _moved(self, signals: Mapping[str, float], direction: float) -> dict[str, float]:
+        """The signals with those that count from the first sample moved to the twin's zero (-1) or back (1)."""
+        if not self._zeros:
+            return signals
+        return {**signals, **{name: signals[name] + direction * zero for name, zero in self._zeros.items()}}

@@ -1,0 +1,220 @@
+"""Replay, twin and monitor together: three nodes, one process, one executor. What `ema-twin live` runs."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.nodes.record import RecordNode
+from ema_bench_replay.nodes.replay import ReplayNode
+from ema_bench_replay.nodes.spin import interrupted, make_executor, signals_end_the_loop, spin, steady_timer
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from .monitor import MonitorNode
+from .twin import TwinNode
+
+_TICK = 0.05
+"""s between two batches of pairs."""
+_PATIENCE = 3.0
+"""s without a new pair after the last sample was sent, and then what is missing will not come."""
+
+_RECORDER_LAG = 0.3
+"""s after the end in which the recorder receives what is on its way."""
+
+
+class Pair(NamedTuple):
+    """A bench sample, the twin's answer and their residuals (SI)."""
+
+    stamp: int  # ns since the epoch
+    bench: Mapping[str, float]
+    twin: Mapping[str, float]
+    residuals: Mapping[str, float]
+
+
+class Change(NamedTuple):
+    """A parameter to set on the running twin."""
+
+    after: float  # s since the run's first sample
+    parameter: str  # for instance effects.backlash.enabled
+    value: bool | float
+
+
+@dataclass(frozen=True)
+class LiveResult:
+    """What the nodes ended with.
+
+    `signals` is the monitor's, per compared signal, as in `RunningComparison.result`. `complete` tells whether every
+    sample of the run was compared: only then is it what `compare` gives. `counts`: sent, compared, missing, expected.
+    """
+
+    name: str
+    model: str
+    input: str
+    samples: int
+    duration: float
+    signals: Mapping[str, Mapping[str, object]]
+    complete: bool
+    interrupted: bool
+    counts: Mapping[str, int]
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass
+class _Session:
+    """The nodes of one call, and what is passed between them and the caller."""
+
+    twin: TwinNode
+    monitor: MonitorNode
+    replay: ReplayNode | None
+    changes: list[Change]
+    on_pairs: Callable[[Sequence[Pair]], None] | None
+    notify: Callable[[str], None]
+    stop: threading.Event
+    pairs: list[Pair] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    first_stamp: int | None = None
+    last_stamp: int = 0
+    progress: tuple[int, float] = (0, 0.0)  # pairs compared, and when that number last changed
+
+    def take_pair(self, *pair: object) -> None:
+        """Called by the monitor."""
+        self.last_stamp = pair[0]
+        if self.first_stamp is None:
+            self.first_stamp = self.last_stamp
+        if self.on_pairs is not None:
+            self.pairs.append(Pair(*pair))
+
+    def tick(self) -> None:
+        """Hand on the pairs, make the changes that are due, look around."""
+        if self.pairs:
+            batch, self.pairs = self.pairs, []
+            self.on_pairs(batch)
+        elapsed = 0.0 if self.first_stamp is None else (self.last_stamp - self.first_stamp) * 1e-9
+        while self.changes and self.first_stamp is not None and self.changes[0].after <= elapsed:
+            self._make(self.changes.pop(0))
+        for topic in ("bench/state", "twin/state"):
+            warning = f"more than one node publishes {topic}: their samples mix; use another ROS_DOMAIN_ID"
+            if self.monitor.count_publishers(topic) > 1 and warning not in self.warnings:
+                self.warnings.append(warning)
+                self.notify(f"warning: {warning}")
+        if self.monitor.pairing.compared != self.progress[0] or not (self.replay and self.replay.ended):
+            self.progress = self.monitor.pairing.compared, time.monotonic()
+
+    def _make(self, change: Change) -> None:
+        (answer,) = self.twin.set_parameters([Parameter(change.parameter, value=change.value)])
+        if not answer.successful:
+            raise InputError(f"twin: {answer.reason}")
+        self.notify(f"{change.parameter} = {change.value} after {change.after:g} s")
+
+    def over(self) -> bool:
+        """Whether the caller stops, or all samples were sent and nothing more comes of them."""
+        if self.stop.is_set():
+            return True
+        if self.replay is None or not self.replay.ended:
+            return False
+        return self.monitor.complete or time.monotonic() - self.progress[1] > _PATIENCE
+
+    def result(self, recording: Recording | None) -> LiveResult:
+        """What the nodes ended with."""
+        pairing = self.monitor.pairing
+        announced = self.monitor.announced
+        expected = self.monitor.expected or pairing.seen
+        return LiveResult(
+            name=recording.name if recording else (announced.recording if announced else "bench"),
+            model=self.monitor.model.name,
+            input=self.monitor.comparison.source,
+            samples=pairing.compared,
+            duration=recording.duration
+            if recording
+            else (self.last_stamp - (self.first_stamp or self.last_stamp)) * 1e-9,
+            signals=self.monitor.comparison.result(),
+            complete=self.monitor.complete,
+            interrupted=interrupted(),
+            counts={
+                "sent": self.replay.sent if self.replay else pairing.bench.received,
+                "compared": pairing.compared,
+                "missing": expected - pairing.compared if self.replay and self.replay.ended else pairing.missing,
+                "expected": expected,
+            },
+            warnings=(*(recording.warnings if recording else ()), *self.warnings),
+        )
+
+
+def run_live(
+    recording: Recording | None,
+    model: Model,
+    *,
+    input: str = "auto",
+    rate: float = 1.0,
+    changes: Iterable[Change] = (),
+    on_pairs: Callable[[Sequence[Pair]], None] | None = None,
+    notify: Callable[[str], None] = lambda text: None,
+    record_to: Path | None = None,
+    stop: threading.Event | None = None,
+) -> LiveResult:
+    """Play a recording to a twin and a monitor, all as ROS nodes in this process, until every sample was compared.
+
+    Args:
+        recording: what to play; None attaches to whatever publishes `bench/state`, from now on, until `stop`.
+        model: what the twin is made of.
+        input: what drives the twin: `setpoint`, `current`, or `auto`: the setpoint where the bench has one.
+        rate: speed of playing, 1 is real time, 0 as fast as it goes.
+        changes: parameters to set on the running twin, and when.
+        on_pairs: called about 20 times a second with the pairs compared since.
+        notify: called with one line of text when something happens.
+        record_to: a folder that is made, with an MCAP of all topics.
+        stop: set it to end early, from another thread or from a callback.
+
+    SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
+
+    Raises:
+        InputError: where a change is refused, or `record_to` cannot be written.
+    """
+    context = Context()
+    stop = stop or threading.Event()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    nodes: list[Node] = []
+    from_start = Parameter("from_start", value=recording is not None)
+    source = Parameter("input", value=input)
+    try:
+        with signals_end_the_loop():
+            twin = TwinNode(model, parameters=[from_start, source], context=context)
+            nodes.append(twin)
+            monitor = MonitorNode(model, parameters=[from_start, source], context=context)
+            nodes.append(monitor)
+            if record_to is not None:
+                nodes.append(RecordNode(parameters=[Parameter("output", value=str(record_to))], context=context))
+            replay = None
+            if recording is not None:
+                given = {"rate": float(rate), "on_end": "wait", "subscribers": len(nodes)}
+                replay = ReplayNode(
+                    recording, parameters=[Parameter(k, value=v) for k, v in given.items()], context=context
+                )
+                nodes.append(replay)
+            session = _Session(twin, monitor, replay, sorted(changes), on_pairs, notify, stop)
+            monitor.on_pair = session.take_pair
+            steady_timer(monitor, _TICK, session.tick)
+            executor = make_executor(nodes, context)
+            spin(executor, session.over, context)
+            session.tick()
+            if record_to is not None:  # the recorder may be a few messages behind the monitor
+                end = time.monotonic() + _RECORDER_LAG
+                spin(executor, lambda: time.monotonic() > end, context)
+            executor.shutdown()
+            return session.result(recording)
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown(context=context)

@@ -1,0 +1,198 @@
+"""The node `monitor`: compares the twin with its bench, sample by sample, and says how well it follows."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from ema_bench_replay.nodes import diagnostics, qos
+from ema_bench_replay.nodes.messages import header, signals_message
+from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
+from ema_bench_replay.nodes.spin import run, steady_timer
+from ema_bench_replay.nodes.state_codec import State, read_state
+from ema_twin_msgs.msg import EmaState, Health, Residual, Run
+
+from ..model import Model
+from ..model_file import load_model
+from ..running_comparison import DRIVEN, RunningComparison
+from .follower import input_for
+from .pairing import Pairing
+from .verdict import Level, judge
+from .warm_up import warm_up_comparison
+
+PARAMETERS = (
+    Declaration("model", "polito_bench", "model of the machine, for the sensors' noise: a shipped name or a YAML file"),
+    Declaration(
+        "input", "auto", "what drives the twin: see the twin's parameter", choices=("auto", "setpoint", "current")
+    ),
+    Declaration("from_start", True, "take the samples that were sent before this node came"),
+    Declaration("window", 5.0, "length of the window that the level is judged by", "s", 0.01, 3600.0),
+    Declaration("warn_at", 3.0, "RMSE over noise floor at which health is WARN", "1", 1.0, 1e6, fixed=False),
+    Declaration("error_at", 10.0, "RMSE over noise floor at which health is ERROR", "1", 1.0, 1e6, fixed=False),
+    Declaration("stale_after", 1.0, "time without a sample after which health is STALE", "s", 0.1, 60.0, fixed=False),
+    Declaration("capacity", 10_000, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
+)
+
+_HEALTH_PERIOD = 0.1
+"""s."""
+
+PairListener = Callable[[int, Mapping[str, float], Mapping[str, float], Mapping[str, float]], None]
+"""Called with a pair's stamp [ns since the epoch], bench signals, twin signals and residuals (SI)."""
+
+
+class MonitorNode(Node):
+    """Publishes the residual of every pair of samples, and health ten times a second.
+
+    Samples are paired by run and sequence, in either order of arrival (see `pairing`); statistics begin anew with each
+    run. Health is STALE where nothing arrives before the run is complete.
+
+    Attributes:
+        pairing: counts of what arrived, and of what is missing.
+        comparison: the statistics of the present run.
+        announced: what `bench/run` last told; None before.
+        on_pair: called for every pair, where given.
+    """
+
+    def __init__(
+        self,
+        model: Model | None = None,
+        *,
+        parameters: Sequence[Parameter] = (),
+        context: Context | None = None,
+        on_pair: PairListener | None = None,
+    ) -> None:
+        """Compare by the noise of `model`, or of the one that the parameter names. Raises InputError on a wrong one."""
+        super().__init__("monitor", parameter_overrides=list(parameters), context=context)
+        given = declare(self, PARAMETERS)
+        refuse_unknown(self)
+        self.model = model or load_model(given["model"])
+        self._input, self._window = given["input"], given["window"]
+        self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
+        warm_up_comparison(self.model)
+        self.pairing = Pairing(given["capacity"], given["from_start"])
+        self.comparison = self._new_comparison("setpoint" if self._input == "auto" else self._input)
+        self.on_pair = on_pair
+        self.announced: Run | None = None
+        self._stamp = 0
+        self._arrival = -math.inf
+
+        self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
+        self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
+        self._diagnostics = diagnostics.Diagnostics(self, self.model.name, self._report)
+        states = qos.state(given["from_start"])
+        self.create_subscription(EmaState, "bench/state", self._on_bench, states, raw=True)
+        self.create_subscription(EmaState, "twin/state", self._on_twin, states, raw=True)
+        self.create_subscription(Run, "bench/run", self._on_run, qos.LATEST)
+        self.add_on_set_parameters_callback(self._on_parameters)
+        steady_timer(self, _HEALTH_PERIOD, self._publish_health)
+
+    @property
+    def expected(self) -> int:
+        """Samples that the present run will have, as announced on `bench/run`; 0 where nobody said so."""
+        announced = self.announced
+        return announced.samples if announced is not None and announced.run == self.pairing.run else 0
+
+    @property
+    def complete(self) -> bool:
+        """Whether every sample of the run was compared; of a run whose length nobody told, every one so far."""
+        pairing = self.pairing
+        return 0 < pairing.compared == (self.expected or pairing.seen)
+
+    def _on_bench(self, message: bytes) -> None:
+        self._arrival = time.monotonic()
+        sample = read_state(message)
+        passes = self.pairing.passes
+        answer = self.pairing.add_bench(sample)
+        if self.pairing.passes != passes:
+            self.comparison = self._new_comparison(input_for(self._input, sample.signals))
+        if answer is not None:
+            self._compare(sample, answer)
+
+    def _on_twin(self, message: bytes) -> None:
+        self._arrival = time.monotonic()
+        answer = read_state(message)
+        sample = self.pairing.add_twin(answer)
+        if sample is not None:
+            self._compare(sample, answer)
+
+    def _on_run(self, message: Run) -> None:
+        self.announced = message
+
+    def _compare(self, bench: State, twin: State) -> None:
+        residuals = self.comparison.add(bench.signals, twin.signals)
+        self._stamp = bench.stamp
+        self._residual_publisher.publish(
+            Residual(
+                header=header(bench.stamp),
+                run=self.pairing.run,
+                sequence=bench.sequence,
+                residual=signals_message(residuals),
+            )
+        )
+        if self.on_pair is not None:
+            self.on_pair(bench.stamp, bench.signals, twin.signals, residuals)
+
+    def _new_comparison(self, source: str) -> RunningComparison:
+        return RunningComparison(self.model, source, self._window)
+
+    def _level(self) -> tuple[Level, str]:
+        if not self.complete and time.monotonic() - self._arrival > self._limits["stale_after"]:
+            return Level.STALE, "no sample arrives"
+        comparison = self.comparison
+        driven = DRIVEN.get(comparison.source)
+        limits = self._limits["warn_at"], self._limits["error_at"]
+        return judge(comparison.rmse_window, comparison.noise_floor, driven, *limits)
+
+    def _publish_health(self) -> None:
+        comparison, pairing = self.comparison, self.pairing
+        self._health_publisher.publish(
+            Health(
+                header=header(self._stamp),
+                run=pairing.run or 0,
+                level=bytes([self._level()[0]]),
+                complete=self.complete,
+                compared=pairing.compared,
+                missing=pairing.missing,
+                expected=self.expected,
+                window=self._window,
+                rmse=signals_message(comparison.rmse),
+                rmse_window=signals_message(comparison.rmse_window),
+                noise_floor=signals_message(comparison.noise_floor),
+            )
+        )
+
+    def _report(self) -> diagnostics.Report:
+        pairing = self.pairing
+        level, words = self._level()
+        if pairing.missing:
+            words = f"{words}; {pairing.missing} samples of this run are missing"
+        figures = {"run": pairing.run, "compared": pairing.compared, "missing": pairing.missing}
+        figures |= {"expected": self.expected, "complete": self.complete, "waiting for a partner": pairing.waiting}
+        figures |= {"twin samples of a run that was left": pairing.outdated}
+        for side, stream in (("bench", pairing.bench), ("twin", pairing.twin)):
+            for count in ("received", "lost", "late", "duplicate", "backward"):
+                figures[f"{side} samples {count}"] = getattr(stream, count)
+        return diagnostics.Report(
+            max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
+        )
+
+    def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
+        result = check_all(PARAMETERS, parameters)
+        if result.successful:
+            self._limits |= {p.name: float(p.value) for p in parameters if p.name in self._limits}
+        return result
+
+
+def main() -> int:
+    """Run the node in this process; returns the exit status."""
+    return run(MonitorNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

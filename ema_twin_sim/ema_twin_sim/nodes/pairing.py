@@ -1,0 +1,140 @@
+"""Pairs of a bench's sample and the twin's answer to it, whichever comes first. No ROS.
+
+A *pass* is what a stream sends between two restarts: a new run, or a step back in time within a run. The bench says
+which pass is the present one; the twin goes through the same passes, a little before or behind it as seen from here.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from .sample_stream import Kind, SampleStream
+
+
+class Sample(Protocol):
+    """What is paired; the monitor passes `state_codec.State`."""
+
+    run: int
+    sequence: int
+    stamp: int  # ns since the epoch
+
+
+@dataclass
+class _TwinPass:
+    """Answers of one pass that wait for their bench samples, by sequence, in order of arrival."""
+
+    run: int
+    first: int
+    newest: int = -1
+    waiting: dict[int, Sample] = field(default_factory=dict)
+
+
+class Pairing:
+    """Pairs samples by run and sequence, with a bounded memory of those whose partner has not come.
+
+    Attributes:
+        bench, twin: counts of what arrived on either side.
+        compared: pairs of the present run.
+        outdated: answers to samples of a run that the bench has left, since the start.
+        passes: passes that the bench has begun.
+    """
+
+    def __init__(self, capacity: int = 10_000, from_start: bool = True) -> None:
+        """Keep up to `capacity` unpaired samples of each side; for `from_start` see `SampleStream`."""
+        self._capacity = capacity
+        self.bench = SampleStream(from_start)
+        self.twin = SampleStream(from_start)
+        self.compared = 0
+        self.outdated = 0
+        self.passes = 0
+        self._waiting: dict[int, Sample] = {}
+        self._answers: _TwinPass | None = None  # to the bench's present pass
+        self._ahead: deque[_TwinPass] = deque(maxlen=16)  # passes that the bench, as seen from here, has not begun
+
+    @property
+    def run(self) -> int | None:
+        """Number of the present run; None before the bench's first sample."""
+        return self.bench.run
+
+    @property
+    def seen(self) -> int:
+        """Samples that the run has had so far, lost ones included."""
+        return 0 if self.run is None else self.bench.sequence + 1 - self._first
+
+    @property
+    def missing(self) -> int:
+        """Samples of the run that can no longer be compared: both streams, each in order, have gone past them."""
+        if self.run is None or self._answers is None:
+            return 0
+        return min(self.bench.sequence, self._answers.newest) + 1 - self._first - self.compared
+
+    @property
+    def waiting(self) -> int:
+        """Samples of the present run whose partner has not come."""
+        return len(self._waiting) + (len(self._answers.waiting) if self._answers else 0)
+
+    def add_bench(self, sample: Sample) -> Sample | None:
+        """Take a sample of the bench; returns the twin's answer where that is here already."""
+        kind = self.bench.accept(sample.run, sample.sequence, sample.stamp)
+        if kind is Kind.LEFT_OUT:
+            return None
+        if kind is Kind.FIRST:
+            self._begin(sample.run)
+        answer = self._answers.waiting.pop(sample.sequence, None) if self._answers else None
+        if answer is None:
+            self._keep(self._waiting, sample)
+        else:
+            self.compared += 1
+        return answer
+
+    def add_twin(self, sample: Sample) -> Sample | None:
+        """Take an answer of the twin; returns the bench's sample where that is here already."""
+        kind = self.twin.accept(sample.run, sample.sequence, sample.stamp)
+        if kind is Kind.LEFT_OUT:
+            return None
+        if kind is Kind.FIRST:
+            self._begin_twin(sample.run)
+        into = self._ahead[-1] if self._ahead else self._answers
+        if into is None:
+            self.outdated += 1
+            return None
+        into.newest = sample.sequence
+        partner = self._waiting.pop(sample.sequence, None) if into is self._answers else None
+        if partner is None:
+            self._keep(into.waiting, sample)
+        else:
+            self.compared += 1
+        return partner
+
+    @property
+    def _first(self) -> int:
+        return max(self.bench.first, self._answers.first) if self._answers else self.bench.first
+
+    def _begin(self, run: int) -> None:
+        """The bench begins a pass: the twin may have begun it already."""
+        self.passes += 1
+        self.compared = 0
+        self._waiting.clear()
+        self._answers = None
+        while self._ahead and self._answers is None:
+            begun = self._ahead.popleft()
+            if begun.run == run:
+                self._answers = begun
+            else:
+                self.outdated += len(begun.waiting)
+
+    def _begin_twin(self, run: int) -> None:
+        begun = _TwinPass(run, self.twin.first)
+        if self._answers is None and self.run == run:
+            self.outdated += sum(len(older.waiting) for older in self._ahead)
+            self._ahead.clear()
+            self._answers = begun
+        else:
+            self._ahead.append(begun)
+
+    def _keep(self, waiting: dict[int, Sample], sample: Sample) -> None:
+        waiting[sample.sequence] = sample
+        if len(waiting) > self._capacity:
+            del waiting[next(iter(waiting))]

@@ -1,0 +1,35 @@
+"""Periods of a clock that must not drift. No ROS: the caller brings the time."""
+
+from __future__ import annotations
+
+
+class DeadlineClock:
+    """Deadlines at whole periods after a beginning, on a monotonic clock [ns].
+
+    They are absolute: a late period does not shift those after it. Where the caller comes so late that whole periods
+    have passed, these are missed: they are counted, not made up for one by one.
+
+    Attributes:
+        missed: periods missed.
+        worst: the longest delay behind a deadline [ns].
+    """
+
+    def __init__(self, period: int, now: int) -> None:
+        """Periods of `period` ns; the first deadline is `now`."""
+        self._period = period
+        self._origin = now
+        self._next = 0
+        self.missed = 0
+        self.worst = 0
+
+    def tick(self, now: int) -> int | None:
+        """The number of the period that has begun, from 0; None where the next deadline is still ahead."""
+        late = now - self._origin - self._next * self._period
+        if late < 0:
+            return None
+        self.worst = max(self.worst, late)
+        missed = late // self._period
+        self.missed += missed
+        number = self._next + missed
+        self._next = number + 1
+        return number

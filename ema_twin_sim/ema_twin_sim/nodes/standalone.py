@@ -1,0 +1,41 @@
+"""A twin on its own clock: it follows a command, not a bench. No ROS."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..command import Command
+from ..model import Model
+from ..twin import Twin
+from .warm_up import warm_up_twin
+
+
+class Standalone:
+    """A twin driven by a command of the slow shaft.
+
+    Attributes:
+        twin: the twin; its parameters may be changed between two samples.
+    """
+
+    def __init__(self, model: Model, command: Command) -> None:
+        source = "standalone_speed" if command.speed else "standalone"
+        warm_up_twin(model, source)
+        self.twin = Twin(model, source)
+        self._command = command
+        self._time: int | None = None
+
+    def answer(self, time: int) -> dict[str, float]:
+        """The twin's signals (SI) at `time`, ns since the start; the first call starts it."""
+        sample = self._sample(time)
+        if self._time is None:
+            answer = self.twin.start(sample, 0.0, 0.0)
+        else:
+            answer = self.twin.advance(time - self._time, sample)
+        self._time = time
+        return answer
+
+    def _sample(self, time: int) -> dict[str, float]:
+        value = self._command(np.array([time * 1e-9])).item()
+        if self._command.speed:
+            return {"speed_setpoint": value * self.twin.model.value("machine.gear_ratio")}
+        return {"output_command": value}

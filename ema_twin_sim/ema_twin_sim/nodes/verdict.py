@@ -1,0 +1,32 @@
+"""How well a twin follows its bench, in one word. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+
+
+class Level(IntEnum):
+    """Numbered as in `ema_twin_msgs/Health`."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+def judge(
+    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: str | None, warn_at: float, error_at: float
+) -> tuple[Level, str]:
+    """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
+
+    Signals whose RMSE is NaN do not count, nor does the `driven` one: it is the twin's input.
+    """
+    worst, ratio = "", 0.0
+    for name, floor in noise_floor.items():
+        if name != driven and floor > 0.0 and rmse[name] / floor > ratio:
+            worst, ratio = name, rmse[name] / floor
+    words = f"{worst}: RMSE is {ratio:.3g} times the noise floor" if worst else "nothing compared yet"
+    if ratio >= error_at:
+        return Level.ERROR, words
+    return (Level.WARN if ratio >= warn_at else Level.OK), words

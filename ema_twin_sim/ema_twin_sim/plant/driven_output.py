@@ -1,0 +1,68 @@
+"""The output side alone, driven by the motor's measured motion: what a transmission with play takes from the motor.
+
+The unexplained torque of a two-inertia model needs it: while the gap is open, the motor neither accelerates the output
+nor feels its friction. The motor's angle is the integral of its measured speed, drawn slowly to its counter: the
+counter's noise through a contact's stiffness would be newton metres.
+"""
+
+import math
+
+from numba import njit
+
+from .drive import lag_gain
+from .transmission import contact_torque, shaft_speed
+
+COUNTER_PULL = 0.08  # s, the lag with which the integrated angle follows the counter: 2 Hz
+
+
+@njit(error_model="numpy")
+def driven_output(plant, state, speed, position, output_torque, interval, step):
+    """Mean torque [N m] passed to the output over one interval; ``state`` carries the output (``driven_*``).
+
+    ``speed`` [rad/s] and ``position`` [rad] are the motor's at the interval's end, ``output_torque`` [N m] what the
+    effects put against the output.
+    """
+    if state.driven_ready == 0.0:
+        state.driven_ready = 1.0
+        state.driven_motor_angle = position
+        state.driven_motor_speed = speed
+        state.driven_output_angle = position
+        state.driven_output_speed = speed
+        return plant.output_viscous * speed + math.copysign(plant.output_dry, speed) + output_torque
+    steps = max(1, math.ceil(interval / step - 1e-9))
+    h = interval / steps
+    start = state.driven_motor_speed
+    angle = state.driven_motor_angle
+    output_angle = state.driven_output_angle
+    output_speed = state.driven_output_speed
+    compliance = 0.5 * h / plant.output_inertia
+    passed = 0.0
+    for k in range(steps):
+        motor_speed = start + (speed - start) * ((k + 0.5) / steps)
+        torque = contact_torque(
+            angle - output_angle,
+            motor_speed - output_speed,
+            plant.contact_stiffness,
+            plant.contact_damping,
+            plant.gap,
+            h,
+            compliance,
+        )
+        output_angle += 0.5 * h * output_speed
+        output_speed = shaft_speed(
+            output_speed,
+            torque - output_torque,
+            plant.output_viscous,
+            plant.output_dry,
+            plant.output_break_away,
+            plant.output_inertia,
+            h,
+        )
+        output_angle += 0.5 * h * output_speed
+        angle += h * motor_speed
+        passed += torque
+    state.driven_motor_angle = angle + lag_gain(interval, COUNTER_PULL) * (position - angle)
+    state.driven_motor_speed = speed
+    state.driven_output_angle = output_angle
+    state.driven_output_speed = output_speed
+    return passed / steps

@@ -1,0 +1,69 @@
+"""What the ROS tests share: nodes in this process on a graph of their own, and nodes as processes."""
+
+import os
+import subprocess
+import sys
+import time
+
+import rclpy
+from rclpy.context import Context
+from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
+
+from ema_bench_replay.nodes.spin import make_executor
+
+
+class Graph:
+    """Nodes of one test, served by one executor in the test's own thread."""
+
+    def __init__(self):
+        self.context = Context()
+        rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
+        self.executor = make_executor([], self.context)
+        self.nodes = []
+
+    def add(self, node_class, *arguments, **parameters):
+        """A node of that class with these parameters."""
+        given = [Parameter(name, value=value) for name, value in parameters.items()]
+        return self.join(node_class(*arguments, parameters=given, context=self.context))
+
+    def join(self, node):
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def plain_node(self, name="tester"):
+        return self.join(rclpy.create_node(name, context=self.context))
+
+    def spin_until(self, condition, timeout=10.0):
+        end = time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < end, "nothing came of it in time"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def spin_for(self, seconds):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.executor.spin_once(timeout_sec=0.01)
+
+    def call(self, node, service_type, name, **request):
+        """Call a service through a client of `node`."""
+        client = node.create_client(service_type, name)
+        assert client.wait_for_service(timeout_sec=5.0)
+        future = client.call_async(service_type.Request(**request))
+        self.spin_until(future.done)
+        node.destroy_client(client)
+        return future.result()
+
+    def close(self):
+        self.executor.shutdown()
+        for node in self.nodes:
+            node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+
+def start_process(module, *parameters, **options):
+    """A node in a process of its own, as `ros2 run` starts it; `parameters` as NAME:=VALUE."""
+    given = [word for parameter in parameters for word in ("-p", parameter)]
+    command = [sys.executable, "-m", module, "--ros-args", *given]
+    return subprocess.Popen(command, env=os.environ.copy(), stderr=subprocess.PIPE, text=True, **options)

@@ -1,0 +1,52 @@
+"""Commands of the virtual bench."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.command import parse_command
+
+
+def test_shapes():
+    time = np.array([0.0, 0.25, 0.5, 1.0, 1.5, 2.0])
+    assert np.allclose(parse_command("ramp:0.05")(time), 0.05 * time)
+    assert np.allclose(parse_command("sine:0.02:1")(time), 0.02 * np.sin(2 * np.pi * time))
+    assert np.allclose(parse_command("triangle:0.04:1")(time), [0, 0.01, 0.02, 0.04, 0.02, 0])
+    assert np.allclose(parse_command("step:0.02:1")(time), [0.02, 0.02, 0.02, 0, 0, 0.02])
+
+
+def test_start_and_phase():
+    assert parse_command("ramp:0.05", start=1.0)(np.zeros(1)) == 1.0
+    shifted = parse_command("sine:0.02:1", phase=np.pi / 2)
+    assert shifted(np.zeros(1)) == 0.0
+    assert shifted(np.array([0.5])) == pytest.approx(-0.04)
+    assert parse_command("triangle:0.04:1", phase=np.pi)(np.array([0.0, 0.5])) == pytest.approx([0.0, -0.02])
+
+
+def test_a_speed_command():
+    assert parse_command("speed-step:0.1:1").speed
+    assert not parse_command("step:0.1:1").speed
+
+
+def test_a_file_of_points(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("time,value\n0,0\n1,0.1\n# rest\n2,0.1\n")
+    assert np.allclose(parse_command(str(path))(np.array([0.5, 1.5, 9.0])), [0.05, 0.1, 0.1])
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["wobble:1", "ramp", "ramp:x", "ramp:1:2", "sine:0.02", "sine:0.02:0", "sine:0.02:-1", "ramp:nan", "nofile.csv"],
+)
+def test_what_is_no_command_is_refused_with_the_forms(text):
+    with pytest.raises(InputError, match=r"ramp:RAD_PER_S|text file") as refused:
+        parse_command(text)
+    assert text in str(refused.value)
+
+
+@pytest.mark.parametrize("lines", ["0,0\n", "0,0\n1,x\n", "0,0\n0,1\n", "1,0\n0,1\n", "0,0\n1,nan\n", "0,0\n1,2,3\n"])
+def test_bad_points_are_refused_with_their_line(tmp_path, lines):
+    path = tmp_path / "points.csv"
+    path.write_text(lines)
+    with pytest.raises(InputError, match=r"points\.csv"):
+        parse_command(str(path))

@@ -1,0 +1,159 @@
+"""Comparison of models with recordings: the numbers, where a model fails, and the error that falls."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording, load
+from ema_twin_sim.command import parse_command
+from ema_twin_sim.comparison import compare
+from ema_twin_sim.model_file import load_model
+from ema_twin_sim.noise import noise_floors
+from ema_twin_sim.running_comparison import UNITS, RunningComparison
+from ema_twin_sim.simulation import simulate, virtual_bench
+
+
+@pytest.fixture(scope="module")
+def stock():
+    return load_model("polito_bench")
+
+
+@pytest.fixture(scope="module")
+def recordings(traces):
+    return [load(path) for path in traces]
+
+
+def excess_removed(before, after, signal):
+    floor = before[signal]["noise_floor"] ** 2
+    return (before[signal]["rmse"] ** 2 - after[signal]["rmse"] ** 2) / (before[signal]["rmse"] ** 2 - floor)
+
+
+def test_adding_the_hidden_effects_removes_nine_tenths_of_the_excess_error(stock, recordings):
+    better = stock.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
+    better = better.with_effect("backlash", {"width": 0.004})
+    before, after = (compare(recordings, model) for model in (stock, better))
+    for signal in ("current", "output_position"):
+        assert excess_removed(before.overall, after.overall, signal) > 0.9
+
+
+def test_the_same_on_the_held_out_recordings_of_another_virtual_bench(bench_cases, stock):
+    case = bench_cases / "dev10"
+    answer = json.loads((case / "answer.json").read_text())["parameters"]
+    held_out = [load(path) for path in sorted((case / "holdout").glob("*.CSV"))]
+    better = stock
+    for effect, parameters in answer.items():
+        better = better.with_effect(effect, parameters)
+    before, after = (compare(held_out, model) for model in (stock, better))
+    for signal in ("current", "output_position"):
+        assert excess_removed(before.overall, after.overall, signal) > 0.9
+
+
+def test_the_numbers_are_those_of_their_definition(stock, recordings):
+    recording = recordings[0]
+    twin = simulate(stock, recording)
+    result = compare([recording], stock).recordings[0]
+    assert result.samples == len(recording) and result.duration == recording.duration
+    for name in ("current", "speed", "motor_position", "output_position"):
+        residual = recording.signals[name] - twin.signals[name]
+        assert result.signals[name]["rmse"] == pytest.approx(np.sqrt(np.mean(residual**2)))
+        relative = np.linalg.norm(residual) / np.linalg.norm(recording.signals[name])
+        assert result.signals[name]["relative"] == pytest.approx(relative)
+        assert result.signals[name]["unit"] == UNITS[name]
+    assert not any(signal["driven"] for signal in result.signals.values())
+
+
+def test_overall_pools_all_samples(stock, recordings):
+    comparison = compare(recordings, stock)
+    squares = [r.signals["current"]["rmse"] ** 2 * r.samples for r in comparison.recordings]
+    samples = sum(r.samples for r in comparison.recordings)
+    assert comparison.overall["current"]["rmse"] == pytest.approx(math.sqrt(sum(squares) / samples))
+
+
+def test_under_current_the_current_is_marked_as_driven(stock, recordings):
+    comparison = compare(recordings[:1], stock, "current")
+    assert comparison.input == "current"
+    assert comparison.overall["current"]["driven"] and comparison.overall["current"]["rmse"] == 0.0
+    assert comparison.overall["unexplained_torque"]["rmse"] < 0.05
+
+
+def test_a_recording_without_a_setpoint_is_driven_by_its_current(stock, recordings):
+    bare = recordings[0]
+    counters = {n: bare.signals[n] for n in ("current", "motor_position", "output_position")}
+    comparison = compare([Recording("bare", bare.stamps, counters)], stock)
+    assert comparison.input == "current"
+    assert set(comparison.overall) == {"current", "motor_position", "output_position", "unexplained_torque"}
+    with pytest.raises(InputError, match="speed_setpoint"):
+        compare([Recording("bare", bare.stamps, counters)], stock, "setpoint")
+
+
+def test_sample_by_sample_and_whole_give_the_same_statistics(stock, recordings):
+    recording = recordings[1].between(0.0, 4.0)
+    twin = simulate(stock, recording)
+    whole, single = RunningComparison(stock, "setpoint"), RunningComparison(stock, "setpoint")
+    whole.add_rows(recording.signals, twin.signals)
+    for k in range(len(recording)):
+        single.add(
+            {n: float(v[k]) for n, v in recording.signals.items()}, {n: float(v[k]) for n, v in twin.signals.items()}
+        )
+    for name, signal in whole.result().items():
+        for key in ("rmse", "relative", "noise_floor"):
+            assert single.result()[name][key] == pytest.approx(signal[key], rel=1e-9)
+    assert single.rmse_window == pytest.approx(whole.rmse_window)
+
+
+def test_samples_without_a_value_do_not_count(stock):
+    running = RunningComparison(stock, "setpoint")
+    assert math.isnan(running.rmse["current"]) and running.result() == {}
+    residual = running.add({"current": 1.0, "speed": math.nan}, {"current": 0.5, "speed": 2.0})
+    assert residual["current"] == 0.5 and math.isnan(residual["speed"]) and math.isnan(residual["output_position"])
+    assert set(running.result()) == {"current"}
+
+
+def test_the_noise_floor_is_what_remains_of_a_right_twin(stock):
+    """Measured on noise alone: the virtual bench with and without its sensors' noise, turning steadily."""
+    command = parse_command("ramp:0.05")
+    noisy = virtual_bench(stock, command, 20.0, seed=5)
+    running = RunningComparison(stock, "setpoint")
+    settled = noisy.between(1.0)
+    twin = simulate(stock, noisy).between(1.0)
+    running.add_rows(settled.signals, twin.signals)
+    floors = noise_floors(stock)
+    for name in ("current", "speed", "unexplained_torque"):
+        assert running.rmse[name] == pytest.approx(floors[name], rel=0.05), name
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "options", "command", "signal", "variable"),
+    [
+        ("sun_runout", {"torque": 0.03}, {}, "ramp:0.05", "current", "order"),
+        ("viscous_friction", {"coefficient": 0.02}, {}, "triangle:0.06:2", "current", "speed"),
+        ("backlash", {"width": 0.004}, {}, "triangle:0.04:2", "output_position", "direction"),
+    ],
+)
+def test_where_a_model_fails_is_told(stock, effect, parameters, options, command, signal, variable):
+    bench = virtual_bench(stock.with_effect(effect, parameters, options), parse_command(command), 12.0)
+    found = [d for d in compare([bench], stock).where if d.signal == signal]
+    shares = {d.variable: d.share for d in found}
+    assert shares[variable] > 0.3
+    assert shares[variable] > 0.9 * max(shares.values())
+    if variable == "order":
+        (order,) = (d for d in found if d.variable == "order")
+        assert order.lower == pytest.approx(1.0, abs=0.05)
+
+
+def test_noise_depends_on_nothing(stock):
+    bench = virtual_bench(stock, parse_command("triangle:0.04:2"), 12.0)
+    for dependence in compare([bench], stock).where:
+        if dependence.signal == "current":
+            assert dependence.share < 0.05
+
+
+def test_the_json_has_the_keys_that_others_rely_on(stock, recordings):
+    content = compare(recordings, stock).as_json()
+    assert list(content) == ["model", "input", "recordings", "overall", "where", "warnings"]
+    assert list(content["recordings"][0]) == ["name", "samples", "duration", "signals"]
+    assert list(content["overall"]["current"]) == ["rmse", "relative", "noise_floor", "unit", "driven"]
+    json.dumps(content, allow_nan=False)

@@ -1,0 +1,134 @@
+"""Import maps: the shipped one is sound, columns are found by it, and each mistake in one is named."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.configuration import configuration_names
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.import_map import Column, load_map
+from ema_bench_replay.recording import load
+
+MAP = """
+version: 1
+time: {column: 't \\[s\\]', unit: s}
+signals:
+  motor_position: {columns: [position], unit: deg, factor: -1}
+  output_position: {columns: [r5], counts_per_revolution: 1000, bits: 16}
+  motor_torque: {columns: ['force.*', voltage], factor: 35.15}
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Write a map and return its path."""
+
+    def write(text, name="own.yaml"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+@pytest.mark.parametrize("name", configuration_names("maps"))
+def test_shipped_maps_load(name):
+    assert load_map(name).name == name and load_map(name).signals
+
+
+def test_siemens_units():
+    factors = {signal.signal: signal.factor for signal in load_map("siemens").signals}
+    assert factors["output_position"] == 2 * math.pi / 4_000_000
+    assert factors["motor_position"] == 2 * math.pi / 40_960
+    assert factors["speed"] == factors["speed_setpoint"] == 2 * math.pi / 60
+    assert factors["current"] == factors["current_setpoint"] == factors["voltage"] == 1.0
+
+
+def test_another_drive_needs_no_code(own, tmp_path):
+    path = tmp_path / "drive.csv"
+    path.write_text("t [s],Position,R5,voltage\n0.000,90,65530,1.5\n0.001,91,65535,-1.5\n0.002,93,4,2\n")
+    recording = load(path, import_map=own(MAP))
+    assert recording.stamps.tolist() == [0, 1_000_000, 2_000_000]
+    assert np.allclose(recording.signals["motor_position"], np.deg2rad([0, -1, -3]))
+    assert recording.motor_angle_origin == pytest.approx(-math.pi / 2)
+    assert np.allclose(recording.signals["output_position"], 2 * math.pi / 1000 * np.array([0, 5, 10]))
+    assert recording.signals["motor_torque"].tolist() == [1.5 * 35.15, -1.5 * 35.15, 2 * 35.15]
+    [warning] = recording.warnings
+    assert "R5: counter wrapped (-65536 counts) at 0.002 s; unwrapped" in warning
+
+
+def test_command_is_measured_from_the_zero_of_the_position(own, tmp_path):
+    path = tmp_path / "drive.csv"
+    path.write_text("t,position,command\n0,10,11\n1,10.5,12\n")
+    text = (
+        "version: 1\ntime: {column: t, unit: s}\nsignals:\n"
+        "  output_position: {columns: [position]}\n  output_command: {columns: [command]}\n"
+    )
+    signals = load(path, import_map=own(text)).signals
+    assert signals["output_position"].tolist() == [0.0, 0.5] and signals["output_command"].tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("column", "header", "found"),
+    [
+        ("r78", ["r780", "r7", "r8"], []),
+        ("r78", ["r78[1]", "r78[0]"], [1, 0]),
+        ("r78", ["r78[0]", "r78"], [1]),
+        ("r4821", ["r482[0]", "r482[1]"], [1]),
+        ("r482[1]", ["r4820", "r4821"], [1]),
+        ("r63[1]", ["r63[0]", "r63[1]", "r63"], [1]),
+        ("r63", ["Drive_axis_1.r0063 [rpm]"], [0]),
+        ("r62", ["C2:Drive_axis_1.r62", "C3:Drive_axis_2.r62"], [0, 1]),
+        ("speed", ["Speed", "speed 2"], [0]),
+        ("speed.*", ["Speed", "speed 2"], [0, 1]),
+        ("position [deg]", ["position [deg]"], [0]),
+    ],
+)
+def test_columns_are_found(column, header, found):
+    assert Column(column).find(header) == found
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("version: 1", "version: 2", ["version", "2"]),
+        ("version: 1\n", "", ["'version' is missing"]),
+        ("version: 1", "version: 1\nsignal: 3", ["unknown key 'signal'", "did you mean 'signals'"]),
+        ("motor_position", "motor_positon", ["signals", "did you mean 'motor_position'"]),
+        ("factor: -1", "facto: -1", ["signals.motor_position", "did you mean 'factor'"]),
+        ("factor: -1", "factor: 0", ["signals.motor_position.factor", "is 0"]),
+        ("factor: -1", "factor: fast", ["signals.motor_position.factor", "'fast' is no number"]),
+        ("unit: deg", "unit: degree", ["signals.motor_position.unit", "did you mean 'deg"]),
+        ("unit: deg", "bits: 32", ["signals.motor_position.bits", "counts_per_revolution"]),
+        ("bits: 16", "bits: 17", ["signals.output_position.bits", "17"]),
+        ("bits: 16", "unit: deg", ["signals.output_position.unit", "counts_per_revolution"]),
+        ("1000", "-1000", ["counts_per_revolution", "out of range"]),
+        ("[position]", "position", ["signals.motor_position.columns", "no list"]),
+        ("'force.*'", "'force('", ["signals.motor_torque.columns[0]", "regular expression"]),
+        ("voltage]", "{column: v, follow: w}]", ["signals.motor_torque.columns[1]", "did you mean 'follows'"]),
+        ("unit: s}", "unit: h}", ["time.unit", "'h'"]),
+        ("signals:", "delimiter: '|'\nsignals:", ["delimiter", "'|'"]),
+        ("version: 1", "version: [1", ["line", "YAML"]),
+    ],
+)
+def test_mistakes_are_named(own, old, new, words):
+    path = own(MAP.replace(old, new, 1))
+    with pytest.raises(InputError) as caught:
+        load_map(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in (str(path), "; ", *words):
+        assert word in message, message
+
+
+def test_a_map_of_nothing(own):
+    with pytest.raises(InputError, match="no mapping"):
+        load_map(own(""))
+    with pytest.raises(InputError, match="names no signal"):
+        load_map(own("version: 1\ntime: {column: t, unit: s}\nsignals: {}\n"))
+
+
+def test_unknown_map():
+    with pytest.raises(InputError, match="did you mean 'siemens'"):
+        load_map("simens")

@@ -1,0 +1,126 @@
+"""Model files: the shipped ones, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from ema_bench_replay.configuration import configuration_names, find_configuration
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.constants import CONSTANTS
+from ema_twin_sim.model_file import load_model, save_model
+
+
+@pytest.fixture
+def content(tmp_path):
+    """A whole model as a dictionary to spoil."""
+    return yaml.safe_load(save_model(load_model("polito_bench"), tmp_path / "whole.yaml").read_text())
+
+
+def refused(tmp_path, content):
+    path = tmp_path / "spoilt.yaml"
+    path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
+    with pytest.raises(InputError) as error:
+        load_model(path)
+    message = str(error.value)
+    assert "spoilt.yaml" in message and "\n" not in message
+    return message
+
+
+@pytest.mark.parametrize("name", configuration_names("models"))
+def test_shipped_models_load_and_name_the_source_of_every_constant(name):
+    model = load_model(name)
+    assert all(held.source for held in model.constants.values())
+
+
+def test_the_stock_model_has_the_values_of_the_thesis():
+    model = load_model("polito_bench")
+    assert model.value("machine.gear_ratio") == pytest.approx((63 / 21 + 1) / (1 - 63 * 20 / (62 * 21)))
+    assert model.value("drive.speed_limit") == pytest.approx(8000 * 3.141592653589793 / 30, rel=1e-5)
+    assert model.value("machine.torque_constant") == 1.91
+    assert model.effects["coulomb_friction_2"].parameters == {"torque": 0.045, "static_ratio": 2.0}
+    assert model.kinds == {"drive": "averaged", "transmission": "rigid"}
+
+
+def test_a_model_is_frozen():
+    model = load_model("polito_bench")
+    with pytest.raises(TypeError):
+        model.effects["backlash"] = None
+    with pytest.raises(AttributeError):
+        model.name = "other"
+
+
+def test_an_unknown_name_offers_the_nearest():
+    with pytest.raises(InputError, match="polito_bench"):
+        load_model("polito_bensh")
+
+
+def test_a_missing_file_is_named():
+    with pytest.raises(InputError, match=r"nowhere.yaml: no such model"):
+        load_model(Path("nowhere.yaml"))
+
+
+def test_a_wrong_unit_is_refused(tmp_path, content):
+    content["machine"]["motor_inertia"]["unit"] = "g cm^2"
+    assert "'g cm^2' but 'kg m^2'" in refused(tmp_path, content)
+
+
+def test_an_unknown_key_offers_the_nearest(tmp_path, content):
+    content["drive"]["speed_gian"] = content["drive"].pop("speed_gain")
+    assert "did you mean 'speed_gain'?" in refused(tmp_path, content)
+
+
+def test_unknown_sections_effects_parameters_options_and_kinds_are_refused(tmp_path, content):
+    import copy
+
+    def spoilt(change):
+        other = copy.deepcopy(content)
+        change(other)
+        return refused(tmp_path, other)
+
+    assert "did you mean 'sensors'?" in spoilt(lambda c: c.update(sensor=c.pop("sensors")))
+    effects = "effects"
+    bad = {"effect": "backlsh", "parameters": {}}
+    assert "did you mean 'backlash'?" in spoilt(lambda c: c[effects].update(backlash=bad))
+    bad = {"effect": "backlash", "parameters": {"widht": 0.1}}
+    assert "did you mean 'width'?" in spoilt(lambda c: c[effects].update(backlash=bad))
+    bad = {"effect": "backlash", "parameters": {}}
+    assert "'width' [rad]" in spoilt(lambda c: c[effects].update(backlash=bad))
+    bad = {"effect": "backlash", "parameters": {"width": 0.1}}
+    assert "rename" in spoilt(lambda c: c[effects].update(play=bad))
+    assert "motor, output" in spoilt(lambda c: c[effects]["viscous_friction"]["options"].update(side="left"))
+    assert "rigid, two_inertia" in spoilt(lambda c: c["transmission"].update(kind="soft"))
+    assert "version" in spoilt(lambda c: c.update(version=9))
+    assert "is missing" in spoilt(lambda c: c["machine"].pop("gear_ratio"))
+    assert "out of range" in spoilt(lambda c: c["machine"]["gear_ratio"].update(value=-3))
+    assert "no number" in spoilt(lambda c: c["machine"]["gear_ratio"].update(value="much"))
+    assert "out of range" in spoilt(lambda c: c["machine"]["gear_ratio"].update(value=float("nan")))
+
+
+def test_text_that_is_no_model_is_refused(tmp_path):
+    assert "not valid YAML" in refused(tmp_path, "a: [1, 2")
+    assert "holds no model" in refused(tmp_path, "just text")
+    assert "leads back to itself" in refused(tmp_path, "base: spoilt.yaml")
+
+
+def test_yaml_cannot_make_objects(tmp_path):
+    refused(tmp_path, "version: !!python/object/apply:os.getcwd []")
+
+
+def test_an_existing_file_stays_unless_forced(tmp_path):
+    model = load_model("polito_bench")
+    path = save_model(model, tmp_path / "model.yaml")
+    with pytest.raises(InputError, match="exists"):
+        save_model(model, path)
+    save_model(model, path, force=True)
+
+
+def test_what_is_written_is_whole_and_stands_alone(tmp_path):
+    path = save_model(load_model("polito_bench"), tmp_path / "alone.yaml")
+    written = yaml.safe_load(path.read_text())
+    assert "base" not in written
+    assert list(written) == ["version", "machine", "drive", "transmission", "sensors", "effects"]
+    for constant in CONSTANTS.values():
+        if not constant.optional:
+            assert written[constant.part][constant.name]["unit"] == constant.unit
+    assert find_configuration("models", "polito_bench") != path

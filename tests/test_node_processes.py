@@ -1,0 +1,122 @@
+"""Each node as a process of its own, as `ros2 run` starts it: clean ends, clear refusals, nothing lost between them."""
+
+import signal
+import time
+
+import pytest
+from ros_graph import Graph, start_process
+
+from ema_bench_replay.bag_reader import read_bag
+from ema_bench_replay.recording import load
+from ema_twin_sim.comparison import compare
+from ema_twin_sim.model_file import load_model
+from ema_twin_sim.nodes.monitor import MonitorNode
+
+REPLAY, RECORD = "ema_bench_replay.nodes.replay", "ema_bench_replay.nodes.record"
+TWIN, MONITOR = "ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor"
+
+
+@pytest.fixture
+def graph():
+    graph = Graph()
+    yield graph
+    graph.close()
+
+
+@pytest.fixture
+def start():
+    """Starts nodes, and ends those that a failed test leaves."""
+    processes = []
+
+    def start(*arguments):
+        processes.append(start_process(*arguments))
+        return processes[-1]
+
+    yield start
+    for process in processes:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+
+
+@pytest.fixture(scope="module")
+def trace(traces):
+    return next(path for path in traces if "sine_0.02" in path.name)
+
+
+def wait_for_nodes(graph, *names):
+    tester = graph.plain_node()
+    graph.spin_until(lambda: set(names) <= set(tester.get_node_names()), timeout=30.0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
+def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, number):
+    nodes = {
+        "twin": start(TWIN),
+        "monitor": start(MONITOR),
+        "record": start(RECORD, f"output:={tmp_path / 'bag'}"),
+        "replay": start(REPLAY, f"recording:={trace}", "subscribers:=3"),
+    }
+    wait_for_nodes(graph, *nodes)
+    monitor = graph.add(MonitorNode)
+    graph.spin_until(lambda: monitor.pairing.compared > 100, timeout=20.0)
+    for process in nodes.values():
+        process.send_signal(number)
+    sent = time.monotonic()
+    outputs = {name: process.communicate(timeout=10)[1] for name, process in nodes.items()}
+    assert {name: process.returncode for name, process in nodes.items()} == dict.fromkeys(nodes, 0)
+    assert time.monotonic() - sent < 5.0
+    assert "Traceback" not in "".join(outputs.values())
+    assert "FATAL" not in "".join(outputs.values())
+    assert "stopped after" in outputs["replay"]
+    assert "none lost" in outputs["record"]
+    assert len(read_bag(tmp_path / "bag")) > 100
+    assert (tmp_path / "bag" / "metadata.yaml").is_file()
+
+
+def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trace, tmp_path):
+    """The whole recording, unpaced: a monitor here, the others in processes, and a recorder beside them."""
+    monitor = graph.add(MonitorNode)
+    twin, record = start(TWIN), start(RECORD, f"output:={tmp_path / 'bag'}")
+    wait_for_nodes(graph, "twin", "record")
+    replay = start(REPLAY, f"recording:={trace}", "rate:=0", "subscribers:=3", "patience:=20")
+    graph.spin_until(lambda: monitor.complete and replay.poll() is not None, timeout=60.0)
+    recording = load(trace)
+    assert replay.returncode == 0
+    assert f"sent {len(recording)} samples" in replay.communicate()[1]
+    graph.spin_for(0.5)
+    for process in (record, twin):
+        process.send_signal(signal.SIGINT)
+        assert process.wait(10) == 0
+    figures = compare([recording], load_model("polito_bench")).recordings[0].signals
+    for name, live in monitor.comparison.result().items():
+        assert live["rmse"] == pytest.approx(figures[name]["rmse"], rel=1e-6), name
+    for topic in ("/bench/state", "/twin/state"):
+        assert len(read_bag(tmp_path / "bag", topic=topic)) == len(recording)
+
+
+@pytest.mark.parametrize(
+    ("module", "parameters", "expected"),
+    [
+        (TWIN, ["model:=polito_bnech"], ["polito_bnech", "polito_bench"]),
+        (TWIN, ["input:=voltage"], ["twin: parameter input", "one of auto, setpoint, current, standalone"]),
+        (TWIN, ["effects.backlash.width:=-1.0"], ["effects.backlash.width", "0 to"]),
+        (TWIN, ["effects.backlash.widht:=0.1"], ["effects.backlash.widht", "did you mean 'effects.backlash.width'"]),
+        (TWIN, ["input:=standalone", "command:=ramp"], ["command 'ramp'", "rad/s"]),
+        (MONITOR, ["window:=wide"], ["monitor: parameter window", "a number", "0.01 to 3600 s"]),
+        (REPLAY, [], ["replay: parameter recording", "give recording:=FILE"]),
+        (REPLAY, ["recording:=none.mcap"], ["none.mcap", "no such file"]),
+        (REPLAY, ["recording:=TRACE", "start:=30.0"], ["30 s is not within the recording"]),
+        (REPLAY, ["recording:=TRACE", "rate:=-1.0"], ["replay: parameter rate", "0 to 1000"]),
+        (RECORD, [], ["record: parameter output", "give output:=FOLDER"]),
+        (RECORD, ["output:=/proc/bag"], ["/proc/bag", "cannot be written"]),
+    ],
+)
+def test_what_a_node_cannot_do_is_one_line_and_status_2(start, trace, module, parameters, expected):
+    process = start(module, *[parameter.replace("TRACE", str(trace)) for parameter in parameters])
+    error = process.communicate(timeout=30)[1]
+    assert process.returncode == 2
+    lines = error.strip().splitlines()
+    assert len(lines) == 1, error
+    for part in expected:
+        assert part in lines[0]

@@ -1,0 +1,265 @@
+"""The nodes on a real ROS graph: live equals compare, parameters act or are refused, nothing is lost silently."""
+
+import math
+import threading
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.srv import DescribeParameters, SetParameters
+from rclpy.parameter import Parameter
+from ros_graph import Graph
+from std_srvs.srv import Trigger
+
+from ema_bench_replay.bag_reader import read_bag
+from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.replay import ReplayNode
+from ema_bench_replay.nodes.state_codec import write_state
+from ema_bench_replay.recording import load
+from ema_twin_msgs.msg import EmaState, Health, Residual, Run
+from ema_twin_msgs.srv import Seek
+from ema_twin_sim.comparison import compare
+from ema_twin_sim.model_file import load_model
+from ema_twin_sim.nodes.live import Change, run_live
+from ema_twin_sim.nodes.monitor import MonitorNode
+from ema_twin_sim.nodes.twin import TwinNode
+
+PERIOD = 2_000_000
+
+
+@pytest.fixture
+def graph():
+    graph = Graph()
+    yield graph
+    graph.close()
+
+
+@pytest.fixture(scope="module")
+def recording(traces):
+    return load(next(path for path in traces if "triangle" in path.name))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return load_model("polito_bench")
+
+
+def assert_same(live, recording, model):
+    offline = compare([recording], model).recordings[0].signals
+    assert live.keys() == offline.keys()
+    for name, figures in offline.items():
+        assert live[name]["rmse"] == pytest.approx(figures["rmse"], rel=1e-6, abs=0.0), name
+        assert live[name]["relative"] == pytest.approx(figures["relative"], rel=1e-6), name
+        assert live[name]["driven"] == figures["driven"]
+
+
+@pytest.mark.parametrize(("rate", "seconds"), [(0.0, None), (5.0, 4.0), (1.0, 1.0)])
+def test_live_equals_compare(recording, model, rate, seconds):
+    part = recording.between(0.0, seconds)
+    pairs = []
+    live = run_live(part, model, rate=rate, on_pairs=pairs.extend)
+    assert live.complete
+    assert live.counts == {"sent": len(part), "compared": len(part), "missing": 0, "expected": len(part)}
+    assert_same(live.signals, part, model)
+    assert [pair.stamp for pair in pairs] == [part.start + stamp for stamp in part.stamps.tolist()]
+
+
+def test_pause_and_seek_back_change_nothing(graph, recording, model):
+    twin = graph.add(TwinNode, model)
+    monitor = graph.add(MonitorNode, model)
+    replay = graph.add(ReplayNode, recording, rate=10.0, on_end="wait")
+    tester = graph.plain_node()
+    runs = []
+    tester.create_subscription(Run, "/bench/run", runs.append, qos.LATEST)
+    graph.spin_until(lambda: monitor.pairing.compared > 500)
+    assert graph.call(tester, Trigger, "/replay/pause").success
+    run = replay.run
+    graph.spin_for(0.1)
+    stood_at = replay.sent
+    graph.spin_for(0.2)
+    assert replay.sent == stood_at
+    assert graph.call(tester, Trigger, "/replay/step").success
+    graph.spin_until(lambda: replay.sent == stood_at + 1)
+    assert graph.call(tester, Trigger, "/replay/resume").success
+    graph.spin_until(lambda: replay.sent > stood_at + 100)
+    assert replay.run == run
+    refused = graph.call(tester, Seek, "/replay/seek", position=1e3)
+    assert not refused.success
+    assert f"0 to {recording.duration:g} s" in refused.message
+    assert graph.call(tester, Seek, "/replay/seek", position=0.0).success
+    graph.spin_until(lambda: replay.ended and monitor.complete, timeout=20.0)
+    assert replay.run != run
+    assert_same(monitor.comparison.result(), recording, model)
+    assert [message.run for message in runs] == [run, replay.run]
+    assert all(message.samples == len(recording) for message in runs)
+    assert twin.get_parameter("effects.backlash.enabled").value is False
+
+
+def test_a_run_that_starts_later_equals_that_part(graph, recording, model):
+    graph.add(TwinNode, model)
+    monitor = graph.add(MonitorNode, model)
+    replay = graph.add(ReplayNode, recording, rate=0.0, on_end="wait", start=15.0)
+    graph.spin_until(lambda: replay.ended and monitor.complete)
+    assert_same(monitor.comparison.result(), recording.between(15.0), model)
+
+
+def test_an_effect_switched_on_acts_while_running(recording, model):
+    part = recording.between(0.0, 3.0)
+    pairs = []
+    changes = [
+        Change(1.0, "effects.stribeck_friction.torque", 0.5),
+        Change(1.0, "effects.stribeck_friction.speed", 20),
+        Change(1.5, "effects.stribeck_friction.enabled", True),
+    ]
+    changed = run_live(part, model, rate=5.0, changes=changes, on_pairs=pairs.extend)
+    plain = compare([part], model).recordings[0].signals
+    assert changed.complete
+    assert changed.signals["current"]["rmse"] > 2.0 * plain["current"]["rmse"]
+    early = [abs(pair.residuals["current"]) for pair in pairs[:700]]
+    late = [abs(pair.residuals["current"]) for pair in pairs[-500:]]
+    assert sum(late) / len(late) > 3.0 * sum(early) / len(early)
+
+
+def test_parameters_are_described_set_and_refused_with_their_range(graph):
+    twin = graph.add(TwinNode)
+    tester = graph.plain_node()
+    names = ["effects.backlash.width", "drive.speed_gain", "effects.sun_runout.enabled"]
+    described = graph.call(tester, DescribeParameters, "/twin/describe_parameters", names=names).descriptors
+    assert "[N m s/rad]" in described[1].description
+    assert described[1].floating_point_range[0].from_value == 0.0
+    assert all(len(descriptor.description) > 10 for descriptor in described)
+
+    def set_parameters(**values):
+        given = [Parameter(name.replace("__", "."), value=value).to_parameter_msg() for name, value in values.items()]
+        return graph.call(tester, SetParameters, "/twin/set_parameters", parameters=given).results
+
+    (answer,) = set_parameters(effects__backlash__width=-1.0)
+    assert not answer.successful
+    assert "Min: 0.0" in answer.reason
+    (answer,) = set_parameters(effects__backlash__width=-1)
+    assert not answer.successful
+    assert "give 0 to" in answer.reason
+    (answer,) = set_parameters(effects__backlash__enabled="yes")
+    assert not answer.successful
+    assert "true or false" in answer.reason
+    assert all(answer.successful for answer in set_parameters(effects__backlash__width=0.01, drive__speed_gain=1))
+    changed = twin._twin()
+    assert changed.effects["backlash"].parameters["width"] == 0.01
+    assert changed.model.value("drive.speed_gain") == 1.0
+    assert not changed.effects["backlash"].enabled
+    (answer,) = set_parameters(model="other")
+    assert not answer.successful
+
+
+def test_start_values_of_parameters_reach_the_model(graph):
+    twin = graph.add(TwinNode, **{"effects.backlash.enabled": True, "machine.motor_inertia": 2e-3})
+    assert twin._twin().effects["backlash"].enabled
+    assert twin._twin().model.value("machine.motor_inertia") == 2e-3
+
+
+def bench_signals(value=1.0):
+    return {"speed_setpoint": value, "speed": value, "current": 0.0, "motor_position": 0.0, "output_position": 0.0}
+
+
+def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
+    graph.add(TwinNode)
+    graph.add(MonitorNode)
+    tester = graph.plain_node()
+    answers, reports = [], {}
+    tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
+
+    def keep(message):
+        for status in message.status:
+            reports[status.name.split(":")[0]] = {value.key: value.value for value in status.values} | {
+                "level": status.level
+            }
+
+    tester.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    sequences = [*range(20), 22, 21, 22, *range(23, 40), *range(5), 5, 6]
+    for sequence in sequences:
+        publisher.publish(write_state(10**9 + sequence * PERIOD, 3, sequence, bench_signals()))
+    taken = [*range(20), *range(22, 40), *range(7)]
+    graph.spin_until(lambda: len(answers) == len(taken))
+    assert [answer.sequence for answer in answers] == taken
+    assert all(answer.run == 3 for answer in answers)
+    assert all(answer.header.stamp.nanosec == answer.sequence * PERIOD for answer in answers)
+    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"]["backward"] == "1")
+    twin = reports["twin"]
+    assert [twin[name] for name in ("lost", "late", "duplicate", "runs")] == ["0", "1", "1", "2"]
+    graph.spin_until(lambda: reports["monitor"]["bench samples backward"] == "1")
+    assert [reports["monitor"][f"bench samples {name}"] for name in ("late", "duplicate")] == ["1", "1"]
+
+
+def test_a_lost_sample_leaves_the_run_incomplete(graph):
+    graph.add(TwinNode)
+    monitor = graph.add(MonitorNode)
+    tester = graph.plain_node()
+    healths, residuals = [], []
+    tester.create_subscription(Health, "/monitor/health", healths.append, qos.LATEST)
+    tester.create_subscription(Residual, "/monitor/residual", residuals.append, qos.RESIDUAL)
+    tester.create_publisher(Run, "/bench/run", qos.LATEST).publish(Run(run=4, samples=10))
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    graph.spin_for(0.2)
+    for sequence in (0, 1, 2, 3, 6, 7, 8, 9):
+        publisher.publish(write_state(10**9 + sequence * PERIOD, 4, sequence, bench_signals()))
+    graph.spin_until(lambda: healths and healths[-1].compared == 8)
+    assert (healths[-1].missing, healths[-1].expected, healths[-1].complete) == (2, 10, False)
+    assert len(residuals) == 8
+    assert math.isnan(healths[-1].rmse.unexplained_torque) or healths[-1].rmse.unexplained_torque >= 0.0
+    graph.spin_until(lambda: healths[-1].level == Health.STALE)
+    assert monitor.pairing.missing == 2
+
+
+def test_health_goes_by_the_noise_floor(graph, recording, model):
+    graph.add(TwinNode, model)
+    monitor = graph.add(MonitorNode, model, error_at=1e6, warn_at=1e5)
+    tester = graph.plain_node()
+    healths = []
+    tester.create_subscription(Health, "/monitor/health", healths.append, qos.LATEST)
+    replay = graph.add(ReplayNode, recording.between(0.0, 2.0), rate=0.0, on_end="wait")
+    graph.spin_until(lambda: replay.ended and monitor.complete)
+    graph.spin_until(lambda: healths[-1].complete)
+    assert healths[-1].level == Health.OK
+    assert healths[-1].noise_floor.current == pytest.approx(0.003)
+    assert healths[-1].rmse_window.current == pytest.approx(healths[-1].rmse.current)
+    monitor.set_parameters([Parameter("warn_at", value=1.0), Parameter("error_at", value=1e6)])
+    graph.spin_until(lambda: healths[-1].level == Health.WARN)
+    monitor.set_parameters([Parameter("error_at", value=2)])
+    graph.spin_until(lambda: healths[-1].level == Health.ERROR)
+
+
+@pytest.mark.parametrize("rate", [500.0, 1000.0])
+def test_a_standalone_twin_keeps_real_time(graph, rate):
+    twin = graph.add(TwinNode, input="standalone", command="sine:0.02:1", rate=rate)
+    tester = graph.plain_node()
+    samples = []
+    tester.create_subscription(EmaState, "/twin/state", samples.append, qos.STATE)
+    graph.spin_for(1.5)
+    stamps = [sample.header.stamp.sec * 10**9 + sample.header.stamp.nanosec for sample in samples]
+    elapsed = [(stamp - stamps[0]) * rate * 1e-9 for stamp in stamps]
+    assert all(abs(periods - round(periods)) < 1e-6 for periods in elapsed)
+    assert [sample.sequence for sample in samples] == list(range(len(samples)))
+    missed = round(elapsed[-1]) + 1 - len(samples)
+    assert 0 <= missed <= twin._deadlines.missed
+    assert missed <= 0.1 * len(samples)
+    assert 1.3 * rate < elapsed[-1] < 1.7 * rate
+    assert max(abs(sample.output_position) for sample in samples) == pytest.approx(0.02, rel=0.2)
+
+
+def test_everything_is_recorded(recording, model, tmp_path):
+    part = recording.between(0.0, 2.0)
+    live = run_live(part, model, rate=0.0, record_to=tmp_path / "bag")
+    assert live.complete
+    bench, twin = read_bag(tmp_path / "bag"), read_bag(tmp_path / "bag", topic="/twin/state")
+    assert len(bench) == len(twin) == len(part)
+    for name, values in part.signals.items():
+        assert (bench.signals[name] == values).all(), name
+    assert bench.start == part.start
+    assert bench.motor_angle_origin == part.motor_angle_origin
+
+
+def test_live_ends_when_told(recording, model):
+    stop = threading.Event()
+    live = run_live(recording, model, rate=1.0, on_pairs=lambda pairs: stop.set(), stop=stop)
+    assert not live.complete
+    assert 0 < live.samples < len(recording)

@@ -1,0 +1,148 @@
+"""Bench and twin samples find each other by run and sequence, whichever comes first."""
+
+from typing import NamedTuple
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ema_twin_sim.nodes.pairing import Pairing
+
+PERIOD = 2_000_000
+
+
+class Sample(NamedTuple):
+    run: int
+    sequence: int
+    stamp: int
+
+
+def sample(run, sequence):
+    return Sample(run, sequence, 1 + sequence * PERIOD)
+
+
+def bench(pairing, *sequences, run=1):
+    return [pair and pair.sequence for pair in (pairing.add_bench(sample(run, n)) for n in sequences)]
+
+
+def twin(pairing, *sequences, run=1):
+    return [pair and pair.sequence for pair in (pairing.add_twin(sample(run, n)) for n in sequences)]
+
+
+def test_either_may_come_first():
+    pairing = Pairing()
+    assert bench(pairing, 0, 1) == [None, None]
+    assert twin(pairing, 0, 1, 2) == [0, 1, None]
+    assert bench(pairing, 2) == [2]
+    assert (pairing.compared, pairing.seen, pairing.missing, pairing.waiting) == (3, 3, 0, 0)
+
+
+@given(st.lists(st.booleans(), min_size=150, max_size=150), st.integers(1, 3))
+def test_every_sample_is_compared_in_any_interleaving(order, runs):
+    """Each stream is in order; how they mix does not matter, as long as the bench leaves a run when it was answered."""
+    pairing = Pairing()
+    samples = [(run, n) for run in range(1, runs + 1) for n in range(20)]
+    to_bench, to_twin = samples.copy(), samples.copy()
+    pairs = []
+    for from_bench in [*order, *[True, False] * len(samples)]:
+        if from_bench and to_bench and not (to_twin and to_twin[0][0] < to_bench[0][0]):
+            run, n = to_bench.pop(0)
+            paired = pairing.add_bench(sample(run, n))
+        elif not from_bench and to_twin:
+            run, n = to_twin.pop(0)
+            paired = pairing.add_twin(sample(run, n))
+        else:
+            continue
+        if paired is not None:
+            pairs.append((run, n))
+    assert pairs == samples
+    assert (pairing.compared, pairing.missing, pairing.waiting, pairing.outdated) == (20, 0, 0, 0)
+
+
+def test_the_twin_may_begin_a_run_before_the_bench_is_seen_to():
+    pairing = Pairing()
+    bench(pairing, 0, 1)
+    twin(pairing, 0, 1)
+    assert twin(pairing, 0, 1, run=2) == [None, None]
+    assert bench(pairing, 2) == [None]
+    assert bench(pairing, 0, 1, 2, run=2) == [0, 1, None]
+    assert twin(pairing, 2, run=2) == [2]
+    assert (pairing.run, pairing.compared, pairing.missing) == (2, 3, 0)
+
+
+def test_answers_to_a_run_that_the_bench_left_are_outdated():
+    pairing = Pairing()
+    bench(pairing, 0, 1, 2)
+    twin(pairing, 0)
+    bench(pairing, 0, run=2)
+    assert twin(pairing, 1, 2) == [None, None]
+    assert pairing.outdated == 2
+    assert twin(pairing, 0, run=2) == [0]
+    assert pairing.compared == 1
+
+
+def test_a_run_that_was_never_answered_is_passed_over():
+    pairing = Pairing()
+    bench(pairing, 0, 1, run=1)
+    twin(pairing, 0, 1, run=1)
+    bench(pairing, 0, run=2)
+    bench(pairing, 0, 1, run=3)
+    assert twin(pairing, 0, run=3) == [0]
+    assert twin(pairing, 1, run=3) == [1]
+
+
+def test_old_answers_that_arrive_first_do_no_harm():
+    """A monitor that joins late is given what the twin said to an earlier replay."""
+    pairing = Pairing()
+    bench(pairing, 0, run=9)
+    twin(pairing, 4000, 4001, run=8)
+    assert twin(pairing, 0, run=9) == [0]
+    assert bench(pairing, 1, run=9) == [None]
+    assert twin(pairing, 1, run=9) == [1]
+    assert (pairing.compared, pairing.missing, pairing.outdated) == (2, 0, 2)
+
+
+def test_a_bag_that_loops_with_one_run_number():
+    pairing = Pairing()
+    for _ in range(3):
+        assert bench(pairing, 0, 1, 2) == [None, None, None]
+        assert twin(pairing, 0, 1, 2) == [0, 1, 2]
+        assert pairing.compared == 3
+    assert pairing.passes == 3
+
+
+def test_what_is_missing_on_either_side_is_counted():
+    pairing = Pairing()
+    bench(pairing, 0, 1, 3, 4)
+    twin(pairing, 0, 2, 3, 4)
+    assert (pairing.compared, pairing.missing, pairing.seen) == (3, 2, 5)
+    assert (pairing.bench.lost, pairing.twin.lost) == (1, 1)
+
+
+def test_what_has_not_come_yet_is_not_missing():
+    pairing = Pairing()
+    bench(pairing, *range(100))
+    twin(pairing, *range(60))
+    assert (pairing.compared, pairing.missing, pairing.waiting) == (60, 0, 40)
+
+
+def test_duplicates_are_compared_once():
+    pairing = Pairing()
+    bench(pairing, 0, 1, 1, 2)
+    twin(pairing, 0, 1, 1, 2, 2)
+    assert (pairing.compared, pairing.missing) == (3, 0)
+    assert (pairing.bench.duplicate, pairing.twin.duplicate) == (1, 2)
+
+
+def test_memory_is_bounded():
+    pairing = Pairing(capacity=10)
+    bench(pairing, *range(1000))
+    assert pairing.waiting == 10
+    assert twin(pairing, *range(985, 1000)) == [None] * 5 + list(range(990, 1000))
+    assert pairing.missing == 990
+
+
+def test_a_late_start_counts_from_there():
+    pairing = Pairing(from_start=False)
+    bench(pairing, 500, 501, 502, 503)
+    twin(pairing, 502, 503)
+    assert (pairing.compared, pairing.seen, pairing.missing) == (2, 2, 0)

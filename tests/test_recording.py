@@ -1,0 +1,77 @@
+"""The recording itself: frozen, checked, and cut."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import NO_DATE, SIGNALS, Recording
+
+
+def a_recording(**changes):
+    stamps = np.array([0, 2, 4, 10, 12]) * 1_000_000
+    return Recording(**{"name": "run", "stamps": stamps, "signals": {"speed": np.arange(5.0)}, **changes})
+
+
+def test_what_it_tells():
+    recording = a_recording()
+    assert len(recording) == 5 and recording.start == NO_DATE
+    assert recording.duration == 0.012 and recording.sample_period == 0.002
+    assert recording.time.tolist() == [0.0, 0.002, 0.004, 0.01, 0.012]
+    [gap] = recording.gaps
+    assert (gap.time, gap.missing) == (0.004, 2) and gap.duration == pytest.approx(0.006)
+    assert recording.has("speed") and not recording.has("speed", "current")
+
+
+def test_signals_stand_in_the_order_of_the_message():
+    signals = {name: np.zeros(5) for name in reversed(SIGNALS)}
+    assert tuple(a_recording(signals=signals).signals) == SIGNALS
+
+
+def test_nothing_in_it_can_be_changed():
+    recording = a_recording(metadata={"a": "b"})
+    with pytest.raises(AttributeError):
+        recording.name = "other"
+    with pytest.raises(TypeError):
+        recording.signals["current"] = np.zeros(5)
+    with pytest.raises(TypeError):
+        recording.metadata["a"] = "c"
+    for array in (recording.stamps, recording.time, recording.signals["speed"]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"stamps": np.array([0, 2, 2, 4, 6])},
+        {"stamps": np.array([1, 2, 3, 4, 5])},
+        {"stamps": np.array([], np.int64)},
+        {"signals": {"speed": np.zeros(4)}},
+        {"signals": {"velocity": np.zeros(5)}},
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(wrong):
+    with pytest.raises(ValueError, match="run: "):
+        a_recording(**wrong)
+
+
+def test_it_goes_to_another_process():
+    recording = a_recording(metadata={"a": "b"}, warnings=("w",), motor_angle_origin=1.0)
+    other = pickle.loads(pickle.dumps(recording))
+    assert np.array_equal(other.signals["speed"], recording.signals["speed"]) and other.metadata == recording.metadata
+    assert other.warnings == ("w",) and other.motor_angle_origin == 1.0 and math.isnan(other.output_angle_origin)
+
+
+def test_a_cut_keeps_command_and_position_on_one_zero():
+    position = np.array([0.0, 1.0, 3.0, 6.0, 10.0])
+    recording = a_recording(
+        signals={"output_position": position, "output_command": position + 0.5, "motor_position": 124 * position},
+        output_angle_origin=2.0,
+    )
+    part = recording.between(0.002, 0.010)
+    assert part.signals["output_position"].tolist() == [0.0, 2.0, 5.0]
+    assert part.signals["output_command"].tolist() == [0.5, 2.5, 5.5]
+    assert part.output_angle_origin == 3.0 and part.stamps.tolist() == [0, 2_000_000, 8_000_000]
+    assert recording.between() is recording and recording.between(0.0, 9.0) is recording
