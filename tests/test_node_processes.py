@@ -1,15 +1,22 @@
 """Each node as a process of its own, as `ros2 run` starts it: clean ends, clear refusals, nothing lost between them."""
 
+import re
 import signal
+import threading
 import time
 
 import pytest
+from rclpy.duration import Duration
 from ros_graph import Graph, start_process
 
 from ema_bench_replay.bag_reader import read_bag
+from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.state_codec import write_state
 from ema_bench_replay.recording import load
+from ema_twin_msgs.msg import EmaState
 from ema_twin_sim.comparison import compare
 from ema_twin_sim.model_file import load_model
+from ema_twin_sim.nodes.live import run_live
 from ema_twin_sim.nodes.monitor import MonitorNode
 
 REPLAY, RECORD = "ema_bench_replay.nodes.replay", "ema_bench_replay.nodes.record"
@@ -93,6 +100,47 @@ def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trac
         assert live["rmse"] == pytest.approx(figures[name]["rmse"], rel=1e-6), name
     for topic in ("/bench/state", "/twin/state"):
         assert len(read_bag(tmp_path / "bag", topic=topic)) == len(recording)
+
+
+def test_what_the_recorder_loses_it_counts(graph, start, tmp_path):
+    """A publisher that keeps ten messages does not wait for a recorder that stands still."""
+    record = start(RECORD, f"output:={tmp_path / 'bag'}", "topics:=[/lo*]")
+    publisher = graph.plain_node().create_publisher(EmaState, "/loud", qos.JOINT_STATES)
+    graph.spin_until(publisher.get_subscription_count, timeout=30.0)
+    graph.spin_for(0.3)
+    record.send_signal(signal.SIGSTOP)
+    for sequence in range(5000):
+        publisher.publish(write_state(sequence + 1, 1, sequence, {}))
+    record.send_signal(signal.SIGCONT)
+    for sequence in range(5000, 5020):
+        publisher.publish(write_state(sequence + 1, 1, sequence, {}))
+        graph.spin_for(0.05)
+    assert publisher.wait_for_all_acked(Duration(seconds=5.0))
+    graph.spin_for(0.3)
+    record.send_signal(signal.SIGINT)
+    (text,) = [line for line in record.communicate(timeout=10)[1].splitlines() if "lost" in line]
+    written, lost = (
+        int(number) for number in re.search(r"(\d+) messages of 1 topics.*lost: (\d+) of /loud", text).groups()
+    )
+    assert lost > 1000
+    assert written + lost == 5020
+    assert len(read_bag(tmp_path / "bag")) == written
+
+
+def test_live_attaches_to_a_bench_that_is_running(start, trace):
+    start(REPLAY, f"recording:={trace}", "subscribers:=0", "on_end:=wait")
+    pairs, stop = [], threading.Event()
+
+    def take(batch):
+        pairs.extend(batch)
+        if len(pairs) > 500:
+            stop.set()
+
+    live = run_live(None, load_model("polito_bench"), on_pairs=take, stop=stop)
+    assert live.complete
+    assert live.counts["missing"] == 0
+    assert live.samples >= 500
+    assert live.name == trace.stem
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import math
 import threading
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.parameter import Parameter
 from ros_graph import Graph
@@ -85,6 +85,9 @@ def test_pause_and_seek_back_change_nothing(graph, recording, model):
     refused = graph.call(tester, Seek, "/replay/seek", position=1e3)
     assert not refused.success
     assert f"0 to {recording.duration:g} s" in refused.message
+    (answer,) = replay.set_parameters([Parameter("rate", value=-1.0)])
+    assert not answer.successful
+    assert replay.set_parameters([Parameter("rate", value=20)])[0].successful
     assert graph.call(tester, Seek, "/replay/seek", position=0.0).success
     graph.spin_until(lambda: replay.ended and monitor.complete, timeout=20.0)
     assert replay.run != run
@@ -188,6 +191,22 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     assert [twin[name] for name in ("lost", "late", "duplicate", "runs")] == ["0", "1", "1", "2"]
     graph.spin_until(lambda: reports["monitor"]["bench samples backward"] == "1")
     assert [reports["monitor"][f"bench samples {name}"] for name in ("late", "duplicate")] == ["1", "1"]
+
+
+def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
+    twin = graph.add(TwinNode, input="setpoint")
+    tester = graph.plain_node()
+    reports = []
+    tester.create_subscription(DiagnosticArray, "/diagnostics", reports.append, qos.DIAGNOSTICS)
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    mute = bench_signals()
+    del mute["speed_setpoint"]
+    publisher.publish(write_state(10**9, 1, 0, mute))
+    graph.spin_until(lambda: reports and reports[-1].status[0].level == DiagnosticStatus.ERROR)
+    assert "speed_setpoint" in reports[-1].status[0].message
+    publisher.publish(write_state(10**9, 2, 0, bench_signals()))
+    graph.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.OK)
+    assert twin._follower.answered == 1
 
 
 def test_a_lost_sample_leaves_the_run_incomplete(graph):

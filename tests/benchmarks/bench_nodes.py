@@ -29,7 +29,8 @@ MODULES = {
 }
 MOST_OF_A_CORE = 0.15
 LATEST_ANSWER = 5e-3
-SETTLING, MEASURED = 2.0, 10.0
+SETTLING, MEASURED, WINDOWS = 3.0, 4.0, 3
+"""s, s, and the number of measurements: other work on the machine only adds to a node's share, so the least counts."""
 
 
 @pytest.fixture
@@ -113,10 +114,13 @@ def start_nodes(start, observer, trace, folder, *parameters):
 def test_processor_time_at_500_hz(start, observer, trace, tmp_path, capsys):
     nodes = start_nodes(start, observer, trace, tmp_path, "subscribers:=3")
     observer.spin_until(lambda: observer.node.count_publishers("/bench/state"))
-    time.sleep(SETTLING + 1.0)
-    before = {name: processor_time(process) for name, process in nodes.items()}
-    time.sleep(MEASURED)
-    shares = {name: (processor_time(process) - before[name]) / MEASURED for name, process in nodes.items()}
+    time.sleep(SETTLING)
+    shares = dict.fromkeys(nodes, 1.0)
+    for _ in range(WINDOWS):
+        before = {name: processor_time(process) for name, process in nodes.items()}
+        time.sleep(MEASURED)
+        for name, process in nodes.items():
+            shares[name] = min(shares[name], (processor_time(process) - before[name]) / MEASURED)
     with capsys.disabled():
         print("\nnode       share of a core at 500 Hz")
         for name, share in shares.items():

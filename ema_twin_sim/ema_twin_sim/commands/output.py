@@ -34,16 +34,13 @@ def warn(text: str) -> None:
 
 def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]:
     """The items, with a progress bar where somebody watches and there is more than one."""
-    if len(items) < 2 or not sys.stderr.isatty():
-        yield from items
-        return
     with progress_bar() as progress:
         yield from progress.track(items, description=what)
 
 
 def progress_bar() -> Progress:
-    """A progress bar on the error output that leaves no trace when done."""
+    """A progress bar on the error output, where somebody watches, that leaves no trace when done."""
     return Progress(
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-        console=messages, transient=True,
+        console=messages, transient=True, disable=not sys.stderr.isatty(),
     )  # fmt: skip

@@ -72,7 +72,7 @@ class MonitorNode(Node):
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
         self.model = model or load_model(given["model"])
-        self._input, self._window = given["input"], given["window"]
+        self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         warm_up_comparison(self.model)
         self.pairing = Pairing(given["capacity"], given["from_start"])
@@ -94,15 +94,16 @@ class MonitorNode(Node):
 
     @property
     def expected(self) -> int:
-        """Samples that the present run will have, as announced on `bench/run`; 0 where nobody said so."""
+        """Samples of the present run that will come, as announced on `bench/run`; 0 where that is not known."""
         announced = self.announced
-        return announced.samples if announced is not None and announced.run == self.pairing.run else 0
+        known = self._from_start and announced is not None and announced.run == self.pairing.run
+        return announced.samples if known else 0
 
     @property
     def complete(self) -> bool:
-        """Whether every sample of the run was compared; of a run whose length nobody told, every one so far."""
+        """Whether every sample of the run was compared; of a run of unknown length, every one so far."""
         pairing = self.pairing
-        return 0 < pairing.compared == (self.expected or pairing.seen)
+        return pairing.compared == self.expected if self.expected else pairing.compared > 0 and not pairing.missing
 
     def _on_bench(self, message: bytes) -> None:
         self._arrival = time.monotonic()

@@ -10,7 +10,7 @@ import math
 from numba import njit
 
 from .drive import lag_gain
-from .transmission import contact_torque, shaft_speed
+from .transmission import contact_torque, response, shaft_speed
 
 COUNTER_PULL = 0.08  # s, the lag with which the integrated angle follows the counter: 2 Hz
 
@@ -35,6 +35,7 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
     angle = state.driven_motor_angle
     output_angle = state.driven_output_angle
     output_speed = state.driven_output_speed
+    gain, drag = response(h, plant.output_inertia, plant.output_viscous)
     compliance = 0.5 * h / plant.output_inertia
     passed = 0.0
     for k in range(steps):
@@ -52,11 +53,10 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
         output_speed = shaft_speed(
             output_speed,
             torque - output_torque,
-            plant.output_viscous,
             plant.output_dry,
             plant.output_break_away,
-            plant.output_inertia,
-            h,
+            gain,
+            drag,
         )
         output_angle += 0.5 * h * output_speed
         angle += h * motor_speed

@@ -25,7 +25,7 @@ from .layout import (
 )
 from .operating_point import PARAMETER_SLOTS, OperatingPoint
 from .sensors import counted
-from .transmission import contact_torque, end_stop_torque, shaft_speed
+from .transmission import contact_torque, end_stop_torque, response, shaft_speed
 
 _PLANT = from_dtype(PLANT)
 _STATE = from_dtype(STATE)
@@ -51,12 +51,30 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     plant = plants[0]
     state = states[0]
     ratio = plant.gear_ratio
-    rigid_inertia = plant.motor_inertia + plant.output_inertia
-    softness = 1.0 / plant.motor_inertia + 1.0 / plant.output_inertia
+    per_ratio = 1.0 / ratio
     rigid = plant.two_inertia == 0.0
-    viscous_total = plant.motor_viscous + plant.output_viscous
-    dry_total = plant.motor_dry + plant.output_dry
     stops = not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper))
+    stop_lower = plant.end_stop_lower * ratio
+    stop_upper = plant.end_stop_upper * ratio
+    # effects are opaque calls, across which no compiler keeps what it has read from memory: hence local copies
+    stiffness = plant.contact_stiffness
+    damping = plant.contact_damping
+    gap = plant.gap
+    softness = 1.0 / plant.motor_inertia + 1.0 / plant.output_inertia
+    output_inertia = plant.output_inertia
+    output_viscous = plant.output_viscous
+    output_dry = plant.output_dry
+    output_break_away = plant.output_break_away
+    torque_constant = plant.torque_constant
+    viscous_total = plant.motor_viscous + plant.output_viscous
+    # what the motor's shaft carries itself: everything where the transmission is rigid
+    inertia = plant.motor_inertia + (plant.output_inertia if rigid else 0.0)
+    viscous = plant.motor_viscous + (plant.output_viscous if rigid else 0.0)
+    base_dry = plant.motor_dry + (plant.output_dry if rigid else 0.0)
+    base_break_away = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
+    acting = effects[0].shape[0] > 0
+    torque = output_torque = 0.0
+    dry = base_dry
 
     time = state.time
     angle = state.motor_angle
@@ -73,14 +91,16 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     transmitted = state.transmitted_torque
     motor_origin = state.motor_angle_origin
     output_origin = state.output_angle_origin
+    twist = state.twist
 
     column = (
         CURRENT_IN if source == CURRENT else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
     )
     step = plant.control_cycle / math.ceil(plant.control_cycle / step - 1e-9)  # so that cycles begin on a step
-    h = 0.0
+    h = per_step = 0.0
     interval_before = int64(-1)
     current_gain = setpoint_gain = smoothing_gain = 0.0
+    motor_gain = motor_drag = output_gain = output_drag = 0.0
     steps = 1
 
     for row in range(1, stamps.shape[0]):
@@ -90,6 +110,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
             interval_before = nanoseconds
             steps = max(1, math.ceil(interval / step - 1e-9))
             h = interval / steps
+            per_step = 1.0 / h
+            motor_gain, motor_drag = response(h, inertia, viscous)
+            output_gain, output_drag = response(h, plant.output_inertia, plant.output_viscous)
             current_gain = lag_gain(h, plant.current_lag)
             smoothing_gain = lag_gain(h, plant.speed_smoothing)
             setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
@@ -101,7 +124,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
             # drive
             if source == CURRENT:
                 given = start + slope * ((k + 0.5) / steps)
-                current_rate = (given - current) / h
+                current_rate = (given - current) * per_step
                 current = given
             else:
                 if phase >= plant.control_cycle - 0.5 * h:
@@ -114,106 +137,75 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     elif source == STANDALONE_SPEED:
                         setpoint += setpoint_gain * (limited(given, plant.speed_limit) - setpoint)
                     else:
-                        error = given - output_angle / ratio
+                        error = given - output_angle * per_ratio
                         integrate = math.fabs(error) * ratio > plant.integral_dead_band
                         wanted = limited(plant.position_gain * error, plant.speed_limit)
                         setpoint += setpoint_gain * (wanted - setpoint)
                     demand, integral = speed_controller(plant, setpoint - speed, integral, integrate)
                     current_setpoint = demand / plant.nominal_torque_constant
                 change = current_gain * (current_setpoint - current)
-                current_rate = change / h
+                current_rate = change * per_step
                 current += change
                 phase += h
-            drive_torque = plant.torque_constant * current
+            drive_torque = torque_constant * current
 
             # mechanics: half the drift, then the kick at the middle of the step
             angle += 0.5 * h * speed
             if not rigid:
                 output_angle += 0.5 * h * output_speed
             else:
-                output_angle = angle - state.twist
+                output_angle = angle - twist
                 output_speed = speed
-            at = OperatingPoint(
-                time,
-                motor_origin + angle,
-                speed,
-                output_origin + output_angle / ratio,
-                output_angle / ratio,
-                output_speed / ratio,
-                acceleration,
-                current,
-                drive_torque,
-                transmitted,
-                plant.motor_dry if not rigid else dry_total,
-                viscous_total,
-            )
-            torque, dry, output_torque = evaluate(effects, at)
-            if stops:
-                output_torque += end_stop_torque(
-                    output_angle,
-                    output_speed,
-                    plant.end_stop_lower * ratio,
-                    plant.end_stop_upper * ratio,
-                    plant.contact_stiffness,
-                    plant.contact_damping,
+            if acting:
+                at = OperatingPoint(
+                    time + k * h,
+                    motor_origin + angle,
+                    speed,
+                    output_origin + output_angle * per_ratio,
+                    output_angle * per_ratio,
+                    output_speed * per_ratio,
+                    acceleration,
+                    current,
+                    drive_torque,
+                    transmitted,
+                    base_dry,
+                    viscous_total,
                 )
+                torque, dry, output_torque = evaluate(effects, at)
+            load = output_torque
+            if stops:
+                load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
+            held = base_break_away + (dry - base_dry)
             before = speed
             if rigid:
-                extra = dry - dry_total
-                speed = shaft_speed(
-                    speed,
-                    drive_torque - torque - output_torque,
-                    viscous_total,
-                    dry,
-                    plant.motor_break_away + plant.output_break_away + extra,
-                    rigid_inertia,
-                    h,
-                )
-                acceleration = (speed - before) / h
-                sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
-                transmitted = (
-                    plant.output_inertia * acceleration
-                    + plant.output_viscous * speed
-                    + plant.output_dry * sense
-                    + output_torque
-                )
+                speed = shaft_speed(speed, drive_torque - torque - load, dry, held, motor_gain, motor_drag)
                 angle += 0.5 * h * speed
-                output_angle = angle - state.twist
+                output_angle = angle - twist
                 output_speed = speed
             else:
                 transmitted = contact_torque(
                     angle - output_angle - 0.5 * h * (speed - output_speed),
                     speed - output_speed,
-                    plant.contact_stiffness,
-                    plant.contact_damping,
-                    plant.gap,
+                    stiffness,
+                    damping,
+                    gap,
                     h,
                     0.5 * h * softness,
                 )
-                extra = dry - plant.motor_dry
-                speed = shaft_speed(
-                    speed,
-                    drive_torque - torque - transmitted,
-                    plant.motor_viscous,
-                    dry,
-                    plant.motor_break_away + extra,
-                    plant.motor_inertia,
-                    h,
-                )
+                speed = shaft_speed(speed, drive_torque - torque - transmitted, dry, held, motor_gain, motor_drag)
                 output_speed = shaft_speed(
-                    output_speed,
-                    transmitted - output_torque,
-                    plant.output_viscous,
-                    plant.output_dry,
-                    plant.output_break_away,
-                    plant.output_inertia,
-                    h,
+                    output_speed, transmitted - load, output_dry, output_break_away, output_gain, output_drag
                 )
-                acceleration = (speed - before) / h
                 angle += 0.5 * h * speed
                 output_angle += 0.5 * h * output_speed
             smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed)
-            time += h
+            if acting or k == steps - 1:
+                # what effects may ask of the step before; no effect, nobody asks until the interval's end
+                acceleration = (speed - before) * per_step
+                if rigid:
+                    sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+                    transmitted = output_inertia * acceleration + output_viscous * speed + output_dry * sense + load
+        time += interval
 
         if not record:
             continue

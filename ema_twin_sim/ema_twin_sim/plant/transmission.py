@@ -47,8 +47,14 @@ def end_stop_torque(angle, speed, lower, upper, stiffness, damping):
 
 
 @njit(error_model="numpy")
-def shaft_speed(speed, torque, viscous, dry, break_away, inertia, step):
-    """Speed [rad/s] of one inertia after a step under ``torque`` [N m], viscous and dry friction."""
+def response(step, inertia, viscous):
+    """(gain, drag) of one inertia over a step: speed change per N m of torque, and the share that viscosity leaves."""
     gain = step / inertia
-    drag = 1.0 / (1.0 + gain * viscous)
-    return after_dry_friction((speed + gain * torque) * drag, speed, gain * dry * drag, gain * break_away * drag)
+    return gain, 1.0 / (1.0 + gain * viscous)
+
+
+@njit(error_model="numpy")
+def shaft_speed(speed, torque, dry, break_away, gain, drag):
+    """Speed [rad/s] of one inertia after a step under ``torque`` [N m] and friction (``gain``, ``drag``: response)."""
+    share = gain * drag
+    return after_dry_friction(speed * drag + share * torque, speed, share * dry, share * break_away)

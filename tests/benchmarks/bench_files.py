@@ -1,0 +1,73 @@
+"""Files: how fast traces are imported, how soon six recordings are compared, what half an hour costs in memory."""
+
+import os
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ema_bench_replay.bag_writer import write_bag, write_mcap
+from ema_bench_replay.import_map import load_map
+from ema_bench_replay.trace_csv import read_trace
+from ema_twin_sim.command import parse_command
+from ema_twin_sim.model_file import load_model
+from ema_twin_sim.simulation import virtual_bench
+
+TWIN = Path(sys.prefix) / "bin" / "ema-twin"
+TRACES = sorted((Path(__file__).resolve().parent.parent / "recordings").glob("*.CSV"))
+ROUNDS = 5
+
+
+def measured(*arguments):
+    """(wall seconds, peak MiB) of one process."""
+    begin = time.perf_counter()
+    process = subprocess.Popen([TWIN, *map(str, arguments)], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0
+    return time.perf_counter() - begin, usage.ru_maxrss / 1024.0
+
+
+@pytest.fixture
+def say(capsys):
+    def say(text):
+        with capsys.disabled():
+            print(f"\n  {text}")
+
+    return say
+
+
+def test_import(tmp_path, say):
+    siemens = load_map("siemens")
+    size = sum(path.stat().st_size for path in TRACES)
+    best = float("inf")
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        for path in TRACES:
+            write_bag(read_trace(path, siemens), tmp_path, force=True)
+        best = min(best, time.perf_counter() - begin)
+    say(f"import: {size / best / 1e6:.1f} MB/s of CSV, {len(TRACES)} files of {size / len(TRACES) / 1e6:.2f} MB")
+    assert size / best >= 12e6
+
+
+def test_compare_six_recordings(tmp_path, say):
+    siemens = load_map("siemens")
+    for k in range(6):
+        recording = read_trace(TRACES[k % len(TRACES)], siemens)
+        write_bag(replace(recording, name=f"run_{k}"), tmp_path)
+    runs = sorted(tmp_path.iterdir())
+    measured("compare", *runs, "--model", "polito_bench")
+    seconds, peak = min(measured("compare", *runs, "--model", "polito_bench") for _ in range(ROUNDS))
+    say(f"compare, six recordings of 20 s, process start included: {seconds:.2f} s, {peak:.0f} MiB")
+    assert seconds <= 2.0
+
+
+def test_memory_of_half_an_hour(tmp_path, say):
+    bench = virtual_bench(load_model("polito_bench"), parse_command("triangle:0.04:5"), 1800.0)
+    write_mcap(bench, tmp_path / "half_an_hour.mcap")
+    seconds, peak = measured("compare", tmp_path / "half_an_hour.mcap", "--model", "polito_bench")
+    say(f"compare, one recording of 30 minutes ({len(bench)} samples): {seconds:.1f} s, peak {peak:.0f} MiB")
+    assert peak <= 500.0

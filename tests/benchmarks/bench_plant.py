@@ -1,0 +1,137 @@
+"""The plant's speed beside the same equations in C, in one run: ratios, since machines differ and are noisy."""
+
+import ctypes
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.assembly import assemble
+from ema_twin_sim.command import parse_command
+from ema_twin_sim.model_file import load_model
+from ema_twin_sim.plant.kernel import advance
+from ema_twin_sim.plant.layout import BENCH, SETPOINT, STATE, TWIN
+from ema_twin_sim.simulation import virtual_bench
+from ema_twin_sim.twin import DEFAULT_STEP
+
+SECONDS = 20.0
+ROUNDS = 15
+FIELDS = {
+    "plant": (
+        "inertia", "torque_constant", "viscous", "dry", "break_away", "speed_gain", "integral_time", "integral_limit",
+        "anti_windup_time", "torque_limit", "control_cycle", "current_lag", "speed_smoothing",
+    ),
+    "state": ("angle", "speed", "current", "current_setpoint", "integral", "smoothed", "phase"),
+}  # fmt: skip
+
+
+class Plant(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_double) for name in FIELDS["plant"]]  # noqa: RUF012 (ctypes' own form)
+
+
+class State(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_double) for name in FIELDS["state"]]  # noqa: RUF012
+
+
+@pytest.fixture(scope="module")
+def stock():
+    return load_model("polito_bench")
+
+
+@pytest.fixture(scope="module")
+def recording(stock):
+    return virtual_bench(stock, parse_command("sine:0.02:1"), SECONDS, seed=None)
+
+
+@pytest.fixture(scope="module")
+def in_c(tmp_path_factory):
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    assert compiler, "no C compiler: install the package build-essential"
+    library = tmp_path_factory.mktemp("c") / "stock_plant.so"
+    source = Path(__file__).with_name("stock_plant.c")
+    flags = ["-O3", "-march=native", "-shared", "-fPIC"]
+    subprocess.run([compiler, *flags, str(source), "-o", str(library), "-lm"], check=True)
+    return ctypes.CDLL(str(library)).advance
+
+
+def by_kernel(model, recording):
+    """A call that integrates the whole recording without writing, and the state it leaves."""
+    assembly = assemble(model)
+    state = np.zeros(1, STATE)
+    bench = np.full((len(recording), len(BENCH)), np.nan)
+    bench[:, BENCH.index("speed_setpoint")] = recording.signals["speed_setpoint"]
+    rows = np.zeros((len(recording), len(TWIN)))
+
+    def call():
+        state[:] = 0
+        state["control_phase"] = assembly.plant["control_cycle"]
+        advance(
+            assembly.plant, state, assembly.effects, SETPOINT, recording.stamps, bench, rows, DEFAULT_STEP, False
+        )  # fmt: skip
+
+    return call, state
+
+
+def by_c(function, model, recording):
+    record = assemble(model).plant[0]
+    values = {name: record[name] for name in record.dtype.names}
+    values |= {
+        "inertia": record["motor_inertia"] + record["output_inertia"],
+        "viscous": record["motor_viscous"] + record["output_viscous"],
+        "dry": record["motor_dry"] + record["output_dry"],
+        "break_away": record["motor_break_away"] + record["output_break_away"],
+    }
+    plant = Plant(*(float(values[name]) for name in FIELDS["plant"]))
+    state = State()
+    setpoint = np.ascontiguousarray(recording.signals["speed_setpoint"])
+    pointer = setpoint.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+    interval = float(recording.stamps[1]) * 1e-9
+
+    def call():
+        ctypes.memset(ctypes.byref(state), 0, ctypes.sizeof(state))
+        state.phase = plant.control_cycle
+        function(
+            ctypes.byref(plant), ctypes.byref(state), pointer, ctypes.c_long(len(setpoint)),
+            ctypes.c_double(interval), ctypes.c_double(DEFAULT_STEP),
+        )  # fmt: skip
+
+    return call, state
+
+
+def fastest(*calls):
+    """The least process time [s] of each call, in turn, so that a machine's moods hit all alike."""
+    best = [float("inf")] * len(calls)
+    for _ in range(ROUNDS):
+        for k, call in enumerate(calls):
+            begin = time.process_time()
+            call()
+            best[k] = min(best[k], time.process_time() - begin)
+    return best
+
+
+def test_speed_of_the_plant(stock, recording, in_c, capsys):
+    crowded = stock
+    for effect in ("stribeck_friction", "stribeck_friction", "sun_runout", "sun_runout"):
+        crowded = crowded.with_effect(effect)
+    kernel, state = by_kernel(stock, recording)
+    c, c_state = by_c(in_c, stock, recording)
+    gap, _ = by_kernel(stock.with_effect("backlash"), recording)
+    four, _ = by_kernel(crowded, recording)
+    kernel()
+    c()
+    for name, mine in (("angle", "motor_angle"), ("speed", "motor_speed"), ("integral", "integral")):
+        assert getattr(c_state, name) == pytest.approx(float(state[mine][0]), rel=1e-9), "not the same equations"
+
+    times = dict(zip(("stock", "C", "backlash", "four more effects"), fastest(kernel, c, gap, four), strict=True))
+    steps = SECONDS / DEFAULT_STEP
+    with capsys.disabled():
+        print(f"\n  {'plant, step 25 µs, one core':<34}{'ns a step':>10}{'× real time':>13}{'× C':>8}")
+        for name, seconds in times.items():
+            ratio = seconds / times["C"]
+            print(f"  {name:<34}{1e9 * seconds / steps:>10.1f}{SECONDS / seconds:>13.0f}{ratio:>8.2f}")
+    assert SECONDS / times["stock"] >= 1000.0
+    assert times["stock"] <= 1.5 * times["C"]
+    assert SECONDS / times["four more effects"] >= 500.0

@@ -1,0 +1,54 @@
+/* The stock model's equations in plain C: averaged drive under a speed setpoint, rigid transmission, viscous and dry
+ * friction, smoothed speed. The yardstick of bench_plant.py, written from the equations as one would by hand. */
+#include <math.h>
+
+typedef struct {
+    double inertia, torque_constant, viscous, dry, break_away;
+    double speed_gain, integral_time, integral_limit, anti_windup_time, torque_limit;
+    double control_cycle, current_lag, speed_smoothing;
+} plant_t;
+
+typedef struct {
+    double angle, speed, current, current_setpoint, integral, smoothed, phase;
+} state_t;
+
+static double limited(double value, double limit) { return value > limit ? limit : value < -limit ? -limit : value; }
+
+void advance(const plant_t *p, state_t *s, const double *setpoint, long rows, double interval, double step)
+{
+    double angle = s->angle, speed = s->speed, current = s->current, current_setpoint = s->current_setpoint;
+    double integral = s->integral, smoothed = s->smoothed, phase = s->phase;
+    const long steps = (long)ceil(interval / step - 1e-9);
+    const double h = interval / steps;
+    const double current_gain = 1.0 - exp(-h / p->current_lag);
+    const double smoothing_gain = 1.0 - exp(-h / p->speed_smoothing);
+    const double gain = h / p->inertia, drag = 1.0 / (1.0 + gain * p->viscous);
+    const double sliding = gain * p->dry * drag, holding = gain * p->break_away * drag;
+
+    for (long row = 1; row < rows; row++) {
+        const double start = setpoint[row - 1], slope = setpoint[row] - start;
+        for (long k = 0; k < steps; k++) {
+            if (phase >= p->control_cycle - 0.5 * h) {
+                phase -= p->control_cycle;
+                const double wanted_speed = start + slope * ((double)k / steps) + slope * (p->control_cycle / interval);
+                const double error = wanted_speed - speed;
+                const double wanted = p->speed_gain * error + integral;
+                const double torque = limited(wanted, p->torque_limit);
+                const double rate = p->speed_gain / p->integral_time * error + (torque - wanted) / p->anti_windup_time;
+                integral = limited(integral + p->control_cycle * rate, p->integral_limit);
+                current_setpoint = torque / p->torque_constant;
+            }
+            current += current_gain * (current_setpoint - current);
+            phase += h;
+            angle += 0.5 * h * speed;
+            const double before = speed;
+            const double free_speed = (speed + gain * p->torque_constant * current) * drag;
+            const double limit = speed == 0.0 ? holding : sliding;
+            speed = free_speed > limit ? free_speed - sliding : free_speed < -limit ? free_speed + sliding : 0.0;
+            angle += 0.5 * h * speed;
+            smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed);
+        }
+    }
+    s->angle = angle, s->speed = speed, s->current = current, s->current_setpoint = current_setpoint;
+    s->integral = integral, s->smoothed = smoothed, s->phase = phase;
+}

@@ -1,0 +1,258 @@
+"""The command line as its user meets it: every verb, its exit status, and one clear line for what is refused."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TWIN = Path(sys.prefix) / "bin" / "ema-twin"
+VERBS = ("import", "compare", "live", "simulate", "add", "remove", "effects", "info", "export", "demo")
+
+
+def twin(*arguments, cwd=None, timeout=60):
+    return subprocess.run(
+        [TWIN, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=timeout, check=False
+    )
+
+
+def done(*arguments, **options):
+    result = twin(*arguments, **options)
+    assert result.returncode == 0, result.stderr
+    return result
+
+
+def refused(*arguments, naming=(), **options):
+    """The one line that a refusal is."""
+    result = twin(*arguments, **options)
+    assert result.returncode == 2, (result.returncode, result.stdout, result.stderr)
+    lines = [line for line in result.stderr.splitlines() if not line.startswith("warning:")]
+    assert len(lines) == 1 and lines[0].startswith("error: "), result.stderr
+    for word in naming:
+        assert word in lines[0], lines[0]
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def trace(traces):
+    return next(path for path in traces if "ramp" in path.name)
+
+
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory, traces):
+    folder = tmp_path_factory.mktemp("recordings")
+    done("import", *traces, "-o", folder)
+    return folder
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_every_verb_has_help_with_an_example(verb):
+    assert f"ema-twin {verb}" in " ".join(done(verb, "--help").stdout.split())
+
+
+def test_version_and_bare_call():
+    assert done("--version").stdout.startswith("ema-twin 0.")
+    bare = twin()
+    assert bare.returncode in (0, 2) and "compare" in bare.stdout + bare.stderr
+
+
+def test_unknown_verbs_and_options_are_refused_in_one_line():
+    refused("compre", naming=("compre",))
+    refused("compare", "--modle", "x", naming=("--modle",))
+
+
+def test_import_writes_a_recording_a_trace(imported, traces):
+    for path in traces:
+        assert (imported / path.stem / f"{path.stem}.mcap").is_file()
+        assert (imported / path.stem / "metadata.yaml").is_file()
+
+
+def test_compare_takes_csv_mcap_folder_and_folder_of_folders_alike(tmp_path, imported, trace):
+    forms = (trace, imported / trace.stem, imported / trace.stem / f"{trace.stem}.mcap")
+    results = []
+    for form in forms:
+        done("compare", form, "--model", "polito_bench", "--json", tmp_path / "c.json")
+        results.append(json.loads((tmp_path / "c.json").read_text()))
+    assert results[0] == results[1] == results[2]
+    done("compare", imported, "--model", "polito_bench", "--json", tmp_path / "all.json")
+    assert len(json.loads((tmp_path / "all.json").read_text())["recordings"]) == 4
+
+
+def test_compare_prints_units_noise_floor_and_where_it_fails(traces):
+    text = done("compare", *traces, "--model", "polito_bench").stdout
+    for word in ("noise floor", "mA", "rad", "N m", "Where the model fails", "direction", "order", "output position"):
+        assert word in text
+    assert "NaN" not in text and "nan" not in text
+
+
+def test_the_loop_add_compare_remove(tmp_path, imported):
+    done("add", "backlash", "--set", "width=0.004", "--model", "polito_bench", "-o", tmp_path / "one.yaml")
+    two = ("--set", "torque=0.08", "--set", "speed=2")
+    done("add", "stribeck_friction", *two, "--model", tmp_path / "one.yaml", "-o", tmp_path / "two.yaml")
+    models = ("--model", "polito_bench", "--model", tmp_path / "two.yaml")
+    text = done("compare", imported, *models, "--json", tmp_path / "c.json").stdout
+    assert "excess over noise removed" in text
+    before, after = json.loads((tmp_path / "c.json").read_text())
+    assert (before["model"], after["model"]) == ("polito_bench", "two")
+    assert after["overall"]["output_position"]["rmse"] < 0.01 * before["overall"]["output_position"]["rmse"]
+    done("remove", "backlash", "--model", tmp_path / "two.yaml", "-o", tmp_path / "three.yaml")
+    assert "backlash" not in done("info", tmp_path / "three.yaml").stdout
+
+
+def test_cutting_in_time(tmp_path, trace):
+    cut = ("--from", "2", "--to", "4")
+    done("compare", trace, "--model", "polito_bench", *cut, "--json", tmp_path / "c.json")
+    assert json.loads((tmp_path / "c.json").read_text())["recordings"][0]["samples"] == 1001
+    refused("compare", trace, "--model", "polito_bench", "--from", "90", naming=(trace.stem,))
+
+
+def test_simulate_makes_recordings_that_compare_reads(tmp_path):
+    for name in ("made.mcap", "made.CSV"):
+        command = ("--command", "triangle:0.04:1", "--seconds", "3", "--seed", "7")
+        done("simulate", "--model", "polito_bench", *command, "-o", tmp_path / name)
+        done("compare", tmp_path / name, "--model", "polito_bench", "--json", tmp_path / f"{name}.json")
+    by_mcap, by_csv = (
+        json.loads((tmp_path / f"{name}.json").read_text())["overall"] for name in ("made.mcap", "made.CSV")
+    )
+    # the drive's CSV rounds to its own digits
+    assert by_csv["current"]["rmse"] == pytest.approx(by_mcap["current"]["rmse"], rel=0.02)
+    assert by_mcap["current"]["rmse"] < 1.1 * by_mcap["current"]["noise_floor"]
+
+
+def test_export_gives_the_trace_back(tmp_path, imported, trace):
+    done("export", imported / trace.stem, "-o", tmp_path / "back.CSV")
+    assert (tmp_path / "back.CSV").read_bytes() == trace.read_bytes()
+    done("export", imported / trace.stem, "-o", tmp_path / "table.parquet")
+    from pyarrow import parquet
+
+    assert parquet.read_table(tmp_path / "table.parquet").num_rows == 10_000
+
+
+def test_effects_as_json(tmp_path):
+    done("effects", "--json", tmp_path / "effects.json")
+    listed = json.loads((tmp_path / "effects.json").read_text())
+    assert {"backlash", "stribeck_friction"} <= {effect["id"] for effect in listed}
+    done("effects", "backlash")
+
+
+def test_live_gives_what_compare_gives(tmp_path, trace):
+    cut = ("--from", "0", "--to", "4")
+    done("live", trace, "--model", "polito_bench", *cut, "--rate", "5", "--headless", "--json", tmp_path / "live.json")
+    done("compare", trace, "--model", "polito_bench", *cut, "--json", tmp_path / "compare.json")
+    live, compare = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("live", "compare"))
+    assert live["recordings"][0]["samples"] == compare["recordings"][0]["samples"]
+    assert list(live["overall"]) == list(compare["overall"])
+    for name, signal in compare["overall"].items():
+        assert live["overall"][name]["rmse"] == pytest.approx(signal["rmse"], rel=1e-6)
+
+
+def test_interrupted_live_ends_with_130(trace):
+    process = subprocess.Popen(
+        [TWIN, "live", trace, "--model", "polito_bench", "--headless"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in process.stdout:
+        if "error" in line:
+            break
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+
+
+def test_refused_models_effects_and_values(tmp_path, trace):
+    refused("compare", trace, "--model", "polito_bensh", naming=("polito_bench",))
+    add = ("--model", "polito_bench", "-o", tmp_path / "x.yaml")
+    refused("add", "backlsh", *add, naming=("did you mean 'backlash'",))
+    refused("add", "backlash", "--set", "widht=1", *add, naming=("did you mean 'width'",))
+    refused("add", "backlash", "--set", "width=9", *add, naming=("out of range", "rad"))
+    refused("add", "backlash", "--set", "width", *add, naming=("NAME=VALUE",))
+    refused("remove", "backlash", *add, naming=("no effect 'backlash'",))
+    refused("effects", "nothing", naming=("unknown effect",))
+    assert not (tmp_path / "x.yaml").exists()
+
+
+def test_refused_commands(tmp_path):
+    made = ("-o", tmp_path / "x.mcap")
+    refused("simulate", "--model", "polito_bench", "--command", "wobble:1", *made, naming=("wobble", "ramp"))
+    refused("simulate", "--model", "polito_bench", "--command", "ramp:1", "-o", tmp_path / "x.txt", naming=(".mcap",))
+    long = ("--command", "ramp:1", "--seconds", "1e9")
+    refused("simulate", "--model", "polito_bench", *long, *made, naming=("--seconds",))
+
+
+def test_refused_recordings(tmp_path, trace):
+    compare = ("--model", "polito_bench")
+    refused("compare", tmp_path / "none.CSV", *compare, naming=("none.CSV",))
+    (tmp_path / "empty.CSV").touch()
+    refused("compare", tmp_path / "empty.CSV", *compare, naming=("empty.CSV",))
+    (tmp_path / "other.mcap").write_bytes(b"not an mcap at all")
+    refused("compare", tmp_path / "other.mcap", *compare, naming=("other.mcap",))
+    (tmp_path / "folder").mkdir()
+    refused("compare", tmp_path / "folder", *compare, naming=("folder",))
+    header, *rows = trace.read_text().splitlines()[:100]
+    bare = tmp_path / "bare.CSV"
+    bare.write_text("\n".join([header.replace("r62", "r9062"), *rows]))
+    refused("compare", bare, *compare, "--input", "setpoint", naming=("speed_setpoint", "bare"))
+
+
+def test_outputs_that_exist_or_cannot_be_written(tmp_path, trace, imported):
+    refused("import", trace, "-o", imported, naming=("already", "--force"))
+    done("import", trace, "-o", imported, "--force")
+    (tmp_path / "file").touch()
+    refused("import", trace, "-o", tmp_path / "file", naming=("file",))
+    refused("compare", trace, "--model", "polito_bench", "--json", tmp_path / "file" / "c.json", naming=("c.json",))
+    (tmp_path / "model.yaml").touch()
+    add = ("add", "backlash", "--model", "polito_bench", "-o", tmp_path / "model.yaml")
+    refused(*add, naming=("exists",))
+    done(*add, "--force")
+    refused("export", trace, "-o", tmp_path / "model.yaml", naming=("model.yaml",))
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_without_permission(tmp_path, trace):
+    (tmp_path / "locked").mkdir(mode=0o500)
+    refused("import", trace, "-o", tmp_path / "locked", naming=("locked",))
+
+
+def test_damaged_but_readable_input_is_used_with_a_warning(tmp_path, trace, imported):
+    torn = tmp_path / "torn.CSV"
+    text = trace.read_bytes()
+    torn.write_bytes(text[: len(text) // 2 + 7])
+    cut = tmp_path / "cut.mcap"
+    whole = (imported / trace.stem / f"{trace.stem}.mcap").read_bytes()
+    cut.write_bytes(whole[: len(whole) * 2 // 3])
+    for damaged in (torn, cut):
+        result = done("compare", damaged, "--model", "polito_bench", "--json", tmp_path / "c.json")
+        assert len([line for line in result.stderr.splitlines() if line.startswith("warning:")]) == 1
+        content = json.loads((tmp_path / "c.json").read_text())
+        assert len(content["warnings"]) == 1
+        assert 3000 < content["recordings"][0]["samples"] < 8000
+        refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+
+
+def test_an_internal_error_is_one_line_with_status_1(tmp_path):
+    """A catalogue with a broken effect in it: not the user's fault, and no traceback either."""
+    import ema_twin_sim
+
+    package = Path(ema_twin_sim.__file__).parent
+    copy = tmp_path / "ema_twin_sim"
+    shutil.copytree(package, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "effects" / "broken.py").write_text("raise RuntimeError('broken on purpose')\n")
+    start = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = ['ema-twin', 'effects'];"
+        "from ema_twin_sim.commands.main import main; main()"
+    )
+    result = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True, timeout=60, check=False)
+    assert result.returncode == 1
+    assert result.stderr.startswith("internal error: RuntimeError: broken on purpose")
+    assert "Traceback" not in result.stderr
+
+
+def test_commands_that_need_no_physics_do_not_load_it():
+    """It takes half a second to import, and tab completion and --help wait for it."""
+    code = "import sys; import ema_twin_sim.commands.main; sys.exit('numba' in sys.modules or 'numpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
