@@ -146,8 +146,8 @@ def test_live_gives_what_compare_gives(tmp_path, trace):
     live, compare = (json.loads((tmp_path / f"{name}.json").read_text()) for name in ("live", "compare"))
     assert live["recordings"][0]["samples"] == compare["recordings"][0]["samples"]
     assert list(live["overall"]) == list(compare["overall"])
-    for name, signal in compare["overall"].items():
-        assert live["overall"][name]["rmse"] == pytest.approx(signal["rmse"], rel=1e-6)
+    for name, expected in compare["overall"].items():
+        assert live["overall"][name]["rmse"] == pytest.approx(expected["rmse"], rel=1e-6)
 
 
 def test_interrupted_live_ends_with_130(trace):

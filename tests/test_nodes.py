@@ -237,7 +237,7 @@ def test_health_goes_by_the_noise_floor(graph, recording, model):
     tester.create_subscription(Health, "/monitor/health", healths.append, qos.LATEST)
     replay = graph.add(ReplayNode, recording.between(0.0, 2.0), rate=0.0, on_end="wait")
     graph.spin_until(lambda: replay.ended and monitor.complete)
-    graph.spin_until(lambda: healths[-1].complete)
+    graph.spin_until(lambda: healths and healths[-1].complete)
     assert healths[-1].level == Health.OK
     assert healths[-1].noise_floor.current == pytest.approx(0.003)
     assert healths[-1].rmse_window.current == pytest.approx(healths[-1].rmse.current)

@@ -29,11 +29,11 @@ FIELDS = {
 
 
 class Plant(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_double) for name in FIELDS["plant"]]  # noqa: RUF012 (ctypes' own form)
+    _fields_ = [(name, ctypes.c_double) for name in FIELDS["plant"]]
 
 
 class State(ctypes.Structure):
-    _fields_ = [(name, ctypes.c_double) for name in FIELDS["state"]]  # noqa: RUF012
+    _fields_ = [(name, ctypes.c_double) for name in FIELDS["state"]]
 
 
 @pytest.fixture(scope="module")
