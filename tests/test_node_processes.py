@@ -11,7 +11,7 @@ from ros_graph import Graph, start_process
 
 from ema_bench_replay.bag_reader import read_bag
 from ema_bench_replay.nodes import qos
-from ema_bench_replay.nodes.state_codec import write_state
+from ema_bench_replay.nodes.sample_codec import write_state
 from ema_bench_replay.recording import load
 from ema_twin_msgs.msg import EmaState
 from ema_twin_sim.comparison import compare

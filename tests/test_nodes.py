@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from ema_bench_replay.bag_reader import read_bag
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.replay import ReplayNode
-from ema_bench_replay.nodes.state_codec import write_state
+from ema_bench_replay.nodes.sample_codec import write_state
 from ema_bench_replay.recording import load
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 from ema_twin_msgs.srv import Seek
@@ -145,7 +145,7 @@ def test_parameters_are_described_set_and_refused_with_their_range(graph):
     assert not answer.successful
     assert "true or false" in answer.reason
     assert all(answer.successful for answer in set_parameters(effects__backlash__width=0.01, drive__speed_gain=1))
-    changed = twin._twin()
+    changed = twin.mode.twin
     assert changed.effects["backlash"].parameters["width"] == 0.01
     assert changed.model.value("drive.speed_gain") == 1.0
     assert not changed.effects["backlash"].enabled
@@ -155,8 +155,8 @@ def test_parameters_are_described_set_and_refused_with_their_range(graph):
 
 def test_start_values_of_parameters_reach_the_model(graph):
     twin = graph.add(TwinNode, **{"effects.backlash.enabled": True, "machine.motor_inertia": 2e-3})
-    assert twin._twin().effects["backlash"].enabled
-    assert twin._twin().model.value("machine.motor_inertia") == 2e-3
+    assert twin.mode.twin.effects["backlash"].enabled
+    assert twin.mode.twin.model.value("machine.motor_inertia") == 2e-3
 
 
 def bench_signals(value=1.0):
@@ -206,7 +206,7 @@ def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
     assert "speed_setpoint" in reports[-1].status[0].message
     publisher.publish(write_state(10**9, 2, 0, bench_signals()))
     graph.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.OK)
-    assert twin._follower.answered == 1
+    assert twin.mode.follower.answered == 1
 
 
 def test_a_lost_sample_leaves_the_run_incomplete(graph):
@@ -259,7 +259,7 @@ def test_a_standalone_twin_keeps_real_time(graph, rate):
     assert all(abs(periods - round(periods)) < 1e-6 for periods in elapsed)
     assert [sample.sequence for sample in samples] == list(range(len(samples)))
     missed = round(elapsed[-1]) + 1 - len(samples)
-    assert 0 <= missed <= twin._deadlines.missed
+    assert 0 <= missed <= twin.mode.deadlines.missed
     assert missed <= 0.1 * len(samples)
     assert 1.3 * rate < elapsed[-1] < 1.7 * rate
     assert max(abs(sample.output_position) for sample in samples) == pytest.approx(0.02, rel=0.2)

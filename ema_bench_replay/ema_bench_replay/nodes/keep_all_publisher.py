@@ -11,7 +11,7 @@ from .spin import interrupted
 
 
 class KeepAllPublisher:
-    """Publishes on a keep-all topic.
+    """Publishes serialised messages on a keep-all topic.
 
     Once a reader is a full history behind, `publish` blocks for about 0.1 s and raises. Sending the same message again
     is the flow control: the sender goes no faster than its slowest reader. Readers in the sender's own executor cannot
@@ -19,7 +19,7 @@ class KeepAllPublisher:
 
     Attributes:
         sent: messages sent.
-        repeated: times that a message had to be sent again.
+        repeated: times that a message has to be sent again.
     """
 
     def __init__(self, node: Node, message_type: type, topic: str, qos: QoSProfile) -> None:
@@ -28,17 +28,21 @@ class KeepAllPublisher:
         self.sent = 0
         self.repeated = 0
 
-    def send(self, message: object) -> None:
-        """Send; where a reader is behind, wait for it. Gives up only when the process is to end."""
-        while True:
-            try:
-                self._publisher.publish(message)
-                break
-            except rclpy_implementation.RCLError:
-                if interrupted() or not self._context.ok():
-                    return
-                self.repeated += 1
+    def try_send(self, message: bytes) -> bool:
+        """Send; false where a reader is behind, and the same message is to be sent again later."""
+        try:
+            self._publisher.publish(message)
+        except rclpy_implementation.RCLError:
+            self.repeated += 1
+            return False
         self.sent += 1
+        return True
+
+    def send(self, message: bytes) -> None:
+        """Send; where a reader is behind, wait for it. Gives up only when the process is to end."""
+        while not self.try_send(message):
+            if interrupted() or not self._context.ok():
+                return
 
     @property
     def readers(self) -> int:

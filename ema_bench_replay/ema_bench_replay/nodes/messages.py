@@ -1,4 +1,4 @@
-"""Messages from plain Python: nanoseconds, and mappings of signal names to float. (Samples: see `state_codec`.)"""
+"""Messages from plain Python: nanoseconds, and mappings of signal names to float. (Samples: see `sample_codec`.)"""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from std_msgs.msg import Header
 
 from ema_twin_msgs.msg import Signals
 
-COMPARED = tuple(Signals.get_fields_and_field_types())
-"""Names of the signals that bench and twin are compared in."""
+from .sample_codec import COMPARED
 
 _UNKNOWN = dict.fromkeys(COMPARED, math.nan)
 

@@ -6,6 +6,7 @@ import difflib
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.exceptions import ParameterException
@@ -23,7 +24,7 @@ class Declaration:
     """One parameter of a node; its type is that of `default`."""
 
     name: str
-    default: bool | int | float | str | Sequence[str]
+    default: Any  # bool, int, float, str, or a tuple of str
     description: str
     unit: str = ""
     lower: float = -math.inf
@@ -40,7 +41,7 @@ class Declaration:
             return ""
         return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
 
-    def checked(self, value: object) -> object:
+    def checked(self, value: Any) -> Any:
         """The value in the parameter's own type; whole numbers pass for floats. Raises InputError with the range."""
         kind = type(self.default)
         if kind is float and type(value) is int:
@@ -74,7 +75,7 @@ class Declaration:
         )
 
 
-def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, object]:
+def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, Any]:
     """Declare parameters; returns their values, as given at the start. Raises InputError on a wrong one."""
     values = {}
     for declaration in declarations:

@@ -23,8 +23,9 @@ from .keep_all_publisher import KeepAllPublisher
 from .messages import header
 from .parameters import Declaration, check_all, declare, refuse_unknown
 from .playback import Playback
+from .played_run import PlayedRun
 from .spin import run, steady_timer
-from .state_codec import write_state
+from .sample_codec import write_state
 
 PARAMETERS = (
     Declaration("recording", "", "recording to play: an MCAP, the folder that import wrote, or a CSV trace"),
@@ -61,9 +62,6 @@ class ReplayNode(Node):
 
     Attributes:
         finished: the last sample was sent, and received by every reader; the node wants to end (`on_end` is `exit`).
-        ended: the last sample was sent.
-        run: the present run's number.
-        sent: samples sent, of all runs.
     """
 
     def __init__(
@@ -96,9 +94,12 @@ class ReplayNode(Node):
             )
         except InputError as error:
             raise InputError(f"{recording.name}: start: {error}") from None
-        self.run, self._next_run = 0, int(time.time()) % 2**32
+        self._next_run = int(time.time()) % 2**32
+        self._played: PlayedRun | None = None
         self._announced = 0
-        self._waits_until: int | None = time.monotonic_ns() + int(given["patience"] * 1e9)
+        self._behind = False
+        self._started = False
+        self._waits_until = time.monotonic_ns() + int(given["patience"] * 1e9)
         self._wanted_readers = given["subscribers"]
         self._worst_delay = 0
 
@@ -121,6 +122,11 @@ class ReplayNode(Node):
         return self._playback.ended
 
     @property
+    def run(self) -> int:
+        """Number of the present run; 0 before the first."""
+        return self._played.number if self._played else 0
+
+    @property
     def sent(self) -> int:
         """Samples sent, of all runs."""
         return self._publisher.sent
@@ -131,7 +137,7 @@ class ReplayNode(Node):
             if time.monotonic_ns() < self._waits_until:
                 return
             self.get_logger().warning(f"starts with {readers} of {self._wanted_readers} readers of bench/state")
-        self._waits_until = None
+        self._started = True
         self._playback.start(time.monotonic_ns())
         self._serve()
 
@@ -154,46 +160,41 @@ class ReplayNode(Node):
             if wait > _EARLY:
                 return
             self._worst_delay = max(self._worst_delay, -wait)
-            self._send(playback.next)
+            played = self._present_run()
+            stamp, sequence, fields = played.sample(playback.next)
+            self._behind = not self._publisher.try_send(write_state(stamp, played.number, sequence, fields))
+            if self._behind:
+                return
+            self._joints.publish(stamp, fields)
             playback.played()
             if playback.ended:
-                self._end()
+                self._end(played)
 
-    def _send(self, index: int) -> None:
-        if self._announced != self._playback.passes:
-            self._announce()
-        stamp = self._recording.start + int(self._recording.stamps[index])
-        sequence = index - self._playback.first
-        signals = {name: values.item(sequence) for name, values in self._arrays}
-        self._publisher.send(write_state(stamp, self.run, sequence, signals | self._origins))
-        self._joints.publish(stamp, signals)
+    def _present_run(self) -> PlayedRun:
+        """The run of the playback's present pass; announced where it begins."""
+        if self._played is None or self._announced != self._playback.passes:
+            self._announced = self._playback.passes
+            self._played = PlayedRun(self._recording, self._playback.first, self._next_run)
+            self._next_run = (self._next_run + 1) % 2**32
+            self._announce(self._played)
+        return self._played
 
-    def _announce(self) -> None:
-        """Begin a run: positions are zero at its first sample."""
-        self._announced = self._playback.passes
-        self.run, self._next_run = self._next_run, (self._next_run + 1) % 2**32
-        played = self._recording.between(float(self._recording.time[self._playback.first]))
-        self._arrays = list(played.signals.items())
-        self._origins = {
-            "motor_angle_origin": played.motor_angle_origin,
-            "output_angle_origin": played.output_angle_origin,
-        }
+    def _announce(self, played: PlayedRun) -> None:
+        part = played.part
         self._run_publisher.publish(
             Run(
-                header=header(played.start),
-                run=self.run,
-                recording=played.name,
-                samples=len(played),
-                duration=played.duration,
-                signals=list(played.signals),
+                header=header(part.start),
+                run=played.number,
+                recording=part.name,
+                samples=len(part),
+                duration=part.duration,
+                signals=list(part.signals),
             )
         )
 
-    def _end(self) -> None:
-        count = len(self._recording) - self._playback.first
-        self.get_logger().info(
-            f"sent {count} samples of {self._recording.name} in run {self.run}, {self.sent} in all runs"
-        )
+    def _end(self, played: PlayedRun) -> None:
+        count, name = len(played.part), played.part.name
+        self.get_logger().info(f"sent {count} samples of {name} in run {played.number}, {self.sent} in all runs")
         if self._exit_at_end:
             # Readers may be behind, and what they have not received ends with this process.
             if not self._publisher.wait_for_readers(timeout=5.0):
@@ -223,7 +224,7 @@ class ReplayNode(Node):
         return self._answer(response, "a new run begins")
 
     def _answer(self, response: Trigger.Response | Seek.Response, what: str) -> Trigger.Response | Seek.Response:
-        if self._waits_until is None:
+        if self._started:
             self._serve()
         response.success = True
         response.message = f"{what} at {self._playback.position(time.monotonic_ns()) * 1e-9:.3f} s"
@@ -234,25 +235,27 @@ class ReplayNode(Node):
         for parameter in parameters:
             if result.successful and parameter.name == "rate":
                 self._playback.set_rate(float(parameter.value), time.monotonic_ns())
-                if self._waits_until is None:
+                if self._started:
                     self._serve()
         return result
 
     def _publish_clock(self) -> None:
-        if self._waits_until is None:
+        if self._started:
             now = self._recording.start + self._playback.position(time.monotonic_ns())
             self._clock_publisher.publish(Clock(clock=header(now).stamp))
 
     def _report(self) -> diagnostics.Report:
         playback = self._playback
-        if self._waits_until is not None:
+        if not self._started:
             condition = "waits for readers"
         elif playback.ended:
             condition = "ended"
         else:
             condition = "paused" if playback.paused else "playing"
+        if self._behind:
+            condition = "waits for a reader that is behind"
         return diagnostics.Report(
-            diagnostics.OK,
+            diagnostics.WARN if self._behind else diagnostics.OK,
             condition,
             {
                 "run": self.run,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
 from rich.table import Table
 
 from ..quantities import quantity
@@ -31,7 +30,7 @@ WEAK = 0.1
 
 def run(
     runs: options.Runs,
-    model: Annotated[list[str], typer.Option("--model", "-m", help="Model; give several to see them side by side.")],
+    model: options.Models,
     input: options.Input = None,
     import_map: options.ImportMap = "siemens",
     start: options.From = None,

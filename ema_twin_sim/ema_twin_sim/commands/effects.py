@@ -20,7 +20,7 @@ ema-twin effects backlash --json backlash.json"""
 def run(
     id: Annotated[
         str | None,
-        typer.Argument(metavar="[ID]", help="Show one effect in full.", autocompletion=options._effect_names),
+        typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names),
     ] = None,
     json: options.JsonFile = None,
 ) -> None:

@@ -22,7 +22,7 @@ ema-twin import traces/*.CSV --map my_drive.yaml -o recordings"""
 
 
 def run(
-    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV...", help="CSV traces of the drive.")],
+    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV", help="CSV traces of the drive.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
         "recordings"
     ),

@@ -30,7 +30,7 @@ ema-twin live --model polito_bench     (attaches to a running /bench/state: the 
 
 def run(
     run: Annotated[
-        Path | None, typer.Argument(metavar="[RUN]", help="A recording to replay; without it, the running bench.")
+        Path | None, typer.Argument(metavar="RUN", help="A recording to replay; without it, the running bench.")
     ] = None,
     model: options.ModelName = "polito_bench",
     input: options.Input = None,

@@ -14,25 +14,35 @@ def _model_names(incomplete: str) -> list[str]:
     return [name for name in configuration_names("models") if name.startswith(incomplete)]
 
 
-def _effect_names(incomplete: str) -> list[str]:
+def effect_names(incomplete: str) -> list[str]:
+    """Effects whose ids begin like this, for tab completion."""
     from ..effects import catalogue
 
     return [id for id in catalogue() if id.startswith(incomplete)]
 
 
 Runs = Annotated[
-    list[Path], typer.Argument(metavar="RUN...", help="Recordings: MCAP files, folders that import wrote, or CSVs.")
+    list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, folders that import wrote, or CSVs.")
 ]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
+Models = Annotated[
+    list[str],
+    typer.Option(
+        "--model",
+        "-m",
+        help="Model file, or a name in config/models; give several to see them side by side.",
+        autocompletion=_model_names,
+    ),
+]
 ModelName = Annotated[
     str, typer.Option("--model", "-m", help="Model file, or a name in config/models.", autocompletion=_model_names)
 ]
 EffectName = Annotated[
-    str, typer.Argument(metavar="EFFECT", help="An effect of the catalogue.", autocompletion=_effect_names)
+    str, typer.Argument(metavar="EFFECT", help="An effect of the catalogue.", autocompletion=effect_names)
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
-From = Annotated[float | None, typer.Option("--from", metavar="S", help="Leave out what is before this time [s].")]
-To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is after this time [s].")]
+From = Annotated[float | None, typer.Option("--from", metavar="S", help="Leave out what is before, in seconds.")]
+To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is after, in seconds.")]
 Input = Annotated[
     str | None,
     typer.Option("--input", help="What drives the twin: setpoint or current; by default what the recording allows."),

@@ -20,18 +20,18 @@ ema-twin simulate --model polito_bench --command ramp:0.05 -o ramp.mcap
 ema-twin simulate --model better.yaml --command sine:0.02:1 --seconds 10 --seed 3 -o sine.CSV
 
 Commands, of the slow shaft: ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, \
-or a file of time [s], value [rad] lines; prefix speed- for a speed command (speed-ramp is rad/s2)."""
+or a file of lines of time in s, value in rad; prefix speed- for a speed command (speed-ramp is rad/s2)."""
 
 
 def run(
     model: options.ModelName,
-    command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A[:B]|FILE", help="What the bench does.")],
+    command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="What the bench does.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
-    seconds: Annotated[float, typer.Option(help="Duration [s].")] = 20.0,
+    seconds: Annotated[float, typer.Option(help="Duration in seconds.")] = 20.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
     noise: Annotated[bool, typer.Option("--noise/--no-noise", help="With the sensors' noise.")] = True,
-    start: Annotated[float, typer.Option("--offset", help="Added to the command [rad, or rad/s].")] = 0.0,
-    phase: Annotated[float, typer.Option(help="Phase that a periodic command begins with [rad].")] = 0.0,
+    start: Annotated[float, typer.Option("--offset", help="Added to the command, in rad or rad/s.")] = 0.0,
+    phase: Annotated[float, typer.Option(help="Phase that a periodic command begins with, in rad.")] = 0.0,
     force: options.Force = False,
 ) -> None:
     """Run the virtual bench: the model driven by a command, through the bench's sensors, into a recording."""

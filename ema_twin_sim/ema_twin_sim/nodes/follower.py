@@ -53,7 +53,7 @@ class Follower:
         self._stamp = 0
         self._zeros: dict[str, float] = {}
 
-    def answer(self, run: int, sequence: int, stamp: int, sample: Mapping[str, float]) -> dict[str, float] | None:
+    def answer(self, run: int, sequence: int, stamp: int, sample: dict[str, float]) -> dict[str, float] | None:
         """The twin's signals at this sample (SI, stamped in ns); None where the sample is left out.
 
         A run's samples before the first one with a value of the driving signal are left out, and `problem` says so.
@@ -81,7 +81,7 @@ class Follower:
             self.twin = Twin(self.twin.model, wanted)
             self.input = wanted
 
-    def _start(self, sample: Mapping[str, float]) -> dict[str, float]:
+    def _start(self, sample: dict[str, float]) -> dict[str, float]:
         self.problem = ""
         self._running = True
         zeros = {name: sample[origin] for name, origin in _ZERO_OF.items()}
@@ -92,7 +92,7 @@ class Follower:
             sample["output_angle_origin"] + self._zeros.get("output_position", 0.0),
         )
 
-    def _moved(self, signals: Mapping[str, float], direction: float) -> dict[str, float]:
+    def _moved(self, signals: dict[str, float], direction: float) -> dict[str, float]:
         """The signals with those that count from the first sample moved to the twin's zero (-1) or back (1)."""
         if not self._zeros:
             return signals

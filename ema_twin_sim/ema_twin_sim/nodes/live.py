@@ -88,17 +88,19 @@ class _Session:
     last_stamp: int = 0
     progress: tuple[int, float] = (0, 0.0)  # pairs compared, and when that number last changed
 
-    def take_pair(self, *pair: object) -> None:
+    def take_pair(
+        self, stamp: int, bench: Mapping[str, float], twin: Mapping[str, float], residuals: Mapping[str, float]
+    ) -> None:
         """Called by the monitor."""
-        self.last_stamp = pair[0]
+        self.last_stamp = stamp
         if self.first_stamp is None:
-            self.first_stamp = self.last_stamp
+            self.first_stamp = stamp
         if self.on_pairs is not None:
-            self.pairs.append(Pair(*pair))
+            self.pairs.append(Pair(stamp, bench, twin, residuals))
 
     def tick(self) -> None:
         """Hand on the pairs, make the changes that are due, look around."""
-        if self.pairs:
+        if self.pairs and self.on_pairs is not None:
             batch, self.pairs = self.pairs, []
             self.on_pairs(batch)
         elapsed = 0.0 if self.first_stamp is None else (self.last_stamp - self.first_stamp) * 1e-9

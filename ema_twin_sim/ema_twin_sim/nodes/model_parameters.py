@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
@@ -38,7 +39,7 @@ class ModelParameters:
             self._set({parameter.name: parameter.value for parameter in parameters if parameter.name in own})
         return result
 
-    def _set(self, values: dict[str, bool | float]) -> None:
+    def _set(self, values: dict[str, Any]) -> None:
         twin = self._twin()
         for name, value in values.items():
             if name.endswith(_SWITCH):

@@ -15,7 +15,7 @@ from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.messages import header, signals_message
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run, steady_timer
-from ema_bench_replay.nodes.state_codec import State, read_state
+from ema_bench_replay.nodes.sample_codec import State, read_state, write_residual
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..model import Model
@@ -75,7 +75,7 @@ class MonitorNode(Node):
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         warm_up_comparison(self.model)
-        self.pairing = Pairing(given["capacity"], given["from_start"])
+        self.pairing: Pairing[State] = Pairing(given["capacity"], given["from_start"])
         self.comparison = self._new_comparison("setpoint" if self._input == "auto" else self._input)
         self.on_pair = on_pair
         self.announced: Run | None = None
@@ -96,8 +96,9 @@ class MonitorNode(Node):
     def expected(self) -> int:
         """Samples of the present run that will come, as announced on `bench/run`; 0 where that is not known."""
         announced = self.announced
-        known = self._from_start and announced is not None and announced.run == self.pairing.run
-        return announced.samples if known else 0
+        if not self._from_start or announced is None or announced.run != self.pairing.run:
+            return 0
+        return announced.samples
 
     @property
     def complete(self) -> bool:
@@ -128,49 +129,43 @@ class MonitorNode(Node):
     def _compare(self, bench: State, twin: State) -> None:
         residuals = self.comparison.add(bench.signals, twin.signals)
         self._stamp = bench.stamp
-        self._residual_publisher.publish(
-            Residual(
-                header=header(bench.stamp),
-                run=self.pairing.run,
-                sequence=bench.sequence,
-                residual=signals_message(residuals),
-            )
-        )
+        self._residual_publisher.publish(write_residual(bench.stamp, bench.run, bench.sequence, residuals))
         if self.on_pair is not None:
             self.on_pair(bench.stamp, bench.signals, twin.signals, residuals)
 
     def _new_comparison(self, source: str) -> RunningComparison:
         return RunningComparison(self.model, source, self._window)
 
-    def _level(self) -> tuple[Level, str]:
+    def _level(self, rmse_window: Mapping[str, float]) -> tuple[Level, str]:
         if not self.complete and time.monotonic() - self._arrival > self._limits["stale_after"]:
             return Level.STALE, "no sample arrives"
         comparison = self.comparison
         driven = DRIVEN.get(comparison.source)
         limits = self._limits["warn_at"], self._limits["error_at"]
-        return judge(comparison.rmse_window, comparison.noise_floor, driven, *limits)
+        return judge(rmse_window, comparison.noise_floor, driven, *limits)
 
     def _publish_health(self) -> None:
         comparison, pairing = self.comparison, self.pairing
+        rmse_window = comparison.rmse_window
         self._health_publisher.publish(
             Health(
                 header=header(self._stamp),
                 run=pairing.run or 0,
-                level=bytes([self._level()[0]]),
+                level=bytes([self._level(rmse_window)[0]]),
                 complete=self.complete,
                 compared=pairing.compared,
                 missing=pairing.missing,
                 expected=self.expected,
                 window=self._window,
                 rmse=signals_message(comparison.rmse),
-                rmse_window=signals_message(comparison.rmse_window),
+                rmse_window=signals_message(rmse_window),
                 noise_floor=signals_message(comparison.noise_floor),
             )
         )
 
     def _report(self) -> diagnostics.Report:
         pairing = self.pairing
-        level, words = self._level()
+        level, words = self._level(self.comparison.rmse_window)
         if pairing.missing:
             words = f"{words}; {pairing.missing} samples of this run are missing"
         figures = {"run": pairing.run, "compared": pairing.compared, "missing": pairing.missing}

@@ -8,21 +8,32 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 from .sample_stream import Kind, SampleStream
 
 
-class Sample(Protocol):
-    """What is paired; the monitor passes `state_codec.State`."""
+class Stamped(Protocol):
+    """What can be paired: it has a run, a sequence number in it, and a stamp [ns]."""
 
-    run: int
-    sequence: int
-    stamp: int  # ns since the epoch
+    @property
+    def run(self) -> int:
+        """Number of the run."""
+
+    @property
+    def sequence(self) -> int:
+        """Number in the run, from 0."""
+
+    @property
+    def stamp(self) -> int:
+        """Time in ns since the epoch."""
+
+
+Sample = TypeVar("Sample", bound=Stamped)
 
 
 @dataclass
-class _TwinPass:
+class _TwinPass(Generic[Sample]):
     """Answers of one pass that wait for their bench samples, by sequence, in order of arrival."""
 
     run: int
@@ -31,7 +42,7 @@ class _TwinPass:
     waiting: dict[int, Sample] = field(default_factory=dict)
 
 
-class Pairing:
+class Pairing(Generic[Sample]):
     """Pairs samples by run and sequence, with a bounded memory of those whose partner has not come.
 
     Attributes:
@@ -50,8 +61,9 @@ class Pairing:
         self.outdated = 0
         self.passes = 0
         self._waiting: dict[int, Sample] = {}
-        self._answers: _TwinPass | None = None  # to the bench's present pass
-        self._ahead: deque[_TwinPass] = deque(maxlen=16)  # passes that the bench, as seen from here, has not begun
+        # The twin's answers to the present pass, and to those that the bench, as seen from here, has not begun.
+        self._answers: _TwinPass[Sample] | None = None
+        self._ahead: deque[_TwinPass[Sample]] = deque(maxlen=16)
 
     @property
     def run(self) -> int | None:
@@ -126,7 +138,7 @@ class Pairing:
                 self.outdated += len(begun.waiting)
 
     def _begin_twin(self, run: int) -> None:
-        begun = _TwinPass(run, self.twin.first)
+        begun: _TwinPass[Sample] = _TwinPass(run, self.twin.first)
         if self._answers is None and self.run == run:
             self.outdated += sum(len(older.waiting) for older in self._ahead)
             self._ahead.clear()

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import Header
 
-from ema_bench_replay.nodes.state_codec import FIELDS, read_state, write_state
+from ema_bench_replay.nodes.sample_codec import COMPARED, FIELDS, read_state, write_residual, write_state
 from ema_bench_replay.recording import SIGNALS
-from ema_twin_msgs.msg import EmaState
+from ema_twin_msgs.msg import EmaState, Residual
 
 floats = st.floats(allow_nan=False)
 stamps = st.integers(0, 2**31 * 10**9 - 1)
@@ -41,6 +41,15 @@ def test_what_ros_writes_is_read(frame_id, sequence, current):
     state = read_state(serialize_message(message))
     assert (state.run, state.sequence, state.stamp) == (7, sequence, 5_000_000_009)
     assert state.signals == dict.fromkeys(FIELDS, 0.0) | {"current": current}
+
+
+@given(stamps, st.integers(0, 2**32 - 1), st.integers(0, 2**64 - 1), st.lists(floats, min_size=5, max_size=5))
+def test_ros_reads_a_residual(stamp, run, sequence, values):
+    residuals = dict(zip(COMPARED, values, strict=True))
+    message = deserialize_message(write_residual(stamp, run, sequence, residuals), Residual)
+    assert (message.run, message.sequence) == (run, sequence)
+    assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
+    assert {name: getattr(message.residual, name) for name in COMPARED} == residuals
 
 
 def test_the_other_byte_order_is_read():

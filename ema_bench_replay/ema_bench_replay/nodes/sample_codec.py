@@ -1,8 +1,8 @@
-"""EmaState to and from the bytes that travel: the one place where the project reads and writes samples.
+"""What goes over the graph with every sample, to and from the bytes that travel: EmaState and Residual.
 
-ROS fills a field that nobody sets with 0.0, which reads as a measurement; `write_state` fills NaN.
+ROS fills a field that nobody sets with 0.0, which reads as a measurement; here it is NaN.
 
-Publishers and subscriptions of EmaState carry serialised messages (`publish(bytes)`, `raw=True`), because rclpy's way
+Publishers and subscriptions of these types carry serialised messages (`publish(bytes)`, `raw=True`), because rclpy's way
 through a Python object with 21 checked properties takes 11 µs each way, and this one 1 µs: of the tenth of a core that
 a node takes at 500 Hz, that is the share that can be saved.
 """
@@ -18,10 +18,12 @@ from typing import NamedTuple
 
 from rclpy.serialization import deserialize_message
 
-from ema_twin_msgs.msg import EmaState
+from ema_twin_msgs.msg import EmaState, Signals
 
 FIELDS = tuple(name for name, kind in EmaState.get_fields_and_field_types().items() if kind == "double")
 """Names of the float fields of an EmaState, in its order: the signals, and the two angle origins."""
+COMPARED = tuple(Signals.get_fields_and_field_types())
+"""Names of the signals that bench and twin are compared in, in the order of a Residual."""
 
 _UNKNOWN = dict.fromkeys(FIELDS, math.nan)
 _values = attrgetter(*FIELDS)
@@ -41,20 +43,28 @@ class State(NamedTuple):
 
 
 @lru_cache(maxsize=64)
-def _layout(order: str, frame_id: int) -> struct.Struct:
+def _layout(order: str, frame_id: int, floats: int) -> struct.Struct:
     """sec, nanosec, length of frame_id, run, sequence, floats; `frame_id` is its length, its closing zero included."""
     before_run = -frame_id % 4
     before_sequence = -(12 + frame_id + before_run + 4) % 8
-    return struct.Struct(f"{order}iII{frame_id + before_run}xI{before_sequence}xQ{len(FIELDS)}d")
+    return struct.Struct(f"{order}iII{frame_id + before_run}xI{before_sequence}xQ{floats}d")
 
 
-_written = _layout("<", 1)
+_state = _layout("<", 1, len(FIELDS))
+_residual = _layout("<", 1, len(COMPARED))
 
 
 def write_state(stamp: int, run: int, sequence: int, signals: Mapping[str, float]) -> bytes:
     """A serialised EmaState of these signals (SI), stamped in ns since the epoch; fields not among them are NaN."""
     seconds, nanoseconds = divmod(stamp, 1_000_000_000)
-    return _LITTLE_ENDIAN + _written.pack(seconds, nanoseconds, 1, run, sequence, *(_UNKNOWN | signals).values())
+    return _LITTLE_ENDIAN + _state.pack(seconds, nanoseconds, 1, run, sequence, *{**_UNKNOWN, **signals}.values())
+
+
+def write_residual(stamp: int, run: int, sequence: int, residuals: Mapping[str, float]) -> bytes:
+    """A serialised Residual: all compared signals (SI, NaN where unknown), stamped in ns since the epoch."""
+    seconds, nanoseconds = divmod(stamp, 1_000_000_000)
+    values = [residuals[name] for name in COMPARED]
+    return _LITTLE_ENDIAN + _residual.pack(seconds, nanoseconds, 1, run, sequence, *values)
 
 
 def read_state(message: bytes) -> State:
@@ -63,7 +73,7 @@ def read_state(message: bytes) -> State:
     if order is None:  # another encoding than plain CDR
         return _by_ros(message)
     (frame_id,) = struct.unpack_from(f"{order}I", message, 12)
-    seconds, nanoseconds, _, run, sequence, *values = _layout(order, frame_id).unpack_from(message, 4)
+    seconds, nanoseconds, _, run, sequence, *values = _layout(order, frame_id, len(FIELDS)).unpack_from(message, 4)
     return State(run, sequence, seconds * 1_000_000_000 + nanoseconds, dict(zip(FIELDS, values, strict=True)))
 
 

@@ -1,0 +1,31 @@
+"""The run in which a recording is played, from one of its samples to its end. No ROS."""
+
+from __future__ import annotations
+
+from ema_bench_replay.recording import Recording
+
+
+class PlayedRun:
+    """The samples of one run; sequence and positions count from its first sample.
+
+    Attributes:
+        number: the run's number.
+        part: what of the recording is played.
+    """
+
+    def __init__(self, recording: Recording, first: int, number: int) -> None:
+        """The run that begins with the sample of index `first`."""
+        self.number = number
+        self.part = recording.between(float(recording.time[first]))
+        self._first = first
+        self._columns = list(self.part.signals.items())
+        self._origins = {
+            "motor_angle_origin": self.part.motor_angle_origin,
+            "output_angle_origin": self.part.output_angle_origin,
+        }
+
+    def sample(self, index: int) -> tuple[int, int, dict[str, float]]:
+        """Stamp [ns since the epoch], sequence and fields (SI) of the sample that the recording has at `index`."""
+        sequence = index - self._first
+        values = {name: column.item(sequence) for name, column in self._columns}
+        return self.part.start + self.part.stamps.item(sequence), sequence, values | self._origins

@@ -1,0 +1,53 @@
+"""The twin node beside a bench: it answers each bench sample with one of the same stamp, run and sequence."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+
+from ema_bench_replay.nodes import diagnostics, qos
+from ema_bench_replay.nodes.sample_codec import read_state
+from ema_twin_msgs.msg import EmaState
+
+from ..model import Model
+from ..twin import Twin
+from .follower import Follower
+from .twin_output import TwinOutput
+
+_ORIGINS = ("motor_angle_origin", "output_angle_origin")
+
+
+class BesideBench:
+    """Subscribes to `bench/state`, and answers by the rule of `sample_stream`."""
+
+    def __init__(self, node: Node, model: Model, output: TwinOutput, wanted: str, from_start: bool) -> None:
+        """`wanted` drives the twin, see `Follower`; `from_start`: answer also what was sent before this node came."""
+        self._output = output
+        self.follower = Follower(model, wanted, from_start)
+        node.create_subscription(EmaState, "bench/state", self._on_sample, qos.state(from_start), raw=True)
+
+    @property
+    def twin(self) -> Twin:
+        """The present twin."""
+        return self.follower.twin
+
+    def _on_sample(self, message: bytes) -> None:
+        run, sequence, stamp, sample = read_state(message)
+        answer = self.follower.answer(run, sequence, stamp, sample)
+        if answer is not None:
+            for name in _ORIGINS:
+                answer[name] = sample[name]
+            self._output.send(stamp, run, sequence, answer)
+
+    def report(self) -> diagnostics.Report:
+        """Counts of the bench's samples, and what is wrong with them."""
+        stream = self.follower.stream
+        if self.follower.problem:
+            level, message = diagnostics.ERROR, self.follower.problem
+        elif stream.run is None:
+            level, message = diagnostics.WARN, "no sample on bench/state yet"
+        elif stream.lost:
+            level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
+        else:
+            level, message = diagnostics.OK, "answers the bench"
+        counts = {name: getattr(stream, name) for name in ("received", "lost", "late", "duplicate", "backward", "runs")}
+        return diagnostics.Report(level, message, {"input": self.follower.input, "run": stream.run, **counts})

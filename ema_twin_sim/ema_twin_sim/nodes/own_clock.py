@@ -1,0 +1,60 @@
+"""The twin node on its own: it follows a command in real time."""
+
+from __future__ import annotations
+
+import time
+
+from rclpy.node import Node
+
+from ema_bench_replay.nodes import diagnostics
+from ema_bench_replay.nodes.spin import steady_timer
+
+from ..command import Command
+from ..model import Model
+from ..twin import Twin
+from .real_time import DeadlineClock
+from .standalone import Standalone
+from .twin_output import TwinOutput
+
+
+class OwnClock:
+    """Sends a sample every period; periods that are missed are counted, and integrated across.
+
+    Stamps are whole periods after the start, so a missed one shows as a gap of stamps, not of sequence.
+    """
+
+    def __init__(self, node: Node, model: Model, output: TwinOutput, command: Command, rate: float) -> None:
+        """`rate` is the number of samples a second."""
+        self._output = output
+        self._standalone = Standalone(model, command)
+        self._period = round(1e9 / rate)
+        self._run = int(time.time()) % 2**32
+        self._sequence = 0
+        self._epoch = time.time_ns()
+        self.deadlines = DeadlineClock(self._period, time.monotonic_ns())
+        steady_timer(node, self._period * 1e-9, self._on_time)
+
+    @property
+    def twin(self) -> Twin:
+        """The present twin."""
+        return self._standalone.twin
+
+    def _on_time(self) -> None:
+        number = self.deadlines.tick(time.monotonic_ns())
+        if number is not None:
+            elapsed = number * self._period
+            self._output.send(self._epoch + elapsed, self._run, self._sequence, self._standalone.answer(elapsed))
+            self._sequence += 1
+
+    def report(self) -> diagnostics.Report:
+        """Whether real time is held."""
+        missed = self.deadlines.missed
+        figures = {
+            "input": "standalone",
+            "run": self._run,
+            "missed periods": missed,
+            "longest delay [ms]": self.deadlines.worst * 1e-6,
+        }
+        if missed:
+            return diagnostics.Report(diagnostics.WARN, f"{missed} periods missed; integrated across", figures)
+        return diagnostics.Report(diagnostics.OK, "keeps its own time", figures)
