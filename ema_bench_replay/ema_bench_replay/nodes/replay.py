@@ -24,8 +24,8 @@ from .messages import header
 from .parameters import Declaration, check_all, declare, refuse_unknown
 from .playback import Playback
 from .played_run import PlayedRun
-from .spin import run, steady_timer
 from .sample_codec import write_state
+from .spin import run, steady_timer
 
 PARAMETERS = (
     Declaration("recording", "", "recording to play: an MCAP, the folder that import wrote, or a CSV trace"),

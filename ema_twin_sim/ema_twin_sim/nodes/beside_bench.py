@@ -50,4 +50,5 @@ class BesideBench:
         else:
             level, message = diagnostics.OK, "answers the bench"
         counts = {name: getattr(stream, name) for name in ("received", "lost", "late", "duplicate", "backward", "runs")}
-        return diagnostics.Report(level, message, {"input": self.follower.input, "run": stream.run, **counts})
+        state = {"input": self.follower.input, "run": stream.run, "answered": self.follower.answered}
+        return diagnostics.Report(level, message, {**state, **counts})

@@ -14,8 +14,8 @@ from rclpy.parameter import Parameter
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.messages import header, signals_message
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
-from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_bench_replay.nodes.sample_codec import State, read_state, write_residual
+from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..model import Model
