@@ -19,7 +19,7 @@ from numba import njit
 from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
-from .friction import held_by_dry_friction
+from .friction import bristle_step, directed, held_by_dry_friction
 from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
 from .operating_point import OperatingPoint
 
@@ -115,6 +115,17 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         inertia = plant.motor_inertia
         dry -= plant.output_dry
         break_away -= plant.output_break_away
+    if plant.asymmetry != 0.0:
+        factor = directed(plant.asymmetry, sharp, drive_torque - other)
+        other += plant.asymmetry * viscous * math.fabs(sharp)
+        dry *= factor
+        break_away *= factor
+    if plant.bristle_stiffness > 0.0:
+        state.driven_bristle, bent = bristle_step(
+            state.driven_bristle, sharp, dry, plant.bristle_stiffness, plant.bristle_damping, interval
+        )
+        other += bent
+        dry = break_away = 0.0
     unbalanced = unbalanced_torque(drive_torque, other, sharp, viscous, dry, break_away)
     return filtered_balance(state, unbalanced, speed, inertia, interval, smoothing, lag)
 

@@ -1,5 +1,7 @@
 """Dry friction that holds still exactly at zero speed, without chatter and without a step-size trick."""
 
+import math
+
 from numba import njit
 
 
@@ -18,6 +20,25 @@ def after_dry_friction(free_speed, speed, sliding, break_away):
     if free_speed < -limit:
         return free_speed + sliding
     return 0.0
+
+
+@njit(error_model="numpy")
+def directed(asymmetry, speed, torque):
+    """What friction is multiplied by: 1 + asymmetry forward, 1 - asymmetry backward; at rest, the way it is pushed."""
+    forward = speed > 0.0 or (speed == 0.0 and torque > 0.0)
+    return 1.0 + asymmetry if forward else 1.0 - asymmetry
+
+
+@njit(error_model="numpy")
+def bristle_step(bent, speed, level, stiffness, damping, step):
+    """(bend [rad], torque [N m]) of a bristle after a step: z' = w - stiffness |w| z / level, T = k z + damping z'.
+
+    Taken implicitly in z, so that no step is too long for a stiff bristle. Canudas de Wit et al. (1995), eqs 1 to 3.
+    """
+    if level <= 0.0:
+        return 0.0, 0.0
+    after = (bent + step * speed) / (1.0 + step * stiffness * math.fabs(speed) / level)
+    return after, stiffness * after + damping * (after - bent) / step
 
 
 @njit(error_model="numpy")

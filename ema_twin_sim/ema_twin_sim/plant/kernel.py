@@ -12,6 +12,7 @@ from numba import boolean, float64, from_dtype, int64, njit, types, void
 from .balance import unexplained_torque
 from .drive import lag_gain, limited, quadrature_voltage, speed_controller
 from .evaluate import evaluate
+from .friction import bristle_step, directed
 from .layout import (
     BENCH,
     COMMAND_IN,
@@ -24,7 +25,7 @@ from .layout import (
     STATE,
 )
 from .operating_point import PARAMETER_SLOTS, OperatingPoint
-from .sensors import counted
+from .sensors import counted, remember, shown
 from .transmission import contact_torque, end_stop_torque, response, shaft_speed
 
 _PLANT = from_dtype(PLANT)
@@ -72,6 +73,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     viscous = plant.motor_viscous + (plant.output_viscous if rigid else 0.0)
     base_dry = plant.motor_dry + (plant.output_dry if rigid else 0.0)
     base_break_away = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
+    asymmetry = plant.asymmetry
+    bristled = plant.bristle_stiffness > 0.0
+    late = plant.encoder_delay > 0.0
     acting = effects[0].shape[0] > 0
     torque = output_torque = 0.0
     dry = base_dry
@@ -87,6 +91,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     setpoint = state.speed_setpoint
     smoothed = state.smoothed_speed
     phase = state.control_phase
+    bristle = state.bristle
     acceleration = state.acceleration
     transmitted = state.transmitted_torque
     motor_origin = state.motor_angle_origin
@@ -126,9 +131,16 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                 given = start + slope * ((k + 0.5) / steps)
                 current_rate = (given - current) * per_step
                 current = given
+                if late:
+                    if phase >= plant.control_cycle - 0.5 * h:
+                        phase -= plant.control_cycle
+                        remember(state, output_angle)
+                    phase += h
             else:
                 if phase >= plant.control_cycle - 0.5 * h:
                     phase -= plant.control_cycle
+                    if late:
+                        remember(state, output_angle)
                     given = start + slope * (k / steps)
                     integrate = True
                     if source == SETPOINT:
@@ -137,7 +149,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     elif source == STANDALONE_SPEED:
                         setpoint += setpoint_gain * (limited(given, plant.speed_limit) - setpoint)
                     else:
-                        error = given - output_angle * per_ratio
+                        error = given - shown(plant, state, output_angle, phase)
                         integrate = math.fabs(error) * ratio > plant.integral_dead_band
                         wanted = limited(plant.position_gain * error, plant.speed_limit)
                         setpoint += setpoint_gain * (wanted - setpoint)
@@ -176,9 +188,30 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
             if stops:
                 load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
             held = base_break_away + (dry - base_dry)
+            net = drive_torque - torque
+            load_dry = output_dry
+            load_held = output_break_away
+            if asymmetry != 0.0:
+                factor = directed(asymmetry, speed, net - load)
+                dry_now = dry * factor
+                held *= factor
+                net -= asymmetry * viscous * math.fabs(speed)
+                load_factor = directed(asymmetry, output_speed, transmitted - load)
+                load_dry *= load_factor
+                load_held *= load_factor
+                if not rigid:
+                    load += asymmetry * output_viscous * math.fabs(output_speed)
+            else:
+                dry_now = dry
+            if bristled:
+                bristle, bristle_torque = bristle_step(
+                    bristle, speed, dry_now, plant.bristle_stiffness, plant.bristle_damping, h
+                )
+                net -= bristle_torque
+                dry_now = held = 0.0
             before = speed
             if rigid:
-                speed = shaft_speed(speed, drive_torque - torque - load, dry, held, motor_gain, motor_drag)
+                speed = shaft_speed(speed, net - load, dry_now, held, motor_gain, motor_drag)
                 angle += 0.5 * h * speed
                 output_angle = angle - twist
                 output_speed = speed
@@ -192,9 +225,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     h,
                     0.5 * h * softness,
                 )
-                speed = shaft_speed(speed, drive_torque - torque - transmitted, dry, held, motor_gain, motor_drag)
+                speed = shaft_speed(speed, net - transmitted, dry_now, held, motor_gain, motor_drag)
                 output_speed = shaft_speed(
-                    output_speed, transmitted - load, output_dry, output_break_away, output_gain, output_drag
+                    output_speed, transmitted - load, load_dry, load_held, output_gain, output_drag
                 )
                 angle += 0.5 * h * speed
                 output_angle += 0.5 * h * output_speed
@@ -214,7 +247,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
         twin[row, 2] = smoothed
         twin[row, 3] = math.nan if source == CURRENT else setpoint
         twin[row, 4] = counted(angle, plant.motor_counts)
-        twin[row, 5] = counted(output_angle / ratio, plant.output_counts)
+        twin[row, 5] = counted(shown(plant, state, output_angle, phase), plant.output_counts)
         twin[row, 6] = bench[row, COMMAND_IN]
         twin[row, 7] = quadrature_voltage(plant, speed, current, current_rate)
         twin[row, 8] = plant.torque_constant * current
@@ -233,5 +266,6 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     state.speed_setpoint = setpoint
     state.smoothed_speed = smoothed
     state.control_phase = phase
+    state.bristle = bristle
     state.acceleration = acceleration
     state.transmitted_torque = transmitted

@@ -35,6 +35,9 @@ PLANT = np.dtype(
         ("output_dry", "f8"),
         ("motor_break_away", "f8"),  # N m, at rest
         ("output_break_away", "f8"),
+        ("asymmetry", "f8"),  # all friction is (1 + asymmetry) forward, (1 - asymmetry) backward
+        ("bristle_stiffness", "f8"),  # N m/rad; above zero a bristle takes the place of the motor side's dry friction
+        ("bristle_damping", "f8"),  # N m s/rad
         # transmission
         ("two_inertia", "f8"),  # 0 rigid, 1 spring, damper and dead zone between motor and output
         ("contact_stiffness", "f8"),  # N m/rad at the fast shaft
@@ -45,10 +48,16 @@ PLANT = np.dtype(
         # sensors
         ("motor_counts", "f8"),  # 1/rev of the fast shaft
         ("output_counts", "f8"),  # 1/rev of the slow shaft
+        ("encoder_delay", "f8"),  # s
+        ("eccentricity_amplitude", "f8"),  # rad of the slow shaft
+        ("eccentricity_phase", "f8"),  # rad
         ("speed_smoothing", "f8"),  # s
     ],
     align=True,
 )
+
+ENCODER_MEMORY = 256
+"""Control cycles that the output encoder remembers: 32 ms of the usual 125 us."""
 
 STATE = np.dtype(
     [
@@ -66,6 +75,9 @@ STATE = np.dtype(
         ("control_phase", "f8"),  # s since the last control cycle
         ("acceleration", "f8"),  # rad/s2
         ("transmitted_torque", "f8"),  # N m
+        ("bristle", "f8"),  # rad, how far the bristle of presliding friction is bent
+        ("encoder_memory", "f8", (ENCODER_MEMORY,)),  # rad of the fast shaft, the output at past control cycles
+        ("encoder_newest", "i8"),  # where in it the newest is
         ("motor_angle_origin", "f8"),  # rad, the counter's own angle where motor_angle is zero
         ("output_angle_origin", "f8"),  # rad of the slow shaft
         # the filters behind the unexplained torque (see balance.py)
@@ -81,6 +93,7 @@ STATE = np.dtype(
         ("driven_output_angle", "f8"),
         ("driven_output_speed", "f8"),
         ("driven_ready", "f8"),
+        ("driven_bristle", "f8"),  # rad, the bristle under the measured motion
     ],
     align=True,
 )

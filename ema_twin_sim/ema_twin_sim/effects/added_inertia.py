@@ -1,0 +1,19 @@
+"""Added inertia: T = inertia * dw/dt [N m], kg m^2 at the fast shaft, on the output side of the gearbox."""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Add to the output's inertia."""
+    plant["output_inertia"] += parameters["inertia"]
+
+
+EFFECT = Effect(
+    id="added_inertia",
+    summary="a heavier load than the model has",
+    equation="T = inertia · dω/dt",
+    signature="current error in proportion to acceleration",
+    source="Newton's second law",
+    parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, 10.0, "more inertia, reduced to the fast shaft"),),
+    settle=settle,
+)

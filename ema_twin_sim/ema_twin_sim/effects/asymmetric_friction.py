@@ -1,0 +1,23 @@
+"""Asymmetric friction: fraction * (L + b |w|) [N m]; friction is (1 + fraction) forward and (1 - fraction) backward.
+
+L [N m] and b [N m s/rad] are the total dry level and viscous coefficient of the motor's side: it scales what all other
+effects have made up. (A Coulomb level alone that differs by direction is a constant load while sliding.)
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Add to the asymmetry that the plant applies last."""
+    plant["asymmetry"] += parameters["fraction"]
+
+
+EFFECT = Effect(
+    id="asymmetric_friction",
+    summary="more friction in one direction than in the other",
+    equation="T = fraction · (L + b·|ω|)",
+    signature="current error that is even in speed: it grows with |ω| and does not flip with direction",
+    source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
+    parameters=(Parameter("fraction", "1", 0.15, -0.9, 0.9, "excess forward, lack backward"),),
+    settle=settle,
+)

@@ -1,0 +1,29 @@
+"""Cogging: T = torque * sin(order * theta + phase) [N m], the motor's teeth and magnets, whatever the current.
+
+Order 24 on this motor (least common multiple of slots and poles); another motor's is one of the others, or several.
+"""
+
+import math
+
+from .effect import Effect, Parameter
+
+
+def act(at, p):
+    """Torque [N m] at the motor counter's own angle."""
+    return p[0] * math.sin(p[2] * at.motor_angle + p[1])
+
+
+EFFECT = Effect(
+    id="cogging",
+    summary="the motor's detent torque, independent of current",
+    equation="T = torque · sin(order·θ + phase)",
+    signature="current error of order 24 with the same amplitude at every current",
+    source="Hanselman, Brushless Permanent Magnet Motor Design, 2003",
+    parameters=(
+        Parameter("torque", "N m", 0.03, 0.0, 100.0, "amplitude, fast shaft"),
+        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero"),
+    ),
+    options={"order": ("24", "12", "36", "48", "72", "144", "18", "6")},
+    option_value=lambda options: float(options["order"]),
+    act=act,
+)

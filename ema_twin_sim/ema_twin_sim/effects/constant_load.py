@@ -1,0 +1,23 @@
+"""Constant load: T = torque [N m], on the output side, at the fast shaft; positive opposes positive motion.
+
+A Coulomb level that differs by direction is this while sliding, and goes under this name.
+"""
+
+from .effect import OUTPUT_TORQUE, Effect, Parameter
+
+
+def act(at, p):
+    """Torque [N m]."""
+    return p[0]
+
+
+EFFECT = Effect(
+    id="constant_load",
+    summary="a constant torque on the output: a weight on a drum, a preload",
+    equation="T = torque",
+    signature="current error that is the same in both directions, at every speed and position",
+    source="statics",
+    parameters=(Parameter("torque", "N m", 0.03, -100.0, 100.0, "torque, reduced to the fast shaft"),),
+    act=act,
+    place=OUTPUT_TORQUE,
+)

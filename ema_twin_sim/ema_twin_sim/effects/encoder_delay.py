@@ -1,0 +1,23 @@
+"""Encoder delay: the output encoder shows theta_o(t - delay), delay in s; so does the drive's position loop.
+
+An encoder on a bus answers a cycle or more late. A time lag between two encoders looks like backlash and compliance.
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Delay the output encoder."""
+    plant["encoder_delay"] += parameters["delay"]
+
+
+EFFECT = Effect(
+    id="encoder_delay",
+    summary="an output encoder that answers late",
+    equation="the encoder shows θ_o(t − delay)",
+    signature="output position error in proportion to speed; nothing in the current",
+    source="Weigand et al., robot identification data, 2.8 to 3.0 ms between two encoders",
+    parameters=(Parameter("delay", "s", 0.003, 0.0, 0.02, "time by which it is late"),),
+    settle=settle,
+    repeatable=False,
+)

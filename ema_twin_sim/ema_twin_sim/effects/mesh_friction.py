@@ -1,0 +1,23 @@
+"""Mesh friction: a dry level coefficient * |T_t| [N m], friction of the teeth in proportion to their load.
+
+T_t [N m at the fast shaft] is what the gearbox passes on to the output. Thesis, chapter 3.4 (sliding of the teeth).
+"""
+
+from .effect import DRY_LEVEL, Effect, Parameter
+
+
+def act(at, p):
+    """Dry level [N m] under the transmitted torque."""
+    return p[0] * abs(at.transmitted_torque)
+
+
+EFFECT = Effect(
+    id="mesh_friction",
+    summary="friction of the gear teeth, in proportion to the load they carry",
+    equation="L = coefficient · |T_t|",
+    signature="current error against the motion that grows with load and acceleration",
+    source="thesis, section 3.4; ISO/TR 14179-2",
+    parameters=(Parameter("coefficient", "1", 0.1, 0.0, 2.0, "dry level per transmitted torque, both at fast shaft"),),
+    act=act,
+    place=DRY_LEVEL,
+)

@@ -1,0 +1,28 @@
+"""Presliding friction: z' = w - stiffness |w| z / L, T = stiffness z + damping z' [N m], a bristle in place of L sgn w.
+
+Before it slides, a contact gives way like a spring (Dahl 1968; LuGre: Canudas de Wit, Olsson, Astrom, Lischinsky 1995).
+L [N m] is the motor side's dry level; the bristle's state z [rad] starts relaxed.
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Replace the motor side's dry friction by the bristle."""
+    plant["bristle_stiffness"] = parameters["stiffness"]
+    plant["bristle_damping"] = parameters["damping"]
+
+
+EFFECT = Effect(
+    id="presliding_friction",
+    summary="dry friction that gives way like a spring before it slides",
+    equation="ż = ω − stiffness·|ω|·z/L, T = stiffness·z + damping·ż",
+    signature="current error at reversals only: friction turns over a way instead of at once",
+    source="Dahl 1968; Canudas de Wit, Olsson, Åström, Lischinsky 1995",
+    parameters=(
+        Parameter("stiffness", "N m/rad", 2.0, 0.05, 1e4, "stiffness of the bristle, fast shaft"),
+        Parameter("damping", "N m s/rad", 0.01, 0.0, 10.0, "damping of the bristle, fast shaft"),
+    ),
+    settle=settle,
+    repeatable=False,
+)

@@ -1,0 +1,19 @@
+"""Quadratic drag: T = coefficient * w * |w| [N m], churned oil or air at high speed."""
+
+from .effect import Effect, Parameter
+
+
+def act(at, p):
+    """Torque [N m] at the motor's speed."""
+    return p[0] * at.motor_speed * abs(at.motor_speed)
+
+
+EFFECT = Effect(
+    id="quadratic_drag",
+    summary="drag that grows with the square of speed: churned lubricant, air",
+    equation="T = coefficient · ω · |ω|",
+    signature="current error against the motion that grows faster than speed",
+    source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
+    parameters=(Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, 1.0, "torque per squared speed, fast shaft"),),
+    act=act,
+)

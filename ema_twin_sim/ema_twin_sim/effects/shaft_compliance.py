@@ -1,0 +1,28 @@
+"""Shaft compliance: T_t = stiffness * (theta - ratio * theta_o) + damping * (w - ratio * w_o) [N m], at the fast shaft.
+
+Added to a rigid transmission it makes it a two-inertia one; with backlash, the spring lies behind the gap.
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Put the spring and damper between motor and output, in place of the stiff contact."""
+    plant["two_inertia"] = 1.0
+    plant["contact_stiffness"] = parameters["stiffness"]
+    plant["contact_damping"] = parameters["damping"]
+
+
+EFFECT = Effect(
+    id="shaft_compliance",
+    summary="a transmission that gives way: shafts, teeth, couplings",
+    equation="T_t = stiffness · (θ − ratio·θ_o) + damping · (ω − ratio·ω_o)",
+    signature="the encoders differ in proportion to the transmitted torque; ringing after steps",
+    source="Rivin, Stiffness and Damping in Mechanical Design, 1999",
+    parameters=(
+        Parameter("stiffness", "N m/rad", 10.0, 0.1, 1e6, "stiffness at the fast shaft"),
+        Parameter("damping", "N m s/rad", 0.005, 0.0, 100.0, "damping at the fast shaft"),
+    ),
+    settle=settle,
+    repeatable=False,
+)

@@ -1,0 +1,27 @@
+"""Shear thinning: T = -fraction * b * w * |w| / (|w| + speed) [N m]; b is the model's viscous coefficient [N m s/rad].
+
+The lubricant thins with the shear rate (Cross 1965), so friction bends down at speed. On two robots' measured joints it
+is taken for a negative quadratic drag or a negative Stribeck term.
+"""
+
+from .effect import Effect, Parameter
+
+
+def act(at, p):
+    """Torque [N m] at the motor's speed: what the thinned lubricant takes less."""
+    size = abs(at.motor_speed)
+    return -p[0] * at.viscous_coefficient * at.motor_speed * size / (size + p[1])
+
+
+EFFECT = Effect(
+    id="shear_thinning",
+    summary="a lubricant that thins with speed: friction bends down",
+    equation="T = −fraction · b · ω · |ω| / (|ω| + speed)",
+    signature="current error along the motion that grows with speed, and flattens",
+    source="Cross 1965",
+    parameters=(
+        Parameter("fraction", "1", 0.3, 0.0, 1.0, "share of the viscous friction lost at infinite speed"),
+        Parameter("speed", "rad/s", 10.0, 0.1, 1000.0, "speed at which half of that share is lost, fast shaft"),
+    ),
+    act=act,
+)

@@ -1,0 +1,23 @@
+"""Torque constant error: the machine gives scale * Kt per ampere, T = (1 - scale) Kt i [N m]; the drive believes Kt.
+
+Magnets lose strength with heat and age; nominal torque constants are good to some per cent.
+"""
+
+from .effect import Effect, Parameter
+
+
+def settle(plant, parameters, options):
+    """Scale the machine's constant; the drive's own stays nominal."""
+    plant["torque_constant"] *= parameters["scale"]
+
+
+EFFECT = Effect(
+    id="torque_constant_error",
+    summary="a motor that gives more or less torque per ampere than its drive believes",
+    equation="T = (1 − scale) · Kt · i",
+    signature="all torques seem scaled: friction, load and inertia by the same factor",
+    source="Krishnan, Permanent Magnet Synchronous and Brushless DC Motor Drives, 2010",
+    parameters=(Parameter("scale", "1", 0.9, 0.5, 1.5, "true over nominal torque constant"),),
+    settle=settle,
+    repeatable=False,
+)

@@ -1,0 +1,29 @@
+"""Torque ripple: T = -Kt * i * fraction * sin(24 theta + phase) [N m], the sixth harmonic of the four pole pairs.
+
+Back-EMF that is no sine, or currents that are none: the torque swings in proportion to the current.
+"""
+
+import math
+
+from .effect import Effect, Parameter
+
+_ORDER = 24.0
+
+
+def act(at, p):
+    """Torque [N m] that the motor gives less, at its counter's own angle."""
+    return -at.motor_torque * p[0] * math.sin(_ORDER * at.motor_angle + p[1])
+
+
+EFFECT = Effect(
+    id="torque_ripple",
+    summary="motor torque that swings with the electrical angle, in proportion to current",
+    equation="T = −Kt · i · fraction · sin(24θ + phase)",
+    signature="current error of order 24 that grows with the current and flips with its sign",
+    source="Holtz and Springob 1996",
+    parameters=(
+        Parameter("fraction", "1", 0.05, 0.0, 1.0, "amplitude over the mean torque"),
+        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero"),
+    ),
+    act=act,
+)
