@@ -19,14 +19,15 @@ from mcap.writer import CompressionType, Writer
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
-from ema_bench_replay.bag_metadata import STATE_QOS, qos_profile
-from ema_bench_replay.bag_reader import read_bag
-from ema_bench_replay.bag_writer import write_bag, write_mcap
-from ema_bench_replay.cdr import parse, serialise
-from ema_bench_replay.definitions import message_definition
+from ema_bench_replay.bags.bag_metadata import STATE_QOS, qos_profile
+from ema_bench_replay.bags.bag_reader import read_bag
+from ema_bench_replay.bags.bag_writer import write_bag, write_mcap
+from ema_bench_replay.bags.cdr import parse, serialise
+from ema_bench_replay.bags.definitions import message_definition
+from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import NO_DATE, SIGNALS, Recording, load
-from ema_bench_replay.stream_writer import StreamWriter
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import NO_DATE, SIGNALS, Recording
 
 STATE = "ema_twin_msgs/msg/EmaState"
 DEFINITION = message_definition(STATE).text
@@ -427,7 +428,7 @@ class TestOutput:
         def interrupt(_):
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("ema_bench_replay.mcap_file.McapFile.finish", interrupt)
+        monkeypatch.setattr("ema_bench_replay.bags.mcap_file.McapFile.finish", interrupt)
         with pytest.raises(KeyboardInterrupt):
             write_bag(a_recording(), tmp_path)
         assert not [path for path in tmp_path.rglob("*") if path.is_file()]
@@ -467,10 +468,10 @@ class TestStreamWriter:
     def test_a_killed_writer_loses_less_than_a_second(self, tmp_path):
         script = f"""
 import itertools, sys, time
-from ema_bench_replay.bag_metadata import STATE_QOS
-from ema_bench_replay.cdr import parse, serialise
-from ema_bench_replay.definitions import message_definition
-from ema_bench_replay.stream_writer import StreamWriter
+from ema_bench_replay.bags.bag_metadata import STATE_QOS
+from ema_bench_replay.bags.cdr import parse, serialise
+from ema_bench_replay.bags.definitions import message_definition
+from ema_bench_replay.bags.stream_writer import StreamWriter
 types, root = parse(message_definition("{STATE}").text, "{STATE}")
 writer = StreamWriter(sys.argv[1])
 writer.add_topic("/bench/state", "{STATE}", STATE_QOS)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.command import parse_command
+from ema_twin_sim.simulation.command import parse_command
 
 
 def test_shapes():

@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording, load
-from ema_twin_sim.command import parse_command
-from ema_twin_sim.comparison import compare
-from ema_twin_sim.model_file import load_model
-from ema_twin_sim.noise import noise_floors
-from ema_twin_sim.running_comparison import UNITS, RunningComparison
-from ema_twin_sim.simulation import simulate, virtual_bench
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.comparison.noise import noise_floors
+from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
+from ema_twin_sim.model import load_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.simulate import simulate
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ema_bench_replay.counters import unwrap_counts
-from ema_bench_replay.import_map import load_map
-from ema_bench_replay.trace_csv import read_trace
-from ema_bench_replay.trace_table import read_table
+from ema_bench_replay.traces.counters import unwrap_counts
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.trace_csv import read_trace
+from ema_bench_replay.traces.trace_table import read_table
 
 PER_REVOLUTION = 40960
 LIMITS = {"maximum_speed": 942.5, "maximum_acceleration": 30000.0}

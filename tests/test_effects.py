@@ -6,16 +6,17 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.assembly import assemble
-from ema_twin_sim.command import parse_command
+from ema_twin_sim.comparison.noise import noise_floors
+from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.effects import Effect, Parameter, catalogue, find_effect
-from ema_twin_sim.model_file import load_model, save_model
-from ema_twin_sim.noise import noise_floors
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.plant.kernel import advance
 from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS, OperatingPoint
-from ema_twin_sim.running_comparison import UNITS
-from ema_twin_sim.simulation import simulate, virtual_bench
-from ema_twin_sim.twin import Twin
+from ema_twin_sim.simulation.assembly import assemble
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.simulate import simulate
+from ema_twin_sim.simulation.twin import Twin
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 ids = pytest.mark.parametrize("id", sorted(catalogue()))
 

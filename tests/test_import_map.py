@@ -7,8 +7,8 @@ import pytest
 
 from ema_bench_replay.configuration import configuration_names
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.import_map import Column, load_map
-from ema_bench_replay.recording import load
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.import_map import Column, load_map
 
 MAP = """
 version: 1

@@ -7,8 +7,8 @@ import yaml
 
 from ema_bench_replay.configuration import configuration_names, find_configuration
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.constants import CONSTANTS
-from ema_twin_sim.model_file import load_model, save_model
+from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.model.constants import CONSTANTS
 
 
 @pytest.fixture

@@ -10,15 +10,15 @@ from rclpy.parameter import Parameter
 from ros_graph import Graph
 from std_srvs.srv import Trigger
 
-from ema_bench_replay.bag_reader import read_bag
+from ema_bench_replay.bags.bag_reader import read_bag
+from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.sample_codec import write_state
-from ema_bench_replay.recording import load
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 from ema_twin_msgs.srv import Seek
-from ema_twin_sim.comparison import compare
-from ema_twin_sim.model_file import load_model
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import Change, run_live
 from ema_twin_sim.nodes.monitor import MonitorNode
 from ema_twin_sim.nodes.twin import TwinNode

@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from ema_twin_sim.command import parse_command
-from ema_twin_sim.model_file import load_model
-from ema_twin_sim.running_comparison import RunningComparison
-from ema_twin_sim.simulation import simulate, virtual_bench
-from ema_twin_sim.twin import Twin
+from ema_twin_sim.comparison.running_comparison import RunningComparison
+from ema_twin_sim.model import load_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.simulate import simulate
+from ema_twin_sim.simulation.twin import Twin
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 MICROSECOND = 1_000
 

@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.import_map import load_map
-from ema_bench_replay.number_format import ENGLISH, GERMAN
-from ema_bench_replay.recording import NO_DATE, load
-from ema_bench_replay.trace_csv import read_trace, write_trace
-from ema_bench_replay.trace_table import read_table
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import NO_DATE
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.number_format import ENGLISH, GERMAN
+from ema_bench_replay.traces.trace_csv import read_trace, write_trace
+from ema_bench_replay.traces.trace_table import read_table
 
 SIEMENS = load_map("siemens")
 HEADER = "X [ms];C0:Drive_axis_1.r4821;C1:Drive_axis_1.r4820;C4:Drive_axis_1.r77;C5:Drive_axis_1.r76;"

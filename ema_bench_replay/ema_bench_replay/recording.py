@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -141,28 +140,6 @@ class Recording:
             motor_angle_origin=self.motor_angle_origin + shift.get("motor_position", 0.0),
             output_angle_origin=self.output_angle_origin + shift.get("output_position", 0.0),
         )
-
-
-def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
-    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import wrote.
-
-    Raises InputError, in one line, where there is none or it cannot be used.
-    """
-    # The readers build on this module, and who reads an MCAP needs no CSV.
-    path = Path(path)
-    if not path.exists():
-        raise InputError(f"{path}: no such file; give a CSV trace, an MCAP or the folder that import wrote")
-    if path.is_dir() or path.suffix.lower() == ".mcap":
-        from ema_bench_replay.bag_reader import read_bag
-
-        return read_bag(path)
-    if path.suffix.lower() in (".csv", ".txt", ".tsv"):
-        from ema_bench_replay.import_map import load_map
-        from ema_bench_replay.trace_csv import read_trace
-
-        return read_trace(path, load_map(import_map))
-    kind = f"a file of kind {path.suffix!r}" if path.suffix else "a file without extension"
-    raise InputError(f"{path}: {kind} is no recording; give a .csv trace, an .mcap or the folder that import wrote")
 
 
 def _frozen(values: np.ndarray, kind: type) -> np.ndarray:

@@ -10,22 +10,23 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ema_bench_replay.recording import load
-    from ema_twin_sim.command import parse_command
-    from ema_twin_sim.comparison import compare
+    from ema_bench_replay.load import load
+    from ema_twin_sim.comparison.compare import compare
     from ema_twin_sim.effects import catalogue
-    from ema_twin_sim.model_file import load_model, save_model
-    from ema_twin_sim.simulation import simulate, virtual_bench
+    from ema_twin_sim.model import load_model, save_model
+    from ema_twin_sim.simulation.command import parse_command
+    from ema_twin_sim.simulation.simulate import simulate
+    from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 _HOMES = {
     "catalogue": "ema_twin_sim.effects",
-    "compare": "ema_twin_sim.comparison",
-    "load": "ema_bench_replay.recording",
-    "load_model": "ema_twin_sim.model_file",
-    "parse_command": "ema_twin_sim.command",
-    "save_model": "ema_twin_sim.model_file",
-    "simulate": "ema_twin_sim.simulation",
-    "virtual_bench": "ema_twin_sim.simulation",
+    "compare": "ema_twin_sim.comparison.compare",
+    "load": "ema_bench_replay.load",
+    "load_model": "ema_twin_sim.model",
+    "parse_command": "ema_twin_sim.simulation.command",
+    "save_model": "ema_twin_sim.model",
+    "simulate": "ema_twin_sim.simulation.simulate",
+    "virtual_bench": "ema_twin_sim.simulation.virtual_bench",
 }
 
 __all__ = [

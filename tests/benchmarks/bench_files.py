@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from ema_bench_replay.bag_writer import write_bag, write_mcap
-from ema_bench_replay.import_map import load_map
-from ema_bench_replay.trace_csv import read_trace
-from ema_twin_sim.command import parse_command
-from ema_twin_sim.model_file import load_model
-from ema_twin_sim.simulation import virtual_bench
+from ema_bench_replay.bags.bag_writer import write_bag, write_mcap
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.trace_csv import read_trace
+from ema_twin_sim.model import load_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
 TRACES = sorted((Path(__file__).resolve().parent.parent / "recordings").glob("*.CSV"))

@@ -17,8 +17,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from ros_graph import start_process
 
+from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
-from ema_bench_replay.recording import load
 from ema_twin_msgs.msg import EmaState
 
 MODULES = {

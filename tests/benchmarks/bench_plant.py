@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ema_twin_sim.assembly import assemble
-from ema_twin_sim.command import parse_command
-from ema_twin_sim.model_file import load_model
+from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.kernel import advance
 from ema_twin_sim.plant.layout import BENCH, SETPOINT, STATE, TWIN
-from ema_twin_sim.simulation import virtual_bench
-from ema_twin_sim.twin import DEFAULT_STEP
+from ema_twin_sim.simulation.assembly import assemble
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.twin import DEFAULT_STEP
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 SECONDS = 20.0
 ROUNDS = 15

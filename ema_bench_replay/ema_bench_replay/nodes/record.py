@@ -14,9 +14,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from ema_bench_replay.bag_metadata import qos_profile
+from ema_bench_replay.bags.bag_metadata import qos_profile
+from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.stream_writer import StreamWriter
 
 from . import diagnostics
 from .parameters import Declaration, declare, refuse_unknown

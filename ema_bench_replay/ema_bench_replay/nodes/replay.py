@@ -13,7 +13,8 @@ from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording, load
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import Recording
 from ema_twin_msgs.msg import EmaState, Run
 from ema_twin_msgs.srv import Seek
 

@@ -31,7 +31,7 @@ def run(
 ) -> None:
     """Write a model with one more effect; parameters that are not given take the catalogue's typical values."""
     from ..effects import find_effect
-    from ..model_file import load_model, save_model
+    from ..model import load_model, save_model
 
     found = find_effect(effect, "add")
     parameters: dict[str, object] = {}

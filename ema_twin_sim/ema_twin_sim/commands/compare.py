@@ -13,8 +13,8 @@ from . import options
 from .output import console, progress_bar, sparkline
 
 if TYPE_CHECKING:
-    from ..comparison import Comparison
-    from ..where import Dependence
+    from ..comparison.compare import Comparison
+    from ..comparison.where import Dependence
 
 EXAMPLES = """Examples:
 
@@ -39,8 +39,8 @@ def run(
     json: options.JsonFile = None,
 ) -> None:
     """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
-    from ..comparison import compare
-    from ..model_file import load_model
+    from ..comparison.compare import compare
+    from ..model import load_model
     from .inputs import load_runs, write_json
 
     models = [load_model(name) for name in model]

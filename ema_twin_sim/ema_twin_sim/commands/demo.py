@@ -33,16 +33,16 @@ def run(
     rate: Annotated[float, typer.Option(min=0.0, help="Speed of the live replay; 1 is real time.")] = 1.0,
 ) -> None:
     """Show the loop: a twin misses its bench, live; an effect is added, the error falls. Replaces what a demo left."""
-    from ema_bench_replay.bag_reader import read_bag
-    from ema_bench_replay.bag_writer import write_bag
+    from ema_bench_replay.bags.bag_reader import read_bag
+    from ema_bench_replay.bags.bag_writer import write_bag
     from ema_bench_replay.configuration import checkout
-    from ema_bench_replay.import_map import load_map
-    from ema_bench_replay.trace_csv import read_trace
+    from ema_bench_replay.traces.import_map import load_map
+    from ema_bench_replay.traces.trace_csv import read_trace
 
-    from ..comparison import compare as compare_models
-    from ..model_file import load_model, save_model
+    from ..comparison.compare import compare as compare_models
+    from ..comparison.noise import noise_floors
+    from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
-    from ..noise import noise_floors
     from ..views.page import write_page
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer

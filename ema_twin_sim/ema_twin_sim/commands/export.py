@@ -28,9 +28,9 @@ def run(
     force: options.Force = False,
 ) -> None:
     """Write a recording as the drive's CSV, or as Parquet."""
-    from ema_bench_replay.import_map import load_map
     from ema_bench_replay.outputs import new_file
-    from ema_bench_replay.trace_writer import write_trace
+    from ema_bench_replay.traces.import_map import load_map
+    from ema_bench_replay.traces.trace_writer import write_trace
 
     from .inputs import load_runs
 

@@ -32,9 +32,9 @@ def run(
     json: options.JsonFile = None,
 ) -> None:
     """Import CSV traces as MCAP recordings (DIR/STEM/STEM.mcap) that ros2 bag, Foxglove, PlotJuggler and rerun open."""
-    from ema_bench_replay.bag_writer import write_bag
-    from ema_bench_replay.import_map import load_map
-    from ema_bench_replay.trace_csv import read_trace
+    from ema_bench_replay.bags.bag_writer import write_bag
+    from ema_bench_replay.traces.import_map import load_map
+    from ema_bench_replay.traces.trace_csv import read_trace
 
     chosen = load_map(import_map)
     written = []

@@ -82,8 +82,8 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
 
 
 def _show_model(name: str, json: Path | None) -> None:
-    from ..constants import CONSTANTS
-    from ..model_file import load_model
+    from ..model import load_model
+    from ..model.constants import CONSTANTS
     from .inputs import write_json
 
     model = load_model(name)

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
 from ema_bench_replay.outputs import new_file
-from ema_bench_replay.recording import Recording, load
+from ema_bench_replay.recording import Recording
 
 from .output import tracked, warn
 

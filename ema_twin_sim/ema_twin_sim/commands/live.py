@@ -51,9 +51,9 @@ def run(
     The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
     compare gives for the same recording and model.
     """
-    from ..model_file import load_model
+    from ..comparison.noise import noise_floors
+    from ..model import load_model
     from ..nodes.live import run_live
-    from ..noise import noise_floors
     from .inputs import load_runs, write_json
 
     found = load_model(model)
@@ -127,7 +127,7 @@ class Follower:
     """Prints the error about once a second of the run, and hands batches of pairs to whoever watches."""
 
     def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
-        from ..noise import noise_floors
+        from ..comparison.noise import noise_floors
 
         self.watchers: list = []
         self._floors = noise_floors(model)
@@ -156,7 +156,7 @@ class Follower:
             watcher(pairs)
 
     def _print(self, elapsed: float) -> None:
-        from ..running_comparison import UNITS
+        from ..comparison.running_comparison import UNITS
 
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []

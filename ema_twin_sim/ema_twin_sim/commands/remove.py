@@ -24,7 +24,7 @@ def run(
     force: options.Force = False,
 ) -> None:
     """Write a model without an effect."""
-    from ..model_file import load_model, save_model
+    from ..model import load_model, save_model
 
     before = load_model(model)
     after = before.without_effect(effect)

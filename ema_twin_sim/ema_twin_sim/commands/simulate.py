@@ -37,13 +37,13 @@ def run(
     """Run the virtual bench: the model driven by a command, through the bench's sensors, into a recording."""
     from dataclasses import replace
 
-    from ema_bench_replay.bag_writer import write_mcap
-    from ema_bench_replay.import_map import load_map
-    from ema_bench_replay.trace_writer import write_trace
+    from ema_bench_replay.bags.bag_writer import write_mcap
+    from ema_bench_replay.traces.import_map import load_map
+    from ema_bench_replay.traces.trace_writer import write_trace
 
-    from ..command import parse_command
-    from ..model_file import load_model
-    from ..simulation import virtual_bench
+    from ..model import load_model
+    from ..simulation.command import parse_command
+    from ..simulation.virtual_bench import virtual_bench
 
     if output.suffix.lower() not in (".mcap", ".csv"):
         raise InputError(f"{output}: unknown kind of recording '{output.suffix}'; name it .mcap or .CSV")

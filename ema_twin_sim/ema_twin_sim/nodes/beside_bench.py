@@ -9,7 +9,7 @@ from ema_bench_replay.nodes.sample_codec import read_state
 from ema_twin_msgs.msg import EmaState
 
 from ..model import Model
-from ..twin import Twin
+from ..simulation.twin import Twin
 from .follower import Follower
 from .twin_output import TwinOutput
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 
 from ..model import Model
-from ..simulation import DRIVING
-from ..twin import Twin
+from ..simulation.simulate import DRIVING
+from ..simulation.twin import Twin
 from .sample_stream import Kind, SampleStream
 from .warm_up import warm_up_twin
 

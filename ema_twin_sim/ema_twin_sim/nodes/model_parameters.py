@@ -12,7 +12,7 @@ from rclpy.parameter import Parameter
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare
 
 from ..effects import catalogue
-from ..twin import Twin
+from ..simulation.twin import Twin
 
 _SWITCH = ".enabled"
 

@@ -18,9 +18,8 @@ from ema_bench_replay.nodes.sample_codec import State, read_state, write_residua
 from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
-from ..model import Model
-from ..model_file import load_model
-from ..running_comparison import DRIVEN, RunningComparison
+from ..comparison.running_comparison import DRIVEN, RunningComparison
+from ..model import Model, load_model
 from .follower import input_for
 from .pairing import Pairing
 from .verdict import Level, judge

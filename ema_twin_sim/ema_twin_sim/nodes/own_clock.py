@@ -9,9 +9,9 @@ from rclpy.node import Node
 from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.spin import steady_timer
 
-from ..command import Command
 from ..model import Model
-from ..twin import Twin
+from ..simulation.command import Command
+from ..simulation.twin import Twin
 from .real_time import DeadlineClock
 from .standalone import Standalone
 from .twin_output import TwinOutput

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..command import Command
 from ..model import Model
-from ..twin import Twin
+from ..simulation.command import Command
+from ..simulation.twin import Twin
 from .warm_up import warm_up_twin
 
 

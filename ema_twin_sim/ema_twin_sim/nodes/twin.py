@@ -12,9 +12,8 @@ from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run
 
-from ..command import FORMS, parse_command
-from ..model import Model
-from ..model_file import load_model
+from ..model import Model, load_model
+from ..simulation.command import FORMS, parse_command
 from .beside_bench import BesideBench
 from .model_parameters import ModelParameters
 from .own_clock import OwnClock

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ..comparison.noise import noise_floors
 from ..model import Model
-from ..noise import noise_floors
-from ..twin import Twin
+from ..simulation.twin import Twin
 
 
 def warm_up_twin(model: Model, source: str) -> None:

@@ -13,11 +13,11 @@ from plotly.subplots import make_subplots
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
-from ..comparison import Comparison
+from ..comparison.compare import Comparison
+from ..comparison.running_comparison import UNITS
 from ..model import Model
 from ..quantities import quantity
-from ..running_comparison import UNITS
-from ..simulation import choose_input, simulate
+from ..simulation.simulate import choose_input, simulate
 
 _BENCH, _BEFORE, _AFTER = "#222222", "#d95f02", "#1b7fbd"
 _SHOWN = 4.0  # s, of the time axes at first

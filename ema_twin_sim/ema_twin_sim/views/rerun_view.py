@@ -13,7 +13,7 @@ import rerun.blueprint as rrb
 
 from ema_bench_replay.errors import InputError
 
-from ..running_comparison import UNITS
+from ..comparison.running_comparison import UNITS
 from .screen import start_viewer
 
 TIMELINE = "t"

@@ -12,8 +12,8 @@ from typing import BinaryIO
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
-from ema_bench_replay.text_blocks import NotText, text_blocks
+from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
+from ema_bench_replay.traces.text_blocks import NotText, text_blocks
 
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30

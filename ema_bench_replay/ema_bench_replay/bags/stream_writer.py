@@ -10,10 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from mcap.opcode import Opcode
 
-from ema_bench_replay.bag_metadata import Topic, metadata_yaml
-from ema_bench_replay.definitions import message_definition
+from ema_bench_replay.bags.bag_metadata import Topic, metadata_yaml
+from ema_bench_replay.bags.definitions import message_definition
+from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.outputs import new_file
 
 #: A chunk is closed when it spans this long, in its messages' time or on the clock, ns.

@@ -16,8 +16,8 @@ from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
 
+from ..effects import find_effect
 from .constants import CONSTANTS, KINDS, PARTS
-from .effects import find_effect
 from .model import ConstantValue, EffectInstance, Model, check_range, checked_instance, nearest
 
 VERSION = 1

@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from .effects import Effect, catalogue
-from .model import EffectInstance, Model
-from .plant.layout import DRY_LEVEL, PLANT
-from .plant.operating_point import PARAMETER_SLOTS, compile_effect
+from ..effects import Effect, catalogue
+from ..model import EffectInstance, Model
+from ..plant.layout import DRY_LEVEL, PLANT
+from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 
 _SAME_NAME = (
     "machine.gear_ratio",

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.counters import unwrap_counts
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.recording import Recording
-from ema_bench_replay.trace_table import TraceTable, read_table
-from ema_bench_replay.trace_writer import write_trace
+from ema_bench_replay.traces.counters import unwrap_counts
+from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
+from ema_bench_replay.traces.trace_table import TraceTable, read_table
+from ema_bench_replay.traces.trace_writer import write_trace
 
 __all__ = ["read_trace", "write_trace"]
 

@@ -22,8 +22,8 @@ from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 from mcap.records import Channel, Chunk, Metadata, Schema
 
+from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.mcap_file import MAGIC
 
 _PLAIN_BLOCK = 4 << 20
 _LARGEST_CHUNK = 2 << 30

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .model import Model
+from ..model import Model
 from .noise import noise_floors
 
 UNITS: dict[str, str] = {

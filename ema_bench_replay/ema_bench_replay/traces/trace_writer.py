@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ema_bench_replay.import_map import TIME_UNITS, ImportMap
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
-from ema_bench_replay.trace_table import Style
+from ema_bench_replay.traces.import_map import TIME_UNITS, ImportMap
+from ema_bench_replay.traces.trace_table import Style
 
 _ROWS = 50_000  # formatted at a time
 _MOST_DECIMALS = 9

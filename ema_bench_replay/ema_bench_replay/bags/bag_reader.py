@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from mcap.records import Schema
 
-from ema_bench_replay.bag_writer import METADATA_NAME, STATE_TOPIC, STATE_TYPE
-from ema_bench_replay.cdr import CdrError, Types, decode, parse
+from ema_bench_replay.bags.bag_writer import METADATA_NAME, STATE_TOPIC, STATE_TYPE
+from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
+from ema_bench_replay.bags.mcap_scan import McapScan
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.mcap_scan import McapScan
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")

@@ -1,4 +1,4 @@
-"""Offline simulation: the twin beside a recording, and the virtual bench that makes recordings of its own."""
+"""The virtual bench: a model driven by a command, through the bench's sensors with their noise, into a recording."""
 
 from __future__ import annotations
 
@@ -9,52 +9,10 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..model import Model
+from ..plant.layout import BENCH, TWIN
 from .command import Command
-from .model import Model
-from .plant.layout import BENCH, TWIN
 from .twin import DEFAULT_STEP, Twin
-
-DRIVING = {"setpoint": "speed_setpoint", "current": "current"}
-"""The signal of a recording that drives the twin under each input."""
-
-
-def choose_input(recording: Recording, wanted: str | None = None) -> str:
-    """The input that drives the twin: as wanted, else ``setpoint`` where the recording has one, else ``current``.
-
-    Raises InputError where the recording lacks the signal.
-    """
-    chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
-    if chosen not in DRIVING:
-        raise InputError(f"input '{chosen}' is not known; give setpoint or current")
-    if not recording.has(DRIVING[chosen]):
-        raise InputError(
-            f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
-            f"it holds {', '.join(recording.signals)}"
-        )
-    return chosen
-
-
-def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float = DEFAULT_STEP) -> Recording:
-    """The twin's own recording beside a bench's: the same stamps, the signals that the twin has.
-
-    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
-    """
-    twin = Twin(model, choose_input(recording, source), step=step)
-    absent = np.full(len(recording), math.nan)
-    bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
-    first = dict(zip(BENCH, bench[0], strict=True))
-    twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
-    rows = twin.follow(recording.stamps, bench)
-    signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
-    return Recording(
-        name=recording.name,
-        stamps=recording.stamps,
-        signals=signals,
-        start=recording.start,
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-        metadata={"model": model.name},
-    )
 
 
 def virtual_bench(

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from .assembly import assemble
-from .model import Model
-from .plant.balance import balance_response
+from ..model import Model
+from ..plant.balance import balance_response
+from ..simulation.assembly import assemble
 
 _SETTLED = 400  # samples after which the balance's filters have forgotten one sample's noise
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from .model import Model
+from ..model import Model
+from ..simulation.simulate import choose_input, simulate
+from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison
-from .simulation import choose_input, simulate
-from .twin import DEFAULT_STEP
 from .where import Dependence, Stretch, find_dependences
 
 Signals = dict[str, dict[str, object]]

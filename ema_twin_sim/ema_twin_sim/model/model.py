@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 from ema_bench_replay.errors import InputError
 
+from ..effects import Effect, find_effect
 from .constants import CONSTANTS
-from .effects import Effect, find_effect
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
+from ..effects import catalogue
+from ..model import EffectInstance, Model
+from ..model.constants import CONSTANTS
+from ..plant.kernel import advance
+from ..plant.layout import BENCH, CURRENT, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from .assembly import assemble
-from .constants import CONSTANTS
-from .effects import catalogue
-from .model import EffectInstance, Model
-from .plant.kernel import advance
-from .plant.layout import BENCH, CURRENT, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 
 DEFAULT_STEP = 25e-6
 """s. The tests show it converged: halving or doubling it moves no RMSE by 1 %."""

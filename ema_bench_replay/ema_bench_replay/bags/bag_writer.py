@@ -9,11 +9,11 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 from mcap.opcode import Opcode
 
-from ema_bench_replay.bag_metadata import JOINTS_QOS, STATE_QOS, Topic, metadata_yaml
-from ema_bench_replay.cdr import layout_of, parse, serialise
-from ema_bench_replay.definitions import message_definition
+from ema_bench_replay.bags.bag_metadata import JOINTS_QOS, STATE_QOS, Topic, metadata_yaml
+from ema_bench_replay.bags.cdr import layout_of, parse, serialise
+from ema_bench_replay.bags.definitions import message_definition
+from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 

@@ -1,0 +1,30 @@
+"""Reading a recording, whatever it is stored as."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+
+def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
+    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import wrote.
+
+    Raises InputError, in one line, where there is none or it cannot be used.
+    """
+    # each reader is imported when it is needed: who reads an MCAP needs no CSV
+    path = Path(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file; give a CSV trace, an MCAP or the folder that import wrote")
+    if path.is_dir() or path.suffix.lower() == ".mcap":
+        from ema_bench_replay.bags.bag_reader import read_bag
+
+        return read_bag(path)
+    if path.suffix.lower() in (".csv", ".txt", ".tsv"):
+        from ema_bench_replay.traces.import_map import load_map
+        from ema_bench_replay.traces.trace_csv import read_trace
+
+        return read_trace(path, load_map(import_map))
+    kind = f"a file of kind {path.suffix!r}" if path.suffix else "a file without extension"
+    raise InputError(f"{path}: {kind} is no recording; give a .csv trace, an .mcap or the folder that import wrote")

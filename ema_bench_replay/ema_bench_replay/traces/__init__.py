@@ -1,0 +1,1 @@
+"""Text traces: the drive's CSV, through an import map, and back."""

@@ -1,0 +1,1 @@
+"""Comparison: residuals, RMSE beside the sensors' noise, and where a model fails."""
