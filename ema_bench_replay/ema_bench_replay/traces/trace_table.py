@@ -180,6 +180,8 @@ class _RowReader:
             dropped = form.thousands.encode()
         else:
             return None
+        if dropped and dropped in text and b"e" in text.lower():
+            return None  # a mark inside an exponent (1E1.000) is no thousands mark
         plain = text.translate(bytes.maketrans(form.decimal.encode() + delimiter, b". "), dropped)
         with warnings.catch_warnings():
             warnings.simplefilter("error", DeprecationWarning)  # what NumPy 1 gives where it cannot read on
