@@ -24,7 +24,7 @@ test: setup ## all tests and the style check
 	@$(RUN) -m pytest tests
 
 bench: setup ## the benchmarks
-	@$(RUN) -m pytest tests/benchmarks -q
+	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q
 
 lock: ## refresh requirements.lock
 	@$(PYTHON) -m venv --clear .venv-lock && .venv-lock/bin/python -m pip install --quiet uv

@@ -49,6 +49,7 @@ def run(
     console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
     for parameter in found.parameters:
         given = "given" if parameter.name in parameters else "typical value, not fitted"
-        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g} {parameter.unit} ({given})")
+        unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+        console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g}{unit} ({given})")
     for option, choice in instance.options.items():
         console.print(f"  {option} = {choice}")

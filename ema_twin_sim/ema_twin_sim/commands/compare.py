@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich.table import Table
@@ -14,7 +15,6 @@ from .output import console, progress_bar, sparkline
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
-    from ..comparison.where import Dependence
 
 EXAMPLES = """Examples:
 
@@ -24,8 +24,6 @@ ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors
 
 AT_NOISE = 1.1
 """An RMSE up to this many noise floors counts as the sensors' noise."""
-WEAK = 0.1
-"""A variable that explains less of an error than this is not what it depends on."""
 
 
 def run(
@@ -50,13 +48,16 @@ def run(
         task = progress.add_task("comparing", total=len(models) * len(recordings))
         for each in models:
             comparisons.append(compare(recordings, each, input, progress=lambda _: progress.advance(task)))
-    show(comparisons)
+    show(comparisons, labels=model)
     contents = [comparison.as_json() for comparison in comparisons]
     write_json(json, contents[0] if len(contents) == 1 else contents)
 
 
-def show(comparisons: Sequence[Comparison]) -> None:
-    """Print the RMSE table of all models, then where each fails."""
+def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
+    """Print the RMSE table of all models, then where each fails; ``labels`` tell models of one name apart."""
+    names = [comparison.model for comparison in comparisons]
+    if labels and len(set(names)) < len(names):
+        comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
     console.print(_errors(comparisons))
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
@@ -114,13 +115,20 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     of = f" ({comparison.model})" if titled else ""
     poor = {n for n, s in comparison.overall.items() if s["rmse"] > AT_NOISE * s["noise_floor"] and not s["driven"]}
     found = [d for d in comparison.where if d.signal in poor]
+    if not poor:
+        console.print(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
+        return
     if not found:
-        console.print(f"\nThe errors are at the sensors' noise floor{of}: nothing left to find.")
+        names = ", ".join(sorted(name.replace("_", " ") for name in poor))
+        console.print(
+            f"\nAbove the sensors' noise{of}: {names}. Where the model fails cannot be told: that takes the current and "
+            "the motor's position or speed."
+        )
         return
     table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
     for column in ("error of", "against"):
         table.add_column(column)
-    table.add_column("explains", justify="right")
+    table.add_column("share of power", justify="right")
     table.add_column("RMSE, low … high")
     table.add_column("largest")
     table.add_column("RMSE there", justify="right")
@@ -134,25 +142,4 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         table.add_section()
     console.print(table)
     for signal in dict.fromkeys(d.signal for d in found):
-        console.print(in_words(next(d for d in found if d.signal == signal)))
-
-
-def in_words(dependence: Dependence) -> str:
-    """One sentence for the dependence that explains most of a signal's error."""
-    d = dependence
-    signal = d.signal.replace("_", " ")
-    there, elsewhere = quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit)
-    if d.share < WEAK:
-        return (
-            f"The {signal}'s error follows none of these variables alone; it is largest {d.place}: "
-            f"{there} there, {elsewhere} elsewhere."
-        )
-    share = f"{100.0 * d.share:.0f} % of it"
-    if d.means is None:
-        amplitude = quantity(d.rmse_there * 2.0**0.5, d.unit)
-        return f"The {signal}'s error is periodic, {d.place} ({share}), with an amplitude of {amplitude}."
-    (low, low_place), (high, high_place) = d.means
-    return (
-        f"The {signal}'s error depends on {d.variable.replace('_', ' ')} ({share}): on average "
-        f"{quantity(low, d.unit)} {low_place}, {quantity(high, d.unit)} {high_place}."
-    )
+        console.print(next(d for d in found if d.signal == signal).sentence())

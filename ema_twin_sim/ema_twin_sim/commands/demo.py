@@ -54,7 +54,7 @@ def run(
         raise InputError(f"{RECORDINGS}: the demo's recordings are not here; run it from the project's checkout")
     _prepare(output)
 
-    _chapter("1", "A recorded actuator", f"import {len(traces)} Siemens traces → MCAP")
+    _chapter("1", "A recorded actuator", f"import {len(traces)} Siemens traces of a virtual bench → MCAP")
     recordings = [read_bag(write_bag(read_trace(f, load_map("siemens")), output, force=True)) for f in traces]
     for recording in recordings:
         console.print(f"  {recording.name}: {len(recording)} samples, {recording.duration:.1f} s")
@@ -93,6 +93,8 @@ def run(
         )
     finally:
         view.close()
+    if result.interrupted:
+        raise KeyboardInterrupt
     if not result.complete:
         counts = ", ".join(f"{name} {count}" for name, count in result.counts.items())
         raise InputError(
@@ -110,11 +112,12 @@ def run(
 
     page = output / "demo.html"
     story = [
-        f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings that hide two effects. "
-        "Nothing is estimated: the stock model and the one with backlash and Stribeck friction added integrate beside "
-        "the same measured speed setpoint.",
-        "Left: bench and both twins. Right: measured minus twin. Click a name in the legend to hide it; drag in a plot "
-        "to zoom, double-click to see all.",
+        f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings of a virtual bench (another "
+        "program's simulation of it, sensors and noise included) that hides two effects. Nothing is estimated: the "
+        "stock model, and the one with backlash and Stribeck friction added, integrate beside the same recorded speed "
+        "setpoint.",
+        f"Below, the first seconds of {played.name}. Left: bench and both twins. Right: measured minus twin. Click a "
+        "name in the legend to hide it; drag in a plot to zoom, double-click to see all.",
     ]
     write_page(page, "EMA twin: the error falls", story, played, [stock, better], [before, after])
     _chapter("5", "Look at it", f"{time.perf_counter() - begin:.0f} s")

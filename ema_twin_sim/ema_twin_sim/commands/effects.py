@@ -39,6 +39,9 @@ def run(
             parameters = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
             table.add_row(effect.id, effect.equation, parameters.replace("[", "\\["), effect.signature)
         console.print(table)
+        console.print(
+            "T torque, L dry friction level, b viscous coefficient, ω speed, θ angle: of the motor shaft; θ_o: output."
+        )
         console.print("One effect in full: ema-twin effects ID. Add one: ema-twin add ID --model MODEL -o NEW.yaml")
     contents = [
         {

@@ -18,7 +18,7 @@ ema-twin export recordings/BancoEMA_ramp_0.05 -o ramp.CSV
 
 ema-twin export recordings/BancoEMA_ramp_0.05 -o ramp.parquet
 
-CSV is the drive's own format (an imported trace comes out as it went in), Parquet holds time and signals in SI."""
+CSV is the drive's own format (an imported trace comes out as it went in, but repaired); Parquet holds SI values."""
 
 
 def run(
@@ -41,8 +41,8 @@ def run(
     if len(found) != 1:
         raise InputError(f"{run}: holds {len(found)} recordings; export takes one, name it")
     if kind == ".csv":
-        for warning in write_trace(found[0], output, load_map(import_map), force=force):
-            warn(warning)
+        for signal in write_trace(found[0], output, load_map(import_map), force=force):
+            warn(f"{output.name}: {signal} has no column in the drive's CSV; left out")
     else:
         import pyarrow
         from pyarrow import parquet

@@ -37,6 +37,7 @@ def run(
     from ema_bench_replay.traces.trace_csv import read_trace
 
     chosen = load_map(import_map)
+    _check_files(files)
     written = []
     begin = time.perf_counter()
     for file in tracked(files, "importing"):
@@ -56,9 +57,12 @@ def run(
                 "warnings": list(recording.warnings),
             }
         )
+        absent = [signal.signal for signal in chosen.signals if signal.signal not in recording.signals]
         console.print(
             f"{file.name}: {len(recording)} samples, {recording.duration:.2f} s, every "
-            f"{quantity(recording.sample_period, 's')}; {', '.join(recording.signals)}\n  → {path}",
+            f"{quantity(recording.sample_period, 's')}; {', '.join(recording.signals)}"
+            + (f" (not in this trace: {', '.join(absent)})" if absent else "")
+            + f"\n  → {path}",
             soft_wrap=True,
         )
     size = sum(file.stat().st_size for file in files)
@@ -67,3 +71,18 @@ def run(
     from .inputs import write_json
 
     write_json(json, {"imported": written})
+
+
+def _check_files(files: list[Path]) -> None:
+    """Refuse what is no trace, and traces whose recordings would fall on each other, before anything is written."""
+    stems: dict[str, Path] = {}
+    for file in files:
+        if file.is_dir():
+            raise InputError(f"{file}: is a folder; give its traces: {file}/*.CSV")
+        if file.suffix.lower() == ".mcap":
+            raise InputError(f"{file}: is a recording already; compare and live take it as it is")
+        if file.stem in stems:
+            raise InputError(
+                f"{file}: has the same name as {stems[file.stem]}; import one of them to another folder (-o)"
+            )
+        stems[file.stem] = file

@@ -56,11 +56,11 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
     for recording in load_runs([path], import_map=import_map):
         console.print(f"[bold]{recording.name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s")
         table = Table(pad_edge=False)
-        for column in ("signal", "unit", "least", "mean", "greatest"):
-            table.add_column(column, justify="left" if column in ("signal", "unit") else "right")
+        for column in ("signal", "least", "mean", "greatest"):
+            table.add_column(column, justify="left" if column == "signal" else "right")
         for name, values in recording.signals.items():
             unit = SIGNAL_UNITS.get(name, "A")
-            table.add_row(name, unit, *(quantity(float(v), "") for v in (values.min(), values.mean(), values.max())))
+            table.add_row(name, *(quantity(float(v), unit) for v in (values.min(), values.mean(), values.max())))
         console.print(table)
         console.print(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():

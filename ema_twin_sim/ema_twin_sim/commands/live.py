@@ -44,6 +44,7 @@ def run(
     start: options.From = None,
     end: options.To = None,
     strict: options.Strict = False,
+    force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
     """Replay a recording beside the twin and the monitor as ROS 2 nodes, in real time, until every sample is compared.
@@ -54,6 +55,7 @@ def run(
     from ..comparison.noise import noise_floors
     from ..model import load_model
     from ..nodes.live import run_live
+    from ..simulation.simulate import choose_input
     from .inputs import load_runs, write_json
 
     found = load_model(model)
@@ -63,7 +65,11 @@ def run(
         if len(recordings) != 1:
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         recording = recordings[0]
-    follower = Follower(found, recording)
+    _check_outputs(rrd, record, force)
+    driving = choose_input(recording, input) if recording is not None else input
+    if recording is None:
+        console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
+    follower = Follower(found, recording, driving)
     view = _view(rrd, headless, noise_floors(found))
     if view is not None:
         follower.watchers.append(view.take)
@@ -123,15 +129,33 @@ def show(result: LiveResult) -> None:
             )
 
 
-class Follower:
-    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches."""
+def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
+    """Refuse what exists before anything starts; with ``force``, clear it."""
+    for path in (rrd, record):
+        if path is None or not path.exists():
+            continue
+        if not force:
+            raise InputError(f"{path}: exists already; choose another name or give --force")
+        if path.is_dir():
+            for file in (*path.glob("*.mcap"), path / "metadata.yaml"):
+                file.unlink(missing_ok=True)
 
-    def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
+
+class Follower:
+    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
+
+    Under the input ``current`` it is the unexplained torque that tells; else the output's position, current and speed.
+    """
+
+    def __init__(
+        self, model: Model, recording: Recording | None, source: str | None = None, window: float = 1.0
+    ) -> None:
         from ..comparison.noise import noise_floors
 
         self.watchers: list = []
         self._floors = noise_floors(model)
         self._duration = recording.duration if recording is not None else None
+        self._shown = ("unexplained_torque",) if source == "current" else ("output_position", "current", "speed")
         self._window = window
         self._first: int | None = None
         self._next = 0.0
@@ -142,7 +166,7 @@ class Follower:
         for pair in pairs:
             if self._first is None or pair.stamp < self._first:
                 self._first, self._next = pair.stamp, self._window
-            for name in ("output_position", "current", "speed"):
+            for name in self._shown:
                 residual = pair.residuals.get(name, float("nan"))
                 if residual == residual:
                     held = self._sums.setdefault(name, [0.0, 0.0])
@@ -203,7 +227,7 @@ def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveVie
     from ..views.screen import display_available
 
     viewer = not headless and display_available()
-    if not headless and not viewer:
+    if not headless and not viewer and rrd is None:
         console.print("No display: the viewer stays closed (give --rrd FILE to look at the run later).", style="dim")
     if rrd is None and not viewer:
         return None

@@ -63,6 +63,8 @@ def main() -> None:
         if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # a usage error of the command line itself
             context = getattr(error, "ctx", None)
             usage = f" (see: {context.command_path} --help)" if context else ""
+            if not error.format_message():  # called without a verb: the help has been printed
+                sys.exit(2)
             _end(f"error: {error.format_message()}{usage}", 2)
         if os.environ.get("EMA_TWIN_DEBUG"):
             raise

@@ -53,8 +53,8 @@ def run(
     if output.suffix.lower() == ".mcap":
         write_mcap(recording, output, force=force)
     else:
-        for warning in write_trace(recording, output, load_map("siemens"), force=force):
-            warn(warning)
+        for signal in write_trace(recording, output, load_map("siemens"), force=force):
+            warn(f"{output.name}: {signal} has no column in the drive's CSV; left out")
     every = quantity(recording.sample_period, "s")
     console.print(
         f"{output}: {len(recording)} samples, {recording.duration:.2f} s, every {every}; "

@@ -81,7 +81,13 @@ def compare(
             pooled = RunningComparison(model, chosen)
         pooled.include(running)
         progress(recording.name)
-    where = [d for name, parts in stretches.items() if parts for d in find_dependences(name, UNITS[name], parts)]
+    torques = {"current": model.value("machine.torque_constant"), "unexplained_torque": 1.0}
+    where = [
+        dependence
+        for name, parts in stretches.items()
+        if parts
+        for dependence in find_dependences(name, UNITS[name], parts, torques.get(name))
+    ]
     return Comparison(
         model.name,
         inputs[0] if len(set(inputs)) == 1 else "mixed",

@@ -1,7 +1,7 @@
 """Where a model fails: the residual against speed, direction, output position, time and order, the worst in words.
 
-For each variable the residual is averaged within bins. What the bins' means explain of its power (adjusted for their
-number) is the variable's share: 0 for noise, 1 for an error that is a function of that variable alone.
+For each variable the residual is averaged within bins. What the bins' means explain of its power, beyond a constant and
+adjusted for their number, is the variable's share: 0 for noise, 1 for an error that is a function of that alone.
 """
 
 from __future__ import annotations
@@ -12,12 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..quantities import quantity
+from .orders import Periodicity, find_order
+
 _BINS = 16
 _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
 _STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
-_ANGLE_BINS = 256  # per revolution: orders up to 128
-_LOWEST_ORDER, _HIGHEST_ORDER, _ORDER_STEP = 0.2, 60.0, 0.02
-_FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
+_NEARLY = 0.9  # of the best share: then the simpler variable is what the error depends on
+
+WEAK = 0.1
+"""A variable that explains less of an error than this is not what it depends on."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,13 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Dependence:
-    """How a signal's residual depends on one variable, with the place where it is worst."""
+    """How a signal's residual depends on one variable, with the place where it is largest.
+
+    ``share`` is the part of its power that a function of that variable alone explains. ``profile`` is the RMSE per bin,
+    from the variable's lowest value to its highest; ``means`` the lowest and the highest mean of a bin and where they
+    are; ``periodicity`` stands in their place for an order. ``torque`` [N m per unit of the signal] turns an amplitude
+    into what an effect takes, where that means anything.
+    """
 
     signal: str
     unit: str
@@ -44,13 +54,45 @@ class Dependence:
     variable_unit: str
     rmse_there: float
     rmse_elsewhere: float
-    profile: tuple[float, ...]  # RMSE per bin, bins from the variable's lowest value to its highest
-    place: str  # where it is worst, in words
-    means: tuple[tuple[float, str], tuple[float, str]] | None  # the lowest and the highest mean of a bin, and where
+    profile: tuple[float, ...]
+    place: str
+    means: tuple[tuple[float, str], tuple[float, str]] | None = None
+    periodicity: Periodicity | None = None
+    torque: float | None = None
+
+    def sentence(self) -> str:
+        """The dependence in words."""
+        signal = self.signal.replace("_", " ")
+        if self.share < WEAK:
+            there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
+            return (
+                f"The error of the {signal} follows none of these variables alone; it is largest {self.place}: "
+                f"{there} there, {elsewhere} elsewhere."
+            )
+        share = f"{100.0 * self.share:.0f} % of its power"
+        if self.periodicity is not None:
+            found = self.periodicity
+            torque = f" ({quantity(found.amplitude * self.torque, 'N m')})" if self.torque else ""
+            kind = {
+                True: "; it flips with the direction (dissipative)",
+                False: "; in both directions alike (conservative)",
+            }
+            amplitude = quantity(found.amplitude, self.unit)
+            return (
+                f"The error of the {signal} repeats {self.place} ({share}): amplitude {amplitude}{torque}, "
+                f"phase {found.phase:.2f} rad at the motor counter's zero{kind.get(found.dissipative, '')}."
+            )
+        (low, low_place), (high, high_place) = self.means or ((math.nan, ""), (math.nan, ""))
+        if self.variable == "constant":
+            return f"The error of the {signal} is a constant offset of {quantity(high, self.unit)} ({share})."
+        return (
+            f"The error of the {signal} depends on {self.variable.replace('_', ' ')} ({share}): on average "
+            f"{quantity(low, self.unit)} {low_place}, {quantity(high, self.unit)} {high_place}."
+        )
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``."""
-        return {
+        content: dict[str, object] = {
             "signal": self.signal,
             "variable": self.variable,
             "share": self.share,
@@ -59,12 +101,23 @@ class Dependence:
             "rmse_elsewhere": self.rmse_elsewhere,
             "unit": self.unit,
             "profile": list(self.profile),
-            "place": self.place,
+            "text": self.sentence(),
         }
+        if self.periodicity is not None:
+            found = self.periodicity
+            content |= {"order": found.order, "amplitude": found.amplitude, "phase": found.phase}
+            content["dissipative"] = found.dissipative
+        return content
 
 
-def find_dependences(signal: str, unit: str, stretches: Sequence[Stretch]) -> list[Dependence]:
-    """The residual of ``signal`` against each variable, the one that explains most first; empty where there is none."""
+def find_dependences(
+    signal: str, unit: str, stretches: Sequence[Stretch], torque: float | None = None
+) -> list[Dependence]:
+    """The residual of ``signal`` against each variable, what it depends on first; empty where there is too little.
+
+    Of variables that explain nearly alike, the simplest comes first: an error that a direction explains is also a
+    function of speed. ``torque`` is the N m that one unit of the signal stands for, if it does.
+    """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = np.concatenate([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
     if len(residual) < 10 * _BINS or not np.any(residual):
@@ -72,20 +125,20 @@ def find_dependences(signal: str, unit: str, stretches: Sequence[Stretch]) -> li
     speed = np.concatenate([stretch.speed for stretch in stretches])
     direction = np.where(np.abs(speed) < _STANDSTILL, 0.0, np.sign(speed))
     variables = (
-        ("speed", "rad/s", speed, _speed_edges(speed)),
         ("direction", "", direction, np.array([-1.5, -0.5, 0.5, 1.5])),
+        ("speed", "rad/s", speed, _speed_edges(speed)),
         ("output_position", "rad", *_even([stretch.output_position for stretch in stretches])),
         ("time", "s", *_even([stretch.time for stretch in stretches])),
     )
-    found = []
-    for name, variable_unit, values, edges in variables:
-        dependence = _binned(signal, unit, residual, name, variable_unit, values, edges)
-        if dependence is not None:
-            found.append(dependence)
-    by_order = _by_order(signal, unit, stretches)
-    if by_order is not None:
-        found.append(by_order)
-    return sorted(found, key=lambda dependence: -dependence.share)
+    found = [_constant(signal, unit, residual)]
+    found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
+    periodic = _periodic(signal, unit, residual, stretches, torque)
+    if periodic is not None:
+        found.insert(1, periodic)
+    best = max(dependence.share for dependence in found)
+    simplest = next(dependence for dependence in found if dependence.share >= _NEARLY * best)
+    others = sorted((d for d in found if d is not simplest), key=lambda dependence: -dependence.share)
+    return [simplest, *others]
 
 
 def _finite(stretch: Stretch) -> Stretch:
@@ -128,7 +181,9 @@ def _binned(
     total = square.sum()
     inside = (square - count * mean**2)[used].sum() + square[~used].sum()
     samples = len(residual)
-    share = 1.0 - inside / total * samples / max(1.0, samples - used.sum())
+    # beyond what a constant explains, and adjusted for the number of bins
+    explained = total - samples * residual.mean() ** 2 - inside * samples / max(1.0, samples - used.sum())
+    share = explained / total
     profile = np.sqrt(square / np.maximum(count, 1.0))
     worst = int(np.argmax(np.where(used, profile, -1.0)))
     elsewhere = math.sqrt((total - square[worst]) / max(1.0, samples - count[worst]))
@@ -137,10 +192,10 @@ def _binned(
         int(pick(np.where(used, mean, fill))) for pick, fill in ((np.argmin, np.inf), (np.argmax, -np.inf))
     )
     places = [_in_words(variable, variable_unit, edges, k) for k in (worst, lowest, highest)]
+    means = ((float(mean[lowest]), places[1]), (float(mean[highest]), places[2]))
     return Dependence(
         signal, unit, variable, max(0.0, float(share)), float(edges[worst]), float(edges[worst + 1]), variable_unit,
-        there, elsewhere, tuple(profile.tolist()), places[0],
-        ((float(mean[lowest]), places[1]), (float(mean[highest]), places[2])),
+        there, elsewhere, tuple(profile.tolist()), places[0], means,
     )  # fmt: skip
 
 
@@ -152,38 +207,30 @@ def _in_words(variable: str, unit: str, edges: np.ndarray, place: int) -> str:
     return f"{name} {edges[place]:.3g} to {edges[place + 1]:.3g} {unit}{of}"
 
 
-def _by_order(signal: str, unit: str, stretches: Sequence[Stretch]) -> Dependence | None:
+def _constant(signal: str, unit: str, residual: np.ndarray) -> Dependence:
+    mean, rmse = float(residual.mean()), math.sqrt(float(np.mean(residual**2)))
+    place = ((mean, "everywhere"), (mean, "everywhere"))
+    return Dependence(signal, unit, "constant", mean**2 / rmse**2, 0.0, 0.0, "", rmse, rmse, (), "everywhere", place)
+
+
+def _periodic(
+    signal: str, unit: str, residual: np.ndarray, stretches: Sequence[Stretch], torque: float | None
+) -> Dependence | None:
     """The order (cycles per motor revolution) that carries most of the residual's power."""
-    orders = np.arange(_LOWEST_ORDER, _HIGHEST_ORDER, _ORDER_STEP)
-    power = np.zeros_like(orders)
-    total = sum(float(stretch.residual @ stretch.residual) for stretch in stretches)
+    parts = []
     for stretch in stretches:
         # at standstill one angle would gather all samples, which looks like every order at once
         moving = np.abs(stretch.speed) > _STANDSTILL
-        residual = stretch.residual[moving]
-        if len(residual) < 10 * _BINS:
-            continue
-        place = np.floor(stretch.motor_angle[moving] * (_ANGLE_BINS / (2.0 * math.pi))).astype(np.int64)
-        place -= place.min()
-        bins = int(place.max()) + 1
-        revolutions = bins / _ANGLE_BINS
-        if revolutions * _HIGHEST_ORDER < _FEWEST_CYCLES or bins > 1 << 22:
-            continue
-        # removing the bins' overall mean keeps a constant error from leaking into low orders
-        summed = np.bincount(place, residual - residual.mean(), bins)
-        length = 1 << max(12, (4 * bins - 1).bit_length())
-        spectrum = np.abs(np.fft.rfft(summed, length)) ** 2 * 2.0 / len(residual)
-        here = np.interp(orders, np.arange(len(spectrum)) * _ANGLE_BINS / length, spectrum)
-        power += np.where(orders * revolutions >= _FEWEST_CYCLES, here, 0.0)
-    if not power.any():
+        parts.append((stretch.residual[moving], stretch.motor_angle[moving], np.sign(stretch.speed[moving])))
+    found = find_order(parts)
+    if found is None:
         return None
-    best = int(np.argmax(power))
-    samples = sum(len(stretch.residual) for stretch in stretches)
-    share = min(1.0, float(power[best]) / total)
-    amplitude = math.sqrt(2.0 * power[best] / samples)
-    bands = [float(np.sqrt(band.max() / samples)) for band in np.array_split(power, _BINS)]
+    power = found.amplitude**2 / 2.0
+    total = float(np.mean(residual**2))
+    moving_share = sum(len(part[0]) for part in parts) / len(residual)
     return Dependence(
-        signal, unit, "order", share, float(orders[best]), float(orders[best]), "cycles/rev",
-        amplitude / math.sqrt(2.0), math.sqrt(max(0.0, total - float(power[best])) / samples), tuple(bands),
-        f"{orders[best]:.3g} times per motor revolution", None,
+        signal, unit, "order", min(1.0, power * moving_share / total), found.order, found.order, "cycles/rev",
+        math.sqrt(power), math.sqrt(max(0.0, total - power * moving_share)),
+        tuple(float(band.max()) for band in np.array_split(found.spectrum, _BINS)),
+        f"{found.order:.3g} times per motor revolution", periodicity=found, torque=torque,
     )  # fmt: skip

@@ -44,6 +44,10 @@ def load_model(name: str | os.PathLike[str]) -> Model:
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
     """Write a model whole. Raises InputError where the file exists (without ``force``) or cannot be written."""
     path = Path(path)
+    if path.suffix not in (".yaml", ".yml"):
+        raise InputError(
+            f"{path}: a model file is named .yaml (without it, it would hide a shipped model of that name)"
+        )
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
     for part in PARTS[1:]:
         content[part] = {"kind": model.kinds[part]} if part in model.kinds else {}

@@ -1,0 +1,79 @@
+"""The order of a residual: how often per motor revolution it repeats, how large it is there, and its phase."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+_ANGLE_BINS = 256  # per revolution: orders up to 128
+_LOWEST, _HIGHEST, _STEP = 0.2, 60.0, 0.02
+_FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
+_FEWEST_SAMPLES = 160
+_CLEARLY = 1.5  # ratio of powers at which the kind is told
+_LARGEST = 1 << 22  # angle bins
+
+
+@dataclass(frozen=True)
+class Periodicity:
+    """The strongest order of a residual: amplitude * sin(order * motor angle + phase), times direction if dissipative.
+
+    ``share`` is the part of the residual's power that it explains, ``spectrum`` the amplitude over orders 0.2 to 60.
+    """
+
+    order: float
+    amplitude: float
+    phase: float  # rad at the motor counter's zero
+    share: float
+    dissipative: bool | None  # None where the recordings do not tell
+    spectrum: np.ndarray
+
+
+def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Periodicity | None:
+    """The strongest order in parts of (residual, motor angle [rad], direction -1 or 1), each (n,) and moving.
+
+    None where no part turns far enough.
+    """
+    orders = np.arange(_LOWEST, _HIGHEST, _STEP)
+    plain, flipped = np.zeros_like(orders), np.zeros_like(orders)
+    used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
+    for residual, angle, direction in used:
+        plain += _power(orders, residual, angle)
+        flipped += _power(orders, residual * direction, angle)
+    if not plain.any():
+        return None
+    dissipative = bool(flipped.max() > plain.max())
+    clear = max(flipped.max(), plain.max()) > _CLEARLY * min(flipped.max(), plain.max())
+    power = flipped if dissipative else plain
+    best = int(np.argmax(power))
+    residual, angle, direction = (np.concatenate(columns) for columns in zip(*used, strict=True))
+    if dissipative:
+        residual = residual * direction
+    sine, cosine = np.sin(orders[best] * angle), np.cos(orders[best] * angle)
+    (a, b), *_ = np.linalg.lstsq(np.column_stack([sine, cosine]), residual, rcond=None)
+    explained = float(np.mean((a * sine + b * cosine) ** 2) / np.mean(residual**2))
+    return Periodicity(
+        float(orders[best]),
+        math.hypot(a, b),
+        math.atan2(b, a),
+        min(1.0, explained),
+        dissipative if clear else None,
+        np.sqrt(2.0 * power / len(residual)),
+    )
+
+
+def _power(orders: np.ndarray, residual: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Power of a residual at each order, sum over its samples; zero where it has too few cycles of one."""
+    place = np.floor(angle * (_ANGLE_BINS / (2.0 * math.pi))).astype(np.int64)
+    place -= place.min()
+    bins = int(place.max()) + 1
+    if bins > _LARGEST:
+        return np.zeros_like(orders)
+    # without its mean, or a constant error would leak into low orders
+    summed = np.bincount(place, residual - residual.mean(), bins)
+    length = 1 << max(12, (4 * bins - 1).bit_length())
+    spectrum = np.abs(np.fft.rfft(summed, length)) ** 2 * 2.0 / len(residual)
+    here = np.interp(orders, np.arange(len(spectrum)) * _ANGLE_BINS / length, spectrum)
+    return np.where(orders * bins / _ANGLE_BINS >= _FEWEST_CYCLES, here, 0.0)
