@@ -121,8 +121,8 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
         console.print(
-            f"\nAbove the sensors' noise{of}: {names}. Where the model fails cannot be told: that takes the current and "
-            "the motor's position or speed."
+            f"\nAbove the sensors' noise{of}: {names}. Where the model fails cannot be told: that takes the current "
+            "and the motor's position or speed."
         )
         return
     table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
