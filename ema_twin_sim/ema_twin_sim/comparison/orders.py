@@ -10,6 +10,7 @@ import numpy as np
 
 _ANGLE_BINS = 256  # per revolution: orders up to 128
 _LOWEST, _HIGHEST, _STEP = 0.2, 60.0, 0.02
+_REFINED = 11  # orders tried around the best of the grid
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
 _CLEARLY = 1.5  # ratio of powers at which the kind is told
@@ -51,17 +52,23 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
     residual, angle, direction = (np.concatenate(columns) for columns in zip(*used, strict=True))
     if dissipative:
         residual = residual * direction
-    sine, cosine = np.sin(orders[best] * angle), np.cos(orders[best] * angle)
-    (a, b), *_ = np.linalg.lstsq(np.column_stack([sine, cosine]), residual, rcond=None)
-    explained = float(np.mean((a * sine + b * cosine) ** 2) / np.mean(residual**2))
+    near = orders[best] + _STEP * np.linspace(-1.0, 1.0, _REFINED)
+    order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
     return Periodicity(
-        float(orders[best]),
+        order,
         math.hypot(a, b),
         math.atan2(b, a),
-        min(1.0, explained),
+        explained / float(np.mean(residual**2)),
         dissipative if clear else None,
         np.sqrt(2.0 * power / len(residual)),
     )
+
+
+def _fit(order: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float, float, float]:
+    """(order, sine part, cosine part, mean power explained) of the least-squares wave of one order."""
+    waves = np.column_stack([np.sin(order * angle), np.cos(order * angle)])
+    parts, *_ = np.linalg.lstsq(waves, residual, rcond=None)
+    return float(order), float(parts[0]), float(parts[1]), float(np.mean((waves @ parts) ** 2))
 
 
 def _power(orders: np.ndarray, residual: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -1,0 +1,48 @@
+"""The order of a residual: found with its amplitude, phase and kind."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.comparison.orders import find_order
+
+TIME = np.arange(10_000) * 2e-3
+
+
+def part(angle, wave, noise=0.003, seed=0):
+    direction = np.sign(np.gradient(angle))
+    return wave(angle, direction) + np.random.default_rng(seed).normal(0.0, noise, len(angle)), angle, direction
+
+
+@pytest.mark.parametrize("order", [0.25, 1.0, 4.0, 15.75, 24.0])
+def test_a_wave_is_found_with_order_amplitude_and_phase(order):
+    found = find_order([part(6.2 * TIME + 1.0, lambda a, d: 0.01 * np.sin(order * a + 0.7))])
+    assert found.order == pytest.approx(order, abs=0.03)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.phase == pytest.approx(0.7, abs=0.7 if order > 10 else 0.2)
+    assert found.share > 0.7
+
+
+def back_and_forth():
+    return np.concatenate([12.0 * TIME[:5000], 12.0 * (TIME[5000] - TIME[:5000])])
+
+
+@pytest.mark.parametrize("dissipative", [True, False])
+def test_reversals_tell_dissipative_from_conservative(dissipative):
+    def wave(angle, direction):
+        return 0.01 * np.sin(angle) * (direction if dissipative else 1.0)
+
+    assert find_order([part(back_and_forth(), wave)]).dissipative is dissipative
+
+
+def test_one_direction_does_not():
+    found = find_order([part(6.2 * TIME, lambda a, d: 0.01 * np.sin(a))])
+    assert found.dissipative is None
+
+
+def test_noise_has_no_order_worth_naming():
+    assert find_order([part(6.2 * TIME, lambda a, d: 0.0 * a)]).share < 0.01
+
+
+def test_too_little_motion_has_none():
+    assert find_order([]) is None
+    assert find_order([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))]) is None
