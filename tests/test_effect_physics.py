@@ -102,14 +102,16 @@ def test_a_bristle_turns_friction_over_a_way_and_slides_at_the_same_level(stock)
     assert recording.signals["current"][partly] > 0.0
 
 
-def test_a_bristle_holds_a_shaft_at_rest_like_a_spring(stock):
+def test_a_bristle_under_a_growing_torque_follows_dahls_curve(stock):
+    """Below its level a bristle holds, bent by what T = L (1 - exp(-stiffness x / L)) takes (Dahl 1968)."""
     model = stock.with_effect("presliding_friction", {"stiffness": 5.0, "damping": 0.2})
     model = model.with_value("sensors.motor_encoder_counts", 1e12)
     twin = Twin(model, "current")
     twin.start({"current": 0.0})
     for _ in range(3000):
         row = twin.advance(1_000_000, {"current": 0.02})
-    assert row["motor_position"] == pytest.approx(0.02 * 1.91 / 5.0, rel=1e-3)
+    expected = -0.1126 / 5.0 * math.log(1.0 - 0.02 * 1.91 / 0.1126)
+    assert row["motor_position"] == pytest.approx(expected, rel=1e-3)
     assert row["speed"] == pytest.approx(0.0, abs=1e-6)
 
 
