@@ -14,6 +14,7 @@ _REFINED = 11  # orders tried around the best of the grid
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
 _CLEARLY = 1.5  # ratio of powers at which the kind is told
+_ENOUGH = 50_000  # samples that settle amplitude and phase
 _LARGEST = 1 << 22  # angle bins
 
 
@@ -50,6 +51,8 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
     power = flipped if dissipative else plain
     best = int(np.argmax(power))
     residual, angle, direction = (np.concatenate(columns) for columns in zip(*used, strict=True))
+    every = max(1, len(residual) // _ENOUGH)
+    residual, angle, direction = residual[::every], angle[::every], direction[::every]
     if dissipative:
         residual = residual * direction
     near = orders[best] + _STEP * np.linspace(-1.0, 1.0, _REFINED)
@@ -60,7 +63,7 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
         math.atan2(b, a),
         explained / float(np.mean(residual**2)),
         dissipative if clear else None,
-        np.sqrt(2.0 * power / len(residual)),
+        np.sqrt(2.0 * power / sum(len(part[0]) for part in used)),
     )
 
 

@@ -129,11 +129,12 @@ class Twin:
         """Start from the first row and integrate over all: the same arithmetic as sample by sample, in one call.
 
         ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 5) with the columns ``layout.BENCH``; returns float64
-        (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it.
+        (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it. Where ``bench`` lacks a value of the
+        signal that drives, the one before is written into it.
         """
         rows = np.full((len(stamps), len(TWIN)), math.nan)
         rows[0] = self._row[1]
-        self._integrate(np.ascontiguousarray(stamps), np.array(bench, np.float64, order="C"), rows)
+        self._integrate(np.ascontiguousarray(stamps), np.ascontiguousarray(bench, np.float64), rows)
         return rows
 
     def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
