@@ -19,8 +19,9 @@ setup: ## ROS 2, all libraries and the packages into .venv; does only what chang
 demo: setup ## a recorded actuator beside its twin; then the missing effects are added
 	@.venv/bin/ema-twin demo
 
-test: setup ## all tests and the style check
+test: setup ## style and type checks, then all tests
 	@$(RUN) -m ruff check .
+	@$(RUN) -m mypy
 	@$(RUN) -m pytest tests
 
 bench: setup ## the benchmarks

@@ -44,7 +44,7 @@ def run(
     before = load_model(model)
     after = before.with_effect(effect, parameters, choices)  # type: ignore[arg-type]
     save_model(after, output, force=force)
-    name = next(reversed(after.effects))
+    name = list(after.effects)[-1]
     instance = after.effects[name]
     console.print(f"[bold]{name}[/bold] added to {before.name}, written to {output}", soft_wrap=True)
     for parameter in found.parameters:

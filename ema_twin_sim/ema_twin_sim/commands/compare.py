@@ -15,6 +15,7 @@ from .output import console, progress_bar, sparkline
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
+    from ..comparison.running_comparison import SignalError
 
 EXAMPLES = """Examples:
 
@@ -92,7 +93,7 @@ def _errors(comparisons: Sequence[Comparison]) -> Table:
     return table
 
 
-def _cell(signal: dict | None) -> str:
+def _cell(signal: SignalError | None) -> str:
     if signal is None:
         return "–"
     ratio = signal["rmse"] / signal["noise_floor"] if signal["noise_floor"] else math.inf
@@ -100,7 +101,7 @@ def _cell(signal: dict | None) -> str:
     return f"[{style}]{quantity(signal['rmse'], signal['unit'])}[/{style}]"
 
 
-def _removed(before: dict, after: dict | None) -> str:
+def _removed(before: SignalError, after: SignalError | None) -> str:
     """Share of the excess (power above the noise floor) that a model removes."""
     if after is None:
         return "–"

@@ -77,10 +77,10 @@ def run(
     follower = live.Follower(stock, played)
     follower.watchers.append(view.take)
     changes = []
-    for after, effect, parameters in ADDED:
+    for moment, effect, parameters in ADDED:
         changes += [Change(0.0, f"effects.{effect}.{name}", value) for name, value in parameters.items()]
-        changes.append(Change(after, f"effects.{effect}.enabled", True))
-        view.tell(after, f"{effect} switched on")
+        changes.append(Change(moment, f"effects.{effect}.enabled", True))
+        view.tell(moment, f"{effect} switched on")
     try:
         result = run_live(
             played,

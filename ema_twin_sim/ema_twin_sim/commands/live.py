@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -99,7 +100,7 @@ def run(
 
 def as_json(result: LiveResult) -> dict[str, object]:
     """What ``compare --json`` writes, from the running nodes."""
-    signals = {name: dict(signal) for name, signal in result.signals.items()}
+    signals = dict(result.signals)
     return {
         "model": result.model,
         "input": result.input,
@@ -122,7 +123,7 @@ def show(result: LiveResult) -> None:
     )
     for name, signal in result.signals.items():
         if not signal["driven"]:
-            rmse, floor = float(signal["rmse"]), float(signal["noise_floor"])
+            rmse, floor = signal["rmse"], signal["noise_floor"]
             console.print(
                 f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, str(signal['unit'])):>12}   "
                 f"{rmse / floor:8.1f} × noise"
@@ -161,7 +162,7 @@ class Follower:
         self._next = 0.0
         self._sums: dict[str, list[float]] = {}
 
-    def take(self, pairs: list[Pair]) -> None:
+    def take(self, pairs: Sequence[Pair]) -> None:
         """A batch of pairs from the running monitor."""
         for pair in pairs:
             if self._first is None or pair.stamp < self._first:
@@ -199,7 +200,7 @@ class LiveView:
         self._view = view
         self._first: int | None = None
 
-    def take(self, pairs: list[Pair]) -> None:
+    def take(self, pairs: Sequence[Pair]) -> None:
         """A batch of pairs from the running monitor."""
         import numpy as np
 

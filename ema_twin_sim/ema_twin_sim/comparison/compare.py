@@ -12,10 +12,10 @@ from ema_bench_replay.recording import Recording
 from ..model import Model
 from ..simulation.simulate import choose_input, simulate
 from ..simulation.twin import DEFAULT_STEP
-from .running_comparison import UNITS, RunningComparison
+from .running_comparison import UNITS, RunningComparison, SignalError
 from .where import Dependence, Stretch, find_dependences
 
-Signals = dict[str, dict[str, object]]
+Signals = dict[str, SignalError]
 
 
 @dataclass(frozen=True)

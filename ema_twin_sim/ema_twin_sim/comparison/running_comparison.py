@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Mapping
+from typing import TypedDict
 
 import numpy as np
 
@@ -22,6 +23,16 @@ UNITS: dict[str, str] = {
 
 DRIVEN = {"current": "current"}
 """The compared signal that drives the twin under an input: its residual says nothing."""
+
+
+class SignalError(TypedDict):
+    """How far a twin is from its bench in one signal, SI; as ``compare --json`` writes it."""
+
+    rmse: float
+    relative: float  # norm of the residual over norm of the measured signal
+    noise_floor: float
+    unit: str
+    driven: bool  # the signal drives the twin, its residual says nothing
 
 
 class RunningComparison:
@@ -116,13 +127,13 @@ class RunningComparison:
             self._floors[self._has_speed] = noise_floors(self._model, has_speed=self._has_speed)
         return self._floors[self._has_speed]
 
-    def result(self) -> dict[str, dict[str, object]]:
+    def result(self) -> dict[str, SignalError]:
         """Per compared signal ``{rmse, relative, noise_floor, unit, driven}``; absent signals are left out.
 
         ``relative`` is the norm of the residual over the norm of the measured signal (for the unexplained torque, of
         the measured motor torque).
         """
-        found: dict[str, dict[str, object]] = {}
+        found: dict[str, SignalError] = {}
         for name, rmse in self.rmse.items():
             if math.isnan(rmse):
                 continue

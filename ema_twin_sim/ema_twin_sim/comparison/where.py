@@ -73,7 +73,7 @@ class Dependence:
         if self.periodicity is not None:
             found = self.periodicity
             torque = f" ({quantity(found.amplitude * self.torque, 'N m')})" if self.torque else ""
-            kind = {
+            kind: dict[bool | None, str] = {
                 True: "; it flips with the direction (dissipative)",
                 False: "; in both directions alike (conservative)",
             }

@@ -21,6 +21,7 @@ from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.spin import interrupted, make_executor, signals_end_the_loop, spin, steady_timer
 from ema_bench_replay.recording import Recording
 
+from ..comparison.running_comparison import SignalError
 from ..model import Model
 from .monitor import MonitorNode
 from .twin import TwinNode
@@ -64,7 +65,7 @@ class LiveResult:
     input: str
     samples: int
     duration: float
-    signals: Mapping[str, Mapping[str, object]]
+    signals: Mapping[str, SignalError]
     complete: bool
     interrupted: bool
     counts: Mapping[str, int]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Callable
+from typing import Any
 
 from numba import njit, types
 from numba.extending import intrinsic
@@ -44,7 +45,7 @@ SIGNATURE = types.float64(_POINT, _PARAMETERS)
 def compile_effect(act: Callable[..., float], *, cache: bool) -> int:
     """Compile ``act(at, p)`` to machine code and return its address (valid as long as the process lives)."""
     compiled = njit(SIGNATURE, cache=cache, error_model="numpy")(act)
-    result = compiled.overloads[SIGNATURE.args]
+    result: Any = compiled.overloads[SIGNATURE.args]
     _KEEP_ALIVE.append(compiled)
     return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
 

@@ -92,4 +92,5 @@ def _slots(effect: Effect, instance: EffectInstance) -> list[float]:
 
 @cache
 def _address(effect: Effect) -> int:
+    assert effect.act is not None  # only effects that act have an address
     return compile_effect(effect.act, cache=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,8 +70,9 @@ class Twin:
     def parameters(self) -> list[ParameterDescription]:
         """Every number that may be set: the machine's constants and each effect's parameters."""
         found = [
-            ParameterDescription(path, held.value, CONSTANTS[path].unit, *_bounds(path), CONSTANTS[path].description)
+            ParameterDescription(path, held.value, c.unit, c.lower, c.upper, c.description)
             for path, held in self._model.constants.items()
+            for c in (CONSTANTS[path],)
         ]
         for name, instance in self._model.effects.items():
             for p in catalogue()[instance.effect].parameters:
@@ -182,7 +183,3 @@ def hold_input(bench: np.ndarray, source: int) -> None:
 
 def _known(value: float | None) -> float:
     return 0.0 if value is None or math.isnan(value) else float(value)
-
-
-def _bounds(path: str) -> Sequence[float]:
-    return CONSTANTS[path].lower, CONSTANTS[path].upper

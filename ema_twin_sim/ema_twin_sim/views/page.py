@@ -63,8 +63,8 @@ def _table(comparisons: Sequence[Comparison]) -> str:
     for name, signal in before.overall.items():
         if signal["driven"] or name not in after.overall:
             continue
-        floor, first, last = float(signal["noise_floor"]), float(signal["rmse"]), float(after.overall[name]["rmse"])
-        unit = str(signal["unit"])
+        floor, first, last = signal["noise_floor"], signal["rmse"], after.overall[name]["rmse"]
+        unit = signal["unit"]
         excess = first**2 - floor**2
         removed = f"{100 * (first**2 - last**2) / excess:.1f} %" if excess > 0 else "–"
         rows.append(
@@ -83,7 +83,7 @@ def _curves(recording: Recording, twins: Sequence[Recording], names: Sequence[st
     ]
     titles.append("unexplained torque [mN m] against motor speed [rad/s]")
     rows = len(signals) + 1
-    specs = [[{}, {}] for _ in signals] + [[{"colspan": 2}, None]]
+    specs: list[list[dict | None]] = [*([{}, {}] for _ in signals), [{"colspan": 2}, None]]
     figure = make_subplots(rows=rows, cols=2, subplot_titles=titles, specs=specs, vertical_spacing=0.07)
     every = max(1, len(recording) // _POINTS)
     time = recording.time[::every]

@@ -6,6 +6,7 @@ import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -39,7 +40,7 @@ class RerunView:
         self._window: dict[str, deque[tuple[float, float]]] = {name: deque() for name in SHOWN}
         self._sums = dict.fromkeys(SHOWN, 0.0)
         self._stream = rr.RecordingStream(title, send_properties=False)
-        sinks: list[object] = []
+        sinks: list[Any] = []
         if path is not None:
             try:
                 path.open("wb").close()
