@@ -83,7 +83,7 @@ def _curves(recording: Recording, twins: Sequence[Recording], names: Sequence[st
     ]
     titles.append("unexplained torque [mN m] against motor speed [rad/s]")
     rows = len(signals) + 1
-    specs: list[list[dict | None]] = [*([{}, {}] for _ in signals), [{"colspan": 2}, None]]
+    specs: list = [*([{}, {}] for _ in signals), [{"colspan": 2}, None]]
     figure = make_subplots(rows=rows, cols=2, subplot_titles=titles, specs=specs, vertical_spacing=0.07)
     every = max(1, len(recording) // _POINTS)
     time = recording.time[::every]
