@@ -15,6 +15,9 @@ from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .where import Dependence, Stretch, find_dependences
 
+MIXED = "mixed"
+"""The input of a comparison whose recordings are driven by different signals."""
+
 Signals = dict[str, SignalError]
 
 
@@ -64,21 +67,18 @@ def compare(
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``progress``
     is called with each recording's name when it is done. Raises InputError where a recording lacks the input's signal.
     """
-    pooled: RunningComparison | None = None
+    inputs = [choose_input(recording, source) for recording in recordings]
+    together = inputs[0] if len(set(inputs)) == 1 else MIXED
+    pooled = RunningComparison(model, together)
     compared = []
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    inputs = []
-    for recording in recordings:
-        chosen = choose_input(recording, source)
+    for recording, chosen in zip(recordings, inputs, strict=True):
         twin = simulate(model, recording, chosen, step=step)
-        running = RunningComparison(model, chosen)
+        running = RunningComparison(model, chosen, period=recording.sample_period)
         residuals = running.add_rows(recording.signals, twin.signals)
         for name in residuals.keys() & set(_explained(chosen)):
             stretches[name].append(_stretch(recording, twin, residuals[name]))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, running.result()))
-        inputs.append(chosen)
-        if pooled is None:
-            pooled = RunningComparison(model, chosen)
         pooled.include(running)
         progress(recording.name)
     torques = {"current": model.value("machine.torque_constant"), "unexplained_torque": 1.0}
@@ -90,9 +90,9 @@ def compare(
     ]
     return Comparison(
         model.name,
-        inputs[0] if len(set(inputs)) == 1 else "mixed",
+        together,
         tuple(compared),
-        pooled.result() if pooled else {},
+        pooled.result(),
         tuple(where),
         tuple(warning for recording in recordings for warning in recording.warnings),
     )

@@ -1,4 +1,4 @@
-"""The sensors' noise floor of every compared signal: what remains of a residual when the twin is right."""
+"""The noise floor of every compared signal: what remains of a residual when the twin is right."""
 
 from __future__ import annotations
 
@@ -13,31 +13,35 @@ from ..simulation.assembly import assemble
 _SETTLED = 400  # samples after which the balance's filters have forgotten one sample's noise
 
 
-def noise_floors(model: Model, *, has_speed: bool = True) -> dict[str, float]:
-    """Standard deviation of the noise per signal, SI: the sensor's white noise, and its quantisation for the counters.
+def noise_floors(model: Model, *, has_speed: bool = True, period: float | None = None) -> dict[str, float]:
+    """RMSE per signal that remains where the twin is right, SI.
 
-    The unexplained torque's is that of the current and of the speed (or, where ``has_speed`` is false, of the motor
-    counter that the speed is then taken from) through the filters of ``plant.balance``.
+    Current and speed: their sensors' white noise. Positions: the counter's noise and quantisation twice, since they
+    count from one noisy first sample, and the twin's own quantisation; and what the first sample's current noise, from
+    which the drive's integrator starts, turns into a lasting lag of the speed loop. The unexplained torque: the noise
+    of the current and of the speed (or, where ``has_speed`` is false, of the motor counter that stands in for it)
+    through the filters of ``plant.balance`` at a sample ``period`` [s] (by default the model's).
     """
     current = model.value("sensors.current_noise")
     speed = model.value("sensors.speed_noise")
-    motor, output = (
-        math.sqrt(model.value(f"sensors.{side}_encoder_noise") ** 2 + 1.0 / 12.0)
-        * (2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts"))
-        for side in ("motor", "output")
-    )
+    counts = {side: 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts") for side in ("motor", "output")}
+    white = {side: model.value(f"sensors.{side}_encoder_noise") for side in counts}
+    counter = {side: math.sqrt(2.0 * white[side] ** 2 + 3.0 / 12.0) * counts[side] for side in counts}
+    integrator = current * model.value("machine.torque_constant")
+    lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
+    one = math.sqrt(white["motor"] ** 2 + 1.0 / 12.0) * counts["motor"]
+    period = period or model.value("sensors.sample_period")
     return {
         "current": current,
         "speed": speed,
-        "motor_position": motor,
-        "output_position": output,
-        "unexplained_torque": _balance_noise(model, current, speed if has_speed else motor, has_speed),
+        "motor_position": math.hypot(counter["motor"], lag),
+        "output_position": math.hypot(counter["output"], lag / model.value("machine.gear_ratio")),
+        "unexplained_torque": _balance_noise(model, current, speed if has_speed else one, has_speed, period),
     }
 
 
-def _balance_noise(model: Model, current: float, motion: float, has_speed: bool) -> float:
+def _balance_noise(model: Model, current: float, motion: float, has_speed: bool, period: float) -> float:
     plant = assemble(model).plant
-    period = model.value("sensors.sample_period")
     by_current = balance_response(plant, period, has_speed, True, _SETTLED)
     by_motion = balance_response(plant, period, has_speed, False, _SETTLED)
     return math.hypot(current * float(np.linalg.norm(by_current)), motion * float(np.linalg.norm(by_motion)))

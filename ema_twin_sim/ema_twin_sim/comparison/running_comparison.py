@@ -39,11 +39,12 @@ class RunningComparison:
     """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
 
     Samples come one by one (``add``) or by whole arrays (``add_rows``); a sample whose value is NaN on either side does
-    not count for that signal. The window is counted in samples of the model's trace.
+    not count for that signal. The window is counted in samples of ``period`` [s], by default the model's.
     """
 
-    def __init__(self, model: Model, source: str, window: float = 5.0) -> None:
+    def __init__(self, model: Model, source: str, window: float = 5.0, period: float | None = None) -> None:
         self.source = source
+        self._period = period or model.value("sensors.sample_period")
         self.samples = 0
         self._model = model
         self._torque_constant = model.value("machine.torque_constant")
@@ -51,7 +52,7 @@ class RunningComparison:
         self._measured_square = dict.fromkeys(UNITS, 0.0)
         self._count = dict.fromkeys(UNITS, 0)
         self._window: dict[str, deque[float]] = {
-            name: deque(maxlen=max(1, round(window / model.value("sensors.sample_period")))) for name in UNITS
+            name: deque(maxlen=max(1, round(window / self._period))) for name in UNITS
         }
         self._has_speed = False
         self._floors: dict[bool, dict[str, float]] = {}
@@ -102,10 +103,15 @@ class RunningComparison:
         return residuals
 
     def include(self, other: RunningComparison) -> None:
-        """Pool the sums of another comparison into this one (its window is left alone)."""
+        """Pool the sums of another comparison into this one (its window is left alone).
+
+        A signal that drives the other's twin, but not this one's, stays out: its residual of zero says nothing.
+        """
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
         for name in UNITS:
+            if other.source != self.source and DRIVEN.get(other.source) == name:
+                continue
             self._count[name] += other._count[name]
             self._square[name] += other._square[name]
             self._measured_square[name] += other._measured_square[name]
@@ -124,7 +130,7 @@ class RunningComparison:
     def noise_floor(self) -> dict[str, float]:
         """The sensors' noise per signal, standard deviation."""
         if self._has_speed not in self._floors:
-            self._floors[self._has_speed] = noise_floors(self._model, has_speed=self._has_speed)
+            self._floors[self._has_speed] = noise_floors(self._model, has_speed=self._has_speed, period=self._period)
         return self._floors[self._has_speed]
 
     def result(self) -> dict[str, SignalError]:

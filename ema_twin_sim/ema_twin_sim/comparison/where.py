@@ -142,7 +142,7 @@ def find_dependences(
 
 
 def _finite(stretch: Stretch) -> Stretch:
-    good = np.isfinite(stretch.residual) & np.isfinite(stretch.speed)
+    good = np.all([np.isfinite(getattr(stretch, name)) for name in Stretch.__dataclass_fields__], axis=0)
     if good.all():
         return stretch
     return Stretch(*(getattr(stretch, name)[good] for name in Stretch.__dataclass_fields__))

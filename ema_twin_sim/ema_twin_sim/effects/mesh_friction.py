@@ -17,7 +17,7 @@ EFFECT = Effect(
     equation="L = coefficient · |T_t|",
     signature="current error against the motion that grows with load and acceleration",
     source="thesis, section 3.4; ISO/TR 14179-2",
-    parameters=(Parameter("coefficient", "1", 0.1, 0.0, 2.0, "dry level per transmitted torque, both at fast shaft"),),
+    parameters=(Parameter("coefficient", "1", 0.1, 0.0, 1.5, "dry level per transmitted torque, both at fast shaft"),),
     act=act,
     place=DRY_LEVEL,
 )

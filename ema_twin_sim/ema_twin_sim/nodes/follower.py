@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from ..model import Model
-from ..simulation.simulate import DRIVING
+from ..simulation.simulate import DRIVING, LONGEST_GAP
 from ..simulation.twin import Twin
 from .sample_stream import Kind, SampleStream
 from .warm_up import warm_up_twin
@@ -29,8 +29,8 @@ def input_for(wanted: str, sample: Mapping[str, float]) -> str:
 class Follower:
     """Answers each bench sample, by the rule of `sample_stream`.
 
-    A run's positions need not begin at zero (a bench that has been running): the twin counts from the first sample, and
-    its answers are moved back.
+    After a gap of more than LONGEST_GAP it starts again. A run's positions need not begin at zero (a bench that has
+    been running): the twin counts from the first sample, and its answers are moved back.
 
     Attributes:
         stream: counts of the samples that arrived.
@@ -64,6 +64,8 @@ class Follower:
         if kind is Kind.FIRST:
             self._choose_input(sample)
             self._running = False
+        if self._running and stamp - self._stamp > LONGEST_GAP * 1e9:
+            self._running = False  # no twin runs blind for so long: it starts again here
         if self._running:
             answer = self.twin.advance(stamp - self._stamp, self._moved(sample, -1.0))
         elif math.isnan(sample[DRIVING[self.input]]):

@@ -5,10 +5,12 @@ acceleration. Positive values oppose positive motion, as every torque of the cat
 
     unexplained = F[ Kt i - friction - effects ] - J F[ dw/dt ]
 
-F is one causal filter for both sides: the drive's own smoothing of the speed (which the measured speed already has, so
-it is applied to the torques only) and two equal lags that keep the derivative of a noisy speed readable. Being causal,
-it is computed sample by sample in the same way live and offline. Where the transmission has play or gives way, the
-output side is simulated, driven by the measured motor (``driven_output.py``).
+F is one causal filter for both sides, so that it is computed sample by sample in the same way live and offline: the
+drive's own smoothing of the speed (which the measured speed already has, so it is applied to the torques only) and two
+equal lags that keep the derivative of a noisy speed readable. Both sides are taken at the middle of the interval: half
+a sample between them would show as inertia times jerk. Where no speed is measured, the motor counter's difference
+stands in; it is so coarse (0.08 rad/s at 2 ms) that the first lag comes before the model's torques are taken. Where the
+transmission has play or gives way, the output is simulated, driven by the measured motor (``driven_output.py``).
 """
 
 import math
@@ -22,9 +24,10 @@ from .evaluate import evaluate
 from .friction import bristle_step, directed, held_by_dry_friction
 from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
 from .operating_point import OperatingPoint
+from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above what friction and loads vary with
-COUNTER_LAG = 0.020  # s, where the speed is a counter's difference (0.08 rad/s of quantisation at 2 ms)
+COUNTER_LAG = 0.020  # s, where the speed is a counter's difference
 STANDSTILL = 0.05  # rad/s of the fast shaft, below which the shaft counts as held by dry friction
 
 
@@ -35,60 +38,108 @@ def unsmoothed(speed, before, interval, smoothing):
 
 
 @njit(error_model="numpy")
-def unbalanced_torque(drive_torque, other_torque, speed, viscous, dry, break_away):
-    """Torque [N m] that the model leaves to accelerate the measured motion, before filtering."""
-    torque = drive_torque - other_torque - viscous * speed
-    if math.fabs(speed) < STANDSTILL:
-        return held_by_dry_friction(torque, break_away)
-    return torque - math.copysign(dry, speed)
+def lagged_line(value, input_before, input_now, interval, time_constant):
+    """A first-order lag after an interval in which its input went straight from one value to the other, exactly."""
+    if time_constant <= 0.0:
+        return input_now
+    slope = (input_now - input_before) * (time_constant / interval)
+    return input_now - slope + (value - input_before + slope) * math.exp(-interval / time_constant)
 
 
 @njit(error_model="numpy")
-def filtered_balance(state, torque, speed, inertia, interval, smoothing, lag):
-    """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``)."""
+def unbalanced_torque(driving, speed, viscous, dry, break_away):
+    """Torque [N m] that friction leaves to accelerate the measured motion, before filtering."""
+    torque = driving - viscous * speed
+    if math.fabs(speed) < STANDSTILL:
+        return held_by_dry_friction(torque, break_away)
+    return torque - dry * (1.0 if speed > 0.0 else -1.0)
+
+
+@njit(error_model="numpy")
+def counter_speed(state, speed, interval):
+    """Speed [rad/s] behind the first lag, from the counter's difference over an interval."""
+    if state.balance_ready == 0.0:
+        state.balance_speed_1 = speed
+    else:
+        state.balance_speed_1 += lag_gain(interval, COUNTER_LAG) * (speed - state.balance_speed_1)
+    return state.balance_speed_1
+
+
+@njit(error_model="numpy")
+def counter_torque(state, torque, interval):
+    """Torque [N m] behind the same lag: its mean over the interval, as the counter's difference is the mean speed."""
+    if state.balance_ready == 0.0:
+        state.balance_torque_1 = torque
+    else:
+        mean = 0.5 * (torque + state.balance_torque_in)
+        state.balance_torque_1 += lag_gain(interval, COUNTER_LAG) * (mean - state.balance_torque_1)
+    state.balance_torque_in = torque
+    return state.balance_torque_1
+
+
+@njit(error_model="numpy")
+def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothing):
+    """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``).
+
+    ``speed`` [rad/s] is the measured one; a counter's, and its torque, have gone through their first lag already.
+    """
     if state.balance_ready == 0.0:
         # the filters start as if the motion before the first sample had been steady
-        state.balance_torque_1 = torque
+        if has_speed:
+            state.balance_torque_in = torque
+            state.balance_torque_1 = torque
+            state.balance_speed_1 = speed
         state.balance_torque_2 = torque
         state.balance_torque_3 = torque
-        state.balance_speed_1 = speed
-        state.balance_speed_2 = speed
+        state.balance_speed_2 = state.balance_speed_1
         state.balance_ready = 1.0
         return torque
-    gain = lag_gain(interval, lag)
-    state.balance_torque_1 += lag_gain(interval, smoothing) * (torque - state.balance_torque_1)
-    state.balance_torque_2 += gain * (state.balance_torque_1 - state.balance_torque_2)
-    state.balance_torque_3 += gain * (state.balance_torque_2 - state.balance_torque_3)
-    before = state.balance_speed_2
-    state.balance_speed_1 += gain * (speed - state.balance_speed_1)
+    torque_before = state.balance_torque_3
+    speed_before = state.balance_speed_2
+    if has_speed:
+        gain = lag_gain(interval, BALANCE_LAG)
+        state.balance_torque_1 = lagged_line(
+            state.balance_torque_1, state.balance_torque_in, torque, interval, smoothing
+        )
+        state.balance_torque_in = torque
+        state.balance_torque_2 += gain * (state.balance_torque_1 - state.balance_torque_2)
+        state.balance_torque_3 += gain * (state.balance_torque_2 - state.balance_torque_3)
+        state.balance_speed_1 += gain * (speed - state.balance_speed_1)
+    else:
+        gain = lag_gain(interval, COUNTER_LAG)
+        state.balance_torque_3 += gain * (torque - state.balance_torque_3)
     state.balance_speed_2 += gain * (state.balance_speed_1 - state.balance_speed_2)
-    return state.balance_torque_3 - inertia * (state.balance_speed_2 - before) / interval
+    acceleration = (state.balance_speed_2 - speed_before) / interval
+    return 0.5 * (state.balance_torque_3 + torque_before) - inertia * acceleration
 
 
 @njit(error_model="numpy")
 def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
-    """The unexplained torque [N m] at one sample (see the module), NaN where current or motion is not measured."""
-    current = bench[row, CURRENT_IN]
+    """The unexplained torque [N m] at one sample (see the module), NaN where current or motion is not measured.
+
+    After a sample without a value the filters start again.
+    """
     position = bench[row, MOTOR_POSITION_IN]
-    counter_speed = (position - bench[row - 1, MOTOR_POSITION_IN]) / interval
-    smoothing = plant.speed_smoothing
-    lag = BALANCE_LAG
     speed = bench[row, SPEED_IN]
-    if math.isnan(speed):
-        # a difference over one interval is the speed half an interval ago
-        speed = counter_speed
-        smoothing = 0.5 * interval
-        lag = COUNTER_LAG
-        sharp = state.balance_speed_1 if state.balance_ready != 0.0 else speed
-    else:
-        sharp = unsmoothed(speed, bench[row - 1, SPEED_IN], interval, smoothing)
-    if math.isnan(current) or math.isnan(speed):
+    speed_before = bench[row - 1, SPEED_IN]
+    has_speed = not (math.isnan(speed) and math.isnan(speed_before))
+    if not has_speed:
+        speed = (position - bench[row - 1, MOTOR_POSITION_IN]) / interval
+        speed_before = speed
+    if math.isnan(bench[row, CURRENT_IN]) or math.isnan(speed) or math.isnan(speed_before):
+        state.balance_ready = 0.0
+        state.driven_ready = 0.0
         return math.nan
+    smoothing = plant.speed_smoothing
+    current = bench[row, CURRENT_IN]
+    sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
     ratio = plant.gear_ratio
-    inertia = plant.motor_inertia + plant.output_inertia
+    lag = BALANCE_LAG if has_speed else COUNTER_LAG
     acceleration = (speed - state.balance_speed_1) / lag if state.balance_ready != 0.0 else 0.0
     drive_torque = plant.torque_constant * current
-    travel = 0.0 if math.isnan(position) else position
+    travel = state.motor_angle if math.isnan(position) else position
+    total_dry = plant.motor_dry + plant.output_dry
+    sense = 1.0 if sharp > 0.0 else -1.0
     at = OperatingPoint(
         time,
         state.motor_angle_origin + travel,
@@ -99,35 +150,52 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         acceleration,
         current,
         drive_torque,
-        plant.output_inertia * acceleration + plant.output_viscous * sharp + math.copysign(plant.output_dry, sharp),
-        plant.motor_dry + plant.output_dry,
+        plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense,
+        total_dry,
         plant.motor_viscous + plant.output_viscous,
     )
-    torque, dry, output_torque = evaluate(effects, at)
-    viscous = plant.motor_viscous + plant.output_viscous
-    break_away = plant.motor_break_away + plant.output_break_away + (dry - plant.motor_dry - plant.output_dry)
+    torque, dry, load = evaluate(effects, at)
+    if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
+        stop = state.output_angle_origin * ratio
+        load += end_stop_torque(
+            travel,
+            sharp,
+            plant.end_stop_lower * ratio - stop,
+            plant.end_stop_upper * ratio - stop,
+            plant.contact_stiffness,
+            plant.contact_damping,
+        )
     if plant.two_inertia == 0.0:
-        other = torque + output_torque
+        torque += load
+        passed = 0.0
+        viscous = plant.motor_viscous + plant.output_viscous
+        inertia = plant.motor_inertia + plant.output_inertia
+        base_dry = total_dry
+        break_away = plant.motor_break_away + plant.output_break_away
     else:
-        passed = driven_output(plant, state, sharp, travel, output_torque, interval, step)
-        other = torque + passed
+        passed = driven_output(plant, state, sharp, travel, load, interval, step)
         viscous = plant.motor_viscous
         inertia = plant.motor_inertia
-        dry -= plant.output_dry
-        break_away -= plant.output_break_away
+        base_dry = plant.motor_dry
+        break_away = plant.motor_break_away
+        dry = max(0.0, dry - plant.output_dry)
+    break_away = max(0.0, break_away + dry - base_dry)
+    driving = drive_torque - torque
+    if not has_speed:
+        driving = counter_torque(state, driving, interval)
     if plant.asymmetry != 0.0:
-        factor = directed(plant.asymmetry, sharp, drive_torque - other)
-        other += plant.asymmetry * viscous * math.fabs(sharp)
+        factor = directed(plant.asymmetry, sharp, driving - passed)
+        passed += plant.asymmetry * viscous * math.fabs(sharp)
         dry *= factor
         break_away *= factor
     if plant.bristle_stiffness > 0.0:
         state.driven_bristle, bent = bristle_step(
             state.driven_bristle, sharp, dry, plant.bristle_stiffness, plant.bristle_damping, interval
         )
-        other += bent
+        passed += bent
         dry = break_away = 0.0
-    unbalanced = unbalanced_torque(drive_torque, other, sharp, viscous, dry, break_away)
-    return filtered_balance(state, unbalanced, speed, inertia, interval, smoothing, lag)
+    unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away)
+    return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
 
 
 @njit(cache=True, error_model="numpy")
@@ -144,17 +212,15 @@ def balance_response(plants, interval, has_speed, of_current, count):
     before = 0.0
     for k in range(count):
         hit = 1.0 if k == 1 else 0.0
-        current = hit if of_current else 0.0
         motion = 0.0 if of_current else hit
+        speed = motion if has_speed else (motion - before) / interval
+        torque = plant.torque_constant * hit if of_current else 0.0
         if has_speed:
-            speed = motion
             sharp = unsmoothed(speed, before, interval, plant.speed_smoothing)
-            smoothing, lag = plant.speed_smoothing, BALANCE_LAG
         else:
-            speed = (motion - before) / interval
-            sharp = state.balance_speed_1
-            smoothing, lag = 0.5 * interval, COUNTER_LAG
-        torque = plant.torque_constant * current - viscous * sharp
-        response[k] = filtered_balance(state, torque, speed, inertia, interval, smoothing, lag)
+            sharp = counter_speed(state, speed, interval)
+            torque = counter_torque(state, torque, interval)
+        torque -= viscous * sharp
+        response[k] = filtered_balance(state, torque, speed, inertia, interval, has_speed, plant.speed_smoothing)
         before = motion
     return response

@@ -2,7 +2,9 @@
 
 The unexplained torque of a two-inertia model needs it: while the gap is open, the motor neither accelerates the output
 nor feels its friction. The motor's angle is the integral of its measured speed, drawn slowly to its counter: the
-counter's noise through a contact's stiffness would be newton metres.
+counter's noise through a contact's stiffness would be newton metres. A contact stiffer than the samples resolve would
+answer to what lies between them, which nobody measured: it is taken as a softer one, critically damped, with which the
+result does not depend on an assumed stiffness.
 """
 
 import math
@@ -10,8 +12,10 @@ import math
 from numba import njit
 
 from .drive import lag_gain
+from .friction import directed
 from .transmission import contact_torque, response, shaft_speed
 
+RESOLVED = 2.0 * math.pi * 80.0  # rad/s, the fastest contact that samples of some milliseconds resolve
 COUNTER_PULL = 0.08  # s, the lag with which the integrated angle follows the counter: 2 Hz
 
 
@@ -31,6 +35,12 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
         return plant.output_viscous * speed + math.copysign(plant.output_dry, speed) + output_torque
     steps = max(1, math.ceil(interval / step - 1e-9))
     h = interval / steps
+    stiffness = plant.contact_stiffness
+    damping = plant.contact_damping
+    resolved = plant.output_inertia * RESOLVED**2
+    if stiffness > resolved:
+        stiffness = resolved
+        damping = 2.0 * plant.output_inertia * RESOLVED
     start = state.driven_motor_speed
     angle = state.driven_motor_angle
     output_angle = state.driven_output_angle
@@ -43,18 +53,20 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
         torque = contact_torque(
             angle - output_angle,
             motor_speed - output_speed,
-            plant.contact_stiffness,
-            plant.contact_damping,
+            stiffness,
+            damping,
             plant.gap,
             h,
             compliance,
         )
         output_angle += 0.5 * h * output_speed
+        factor = directed(plant.asymmetry, output_speed, torque - output_torque)
+        load = output_torque + plant.asymmetry * plant.output_viscous * math.fabs(output_speed)
         output_speed = shaft_speed(
             output_speed,
-            torque - output_torque,
-            plant.output_dry,
-            plant.output_break_away,
+            torque - load,
+            plant.output_dry * factor,
+            plant.output_break_away * factor,
             gain,
             drag,
         )

@@ -55,8 +55,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     per_ratio = 1.0 / ratio
     rigid = plant.two_inertia == 0.0
     stops = not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper))
-    stop_lower = plant.end_stop_lower * ratio
-    stop_upper = plant.end_stop_upper * ratio
+    # end stops stand where the encoder's own angle says, whatever a recording starts with
+    stop_lower = (plant.end_stop_lower - state.output_angle_origin) * ratio
+    stop_upper = (plant.end_stop_upper - state.output_angle_origin) * ratio
     # effects are opaque calls, across which no compiler keeps what it has read from memory: hence local copies
     stiffness = plant.contact_stiffness
     damping = plant.contact_damping
@@ -75,7 +76,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     base_break_away = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
     asymmetry = plant.asymmetry
     bristled = plant.bristle_stiffness > 0.0
-    late = plant.encoder_delay > 0.0
+    # effects see the model's whole dry level; what they change of it is the motor side's
+    total_dry = plant.motor_dry + plant.output_dry
+    elsewhere = total_dry - base_dry
     acting = effects[0].shape[0] > 0
     torque = output_torque = 0.0
     dry = base_dry
@@ -131,16 +134,13 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                 given = start + slope * ((k + 0.5) / steps)
                 current_rate = (given - current) * per_step
                 current = given
-                if late:
-                    if phase >= plant.control_cycle - 0.5 * h:
-                        phase -= plant.control_cycle
-                        remember(state, output_angle)
-                    phase += h
+                if phase >= plant.control_cycle - 0.5 * h:
+                    phase -= plant.control_cycle
+                    remember(state, output_angle)
             else:
                 if phase >= plant.control_cycle - 0.5 * h:
                     phase -= plant.control_cycle
-                    if late:
-                        remember(state, output_angle)
+                    remember(state, output_angle)
                     given = start + slope * (k / steps)
                     integrate = True
                     if source == SETPOINT:
@@ -158,7 +158,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                 change = current_gain * (current_setpoint - current)
                 current_rate = change * per_step
                 current += change
-                phase += h
+            phase += h
             drive_torque = torque_constant * current
 
             # mechanics: half the drift, then the kick at the middle of the step
@@ -180,19 +180,20 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     current,
                     drive_torque,
                     transmitted,
-                    base_dry,
+                    total_dry,
                     viscous_total,
                 )
                 torque, dry, output_torque = evaluate(effects, at)
+                dry = max(0.0, dry - elsewhere)
             load = output_torque
             if stops:
                 load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
-            held = base_break_away + (dry - base_dry)
+            held = max(0.0, base_break_away + (dry - base_dry))
             net = drive_torque - torque
             load_dry = output_dry
             load_held = output_break_away
             if asymmetry != 0.0:
-                factor = directed(asymmetry, speed, net - load)
+                factor = directed(asymmetry, speed, net - (load if rigid else transmitted))
                 dry_now = dry * factor
                 held *= factor
                 net -= asymmetry * viscous * math.fabs(speed)
@@ -247,7 +248,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
         twin[row, 2] = smoothed
         twin[row, 3] = math.nan if source == CURRENT else setpoint
         twin[row, 4] = counted(angle, plant.motor_counts)
-        twin[row, 5] = counted(shown(plant, state, output_angle, phase), plant.output_counts)
+        twin[row, 5] = counted(shown(plant, state, output_angle, phase) - state.encoder_zero, plant.output_counts)
         twin[row, 6] = bench[row, COMMAND_IN]
         twin[row, 7] = quadrature_voltage(plant, speed, current, current_rate)
         twin[row, 8] = plant.torque_constant * current

@@ -77,10 +77,12 @@ STATE = np.dtype(
         ("transmitted_torque", "f8"),  # N m
         ("bristle", "f8"),  # rad, how far the bristle of presliding friction is bent
         ("encoder_memory", "f8", (ENCODER_MEMORY,)),  # rad of the fast shaft, the output at past control cycles
+        ("encoder_zero", "f8"),  # rad of the slow shaft, what the encoder showed at the first sample
         ("encoder_newest", "i8"),  # where in it the newest is
         ("motor_angle_origin", "f8"),  # rad, the counter's own angle where motor_angle is zero
         ("output_angle_origin", "f8"),  # rad of the slow shaft
         # the filters behind the unexplained torque (see balance.py)
+        ("balance_torque_in", "f8"),
         ("balance_torque_1", "f8"),
         ("balance_torque_2", "f8"),
         ("balance_torque_3", "f8"),

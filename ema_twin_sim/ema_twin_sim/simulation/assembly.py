@@ -7,9 +7,11 @@ from functools import cache
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
+
 from ..effects import Effect, catalogue
 from ..model import EffectInstance, Model
-from ..plant.layout import DRY_LEVEL, PLANT
+from ..plant.layout import DRY_LEVEL, ENCODER_MEMORY, PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 
 _SAME_NAME = (
@@ -72,6 +74,7 @@ def assemble(model: Model) -> Assembly:
             effect.settle(record, instance.parameters, instance.options)
         else:
             acting.append((effect.where(instance.options), _address(effect), _slots(effect, instance)))
+    _check(model, record)
     acting.sort(key=lambda entry: entry[0] != DRY_LEVEL)
     return Assembly(
         plant,
@@ -81,6 +84,31 @@ def assemble(model: Model) -> Assembly:
             np.array([slots for _, _, slots in acting], np.float64).reshape(len(acting), PARAMETER_SLOTS),
         ),
     )
+
+
+def _check(model: Model, record: np.void) -> None:
+    """Refuse what the plant cannot be made of, after all effects have had their say."""
+    if record["two_inertia"] and not record["output_inertia"] > 0.0:
+        raise InputError(
+            f"model {model.name}: machine.output_inertia is 0; a transmission with play or spring needs it"
+        )
+    longest = (ENCODER_MEMORY - 2) * float(record["control_cycle"])
+    if record["encoder_delay"] > longest:
+        raise InputError(
+            f"model {model.name}: the encoder's delay of {record['encoder_delay']:g} s is more than {longest:.4g} s, "
+            f"what {ENCODER_MEMORY} control cycles hold; give a shorter delay or a longer drive.control_cycle"
+        )
+
+
+def stiffest_step(plant: np.ndarray) -> float:
+    """The longest step [s] that the transmission's contact allows: beyond it the integration would blow up."""
+    record = plant[0]
+    if not record["two_inertia"]:
+        return np.inf
+    softness = 1.0 / record["motor_inertia"] + 1.0 / record["output_inertia"]
+    by_spring = 2.0 / np.sqrt(record["contact_stiffness"] * softness)
+    by_damper = 4.0 / max(record["contact_damping"] * softness, 1e-12)
+    return float(min(by_spring, by_damper))
 
 
 def _slots(effect: Effect, instance: EffectInstance) -> list[float]:

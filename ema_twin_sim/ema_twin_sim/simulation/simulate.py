@@ -13,6 +13,9 @@ from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .twin import DEFAULT_STEP, Twin
 
+LONGEST_GAP = 60.0
+"""s without a sample across which a twin integrates."""
+
 DRIVING = {"setpoint": "speed_setpoint", "current": "current"}
 """The signal of a recording that drives the twin under each input."""
 
@@ -38,12 +41,25 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
     """
+    longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
+    if longest is not None and longest.duration > LONGEST_GAP:
+        raise InputError(
+            f"{recording.name}: nothing is recorded for {longest.duration:.4g} s from {longest.time:.3f} s on; "
+            f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
+        )
     twin = Twin(model, choose_input(recording, source), step=step)
     absent = np.full(len(recording), math.nan)
     bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
     first = dict(zip(BENCH, bench[0], strict=True))
     twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
     rows = twin.follow(recording.stamps, bench)
+    moving = rows[:, [TWIN.index(name) for name in ("current", "speed", "motor_position", "output_position")]]
+    if not np.isfinite(moving).all():
+        at = recording.time[np.flatnonzero(~np.isfinite(moving).all(axis=1))[0]]
+        raise InputError(
+            f"model {model.name}: has no finite motion beside {recording.name} from {at:.3f} s on; "
+            "its constants do not belong together: check inertias, stiffness and friction"
+        )
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
     return Recording(
         name=recording.name,

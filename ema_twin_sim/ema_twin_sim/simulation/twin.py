@@ -14,8 +14,9 @@ from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
 from ..plant.kernel import advance
-from ..plant.layout import BENCH, CURRENT, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
-from .assembly import assemble
+from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
+from ..plant.sensors import shown
+from .assembly import assemble, stiffest_step
 
 DEFAULT_STEP = 25e-6
 """s. The tests show it converged: halving or doubling it moves no RMSE by 1 %."""
@@ -111,6 +112,13 @@ class Twin:
         state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
         state["motor_angle_origin"] = _known(motor_angle_origin)
         state["output_angle_origin"] = _known(output_angle_origin)
+        # as if the motion before the first sample had been steady, for an encoder that answers late
+        ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
+        state["encoder_memory"] = -speed * ages[::-1]
+        state["encoder_newest"] = ENCODER_MEMORY - 1
+        # in plain Python: once a run, and compiling it would cost more than it saves
+        records = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
+        state["encoder_zero"] = shown.py_func(*records, 0.0, 0.0)
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
         self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
@@ -147,8 +155,15 @@ class Twin:
         return dict(zip(TWIN, self._row[1].tolist(), strict=True))
 
     def _take(self, model: Model) -> None:
+        assembly = assemble(model)
+        longest = stiffest_step(assembly.plant)
+        if self.step > longest:
+            raise InputError(
+                f"model {model.name}: its contact is too stiff for its inertias at a step of {self.step:g} s; give "
+                f"less transmission.contact_stiffness or _damping, or a step below {longest:.2g} s"
+            )
         self._model = model
-        self._assembly = assemble(model)
+        self._assembly = assembly
 
 
 def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray) -> np.ndarray:
