@@ -114,7 +114,7 @@ def fastest(*calls):
 
 def test_speed_of_the_plant(stock, recording, in_c, capsys):
     crowded = stock
-    for effect in ("stribeck_friction", "stribeck_friction", "sun_runout", "sun_runout"):
+    for effect in ("stribeck_friction", "sun_runout", "quadratic_drag", "constant_load"):
         crowded = crowded.with_effect(effect)
     kernel, state = by_kernel(stock, recording)
     c, c_state = by_c(in_c, stock, recording)

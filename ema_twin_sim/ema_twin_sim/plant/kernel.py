@@ -82,6 +82,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     acting = effects[0].shape[0] > 0
     torque = output_torque = 0.0
     dry = base_dry
+    break_away = base_break_away
 
     time = state.time
     angle = state.motor_angle
@@ -184,17 +185,21 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     viscous_total,
                 )
                 torque, dry, output_torque = evaluate(effects, at)
-                dry = max(0.0, dry - elsewhere)
+                dry -= elsewhere
+                dry = dry if dry > 0.0 else 0.0
+                break_away = base_break_away + (dry - base_dry)
+                break_away = break_away if break_away > 0.0 else 0.0
             load = output_torque
             if stops:
                 load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
-            held = max(0.0, base_break_away + (dry - base_dry))
+            dry_now = dry
+            held = break_away
             net = drive_torque - torque
             load_dry = output_dry
             load_held = output_break_away
             if asymmetry != 0.0:
                 factor = directed(asymmetry, speed, net - (load if rigid else transmitted))
-                dry_now = dry * factor
+                dry_now *= factor
                 held *= factor
                 net -= asymmetry * viscous * math.fabs(speed)
                 load_factor = directed(asymmetry, output_speed, transmitted - load)
@@ -202,8 +207,6 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                 load_held *= load_factor
                 if not rigid:
                     load += asymmetry * output_viscous * math.fabs(output_speed)
-            else:
-                dry_now = dry
             if bristled:
                 bristle, bristle_torque = bristle_step(
                     bristle, speed, dry_now, plant.bristle_stiffness, plant.bristle_damping, h
