@@ -170,7 +170,9 @@ def test_a_changing_current_takes_the_voltage_of_the_inductance(locked):
         ),
     ],
 )
-def test_a_shaft_breaks_away_at_its_static_level_and_what_effects_add(frictionless, effects, origin, level, share, moves):
+def test_a_shaft_breaks_away_at_its_static_level_and_what_effects_add(
+    frictionless, effects, origin, level, share, moves
+):
     model = frictionless.with_effect("coulomb_friction", {"torque": 0.1, "static_ratio": 2.0})
     if any(id == "backlash" for id, _ in effects):
         model = model.with_effect("coulomb_friction", {"torque": 0.07, "static_ratio": 2.0}, {"side": "output"})

@@ -13,18 +13,64 @@ import yaml
 from ema_bench_replay.errors import InputError
 
 
-def read_yaml(path: Path) -> tuple[Any, str]:
-    """Content and text of a YAML file. Raises InputError where it cannot be read or is no YAML."""
+_LARGEST = 1 << 20  # bytes; the files that are written by hand have a few thousand
+
+
+def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[Any, str]:
+    """Content and text of a YAML file; every key stands once, every integer fits a float.
+
+    Raises InputError where it cannot be read (with the `remedy`) or is no YAML.
+    """
     try:
-        text = path.read_text(encoding="utf-8")
-        return yaml.safe_load(text), text
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a YAML file in UTF-8") from None
+        with path.open("rb") as file:
+            data = file.read(_LARGEST + 1)
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is no text in UTF-8; {remedy}") from None
+    except (OSError, ValueError) as error:  # ValueError: a path that no file can have
+        reason = getattr(error, "strerror", None) or error
+        name = str(path) if str(path).isprintable() else repr(str(path))
+        raise InputError(f"{name}: cannot be read ({reason}); {remedy}") from None
+    if len(data) > _LARGEST:
+        raise InputError(f"{path}: is larger than 1 MiB; {remedy}")
+    try:
+        return yaml.load(text, _Loader), text
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark else ""
         problem = getattr(error, "problem", None) or "it does not parse"
         raise InputError(f"{path}: {place}is no YAML: {problem}; correct it") from None
+    except RecursionError:
+        raise InputError(f"{path}: is nested too deeply; correct it") from None
+    except ValueError as error:  # a date or a number that only looks like one
+        raise InputError(f"{path}: holds a value that cannot be read ({error}); correct it") from None
+
+
+class _Loader(yaml.SafeLoader):
+    """PyYAML's safe loader, which would take the last of two equal keys."""
+
+    def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
+        node = super().compose_mapping_node(anchor)
+        seen = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                if (key.tag, key.value) in seen:
+                    raise yaml.composer.ComposerError(
+                        None, None, f"the key {key.value!r} is there twice", key.start_mark
+                    )
+                seen.add((key.tag, key.value))
+        return node
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        value = super().construct_yaml_int(node)
+        try:
+            float(value)
+        except OverflowError:
+            raise yaml.constructor.ConstructorError(None, None, "a number is too large", node.start_mark) from None
+        return value
+
+
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 
 
 class Checker:
@@ -38,13 +84,14 @@ class Checker:
         self.path = path
 
     def mapping(
-        self, value: Any, place: str, allowed: Iterable[str], required: Iterable[str] = ()
+        self, value: Any, place: str, allowed: Iterable[str] | None = None, required: Iterable[str] = ()
     ) -> Mapping[str, Any]:
-        """A mapping with no key but the allowed ones, and with all that are required."""
-        allowed, required = list(allowed), list(required)
+        """A mapping with no key but the allowed ones (None: any), and with all that are required."""
+        allowed, required = None if allowed is None else list(allowed), list(required)
         if not isinstance(value, dict):
-            raise self.error(place, "is no mapping of keys to values", f"give {', '.join(required or allowed)}")
-        for key in value:
+            wanted = ", ".join(required or allowed or ()) or "{NAME: VALUE}"
+            raise self.error(place, "is no mapping of keys to values", f"give {wanted}")
+        for key in value if allowed is not None else ():
             if key not in allowed:
                 near = get_close_matches(str(key), allowed, n=1)
                 hint = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(allowed)}"
@@ -55,9 +102,9 @@ class Checker:
         return value
 
     def choice(self, value: Any, place: str, allowed: Iterable[Any]) -> Any:
-        """One of the allowed values."""
+        """One of the allowed values; true and false are no numbers."""
         allowed = list(allowed)
-        if value not in allowed:
+        if isinstance(value, bool) or value not in allowed:
             near = get_close_matches(str(value), map(str, allowed), n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(map(str, allowed))}"
             raise self.error(place, f"{value!r} is not possible", hint)
@@ -70,6 +117,12 @@ class Checker:
         if not lower <= value <= upper:
             raise self.error(place, f"{value!r} is out of range", f"give a number from {lower:g} to {upper:g}")
         return float(value)
+
+    def boolean(self, value: Any, place: str) -> bool:
+        """True or false."""
+        if not isinstance(value, bool):
+            raise self.error(place, f"{value!r} is neither true nor false", "give one of them, without quotation marks")
+        return value
 
     def text(self, value: Any, place: str) -> str:
         """A text that is not empty."""

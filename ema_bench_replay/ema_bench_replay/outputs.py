@@ -10,35 +10,40 @@ from typing import BinaryIO
 
 from ema_bench_replay.errors import InputError
 
+_DESCRIPTORS = ("/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")  # files that somebody else holds open
+
 
 @contextmanager
 def new_file(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
     """A binary file to write, which takes its name when it is whole; folders above it are made.
 
-    Raises InputError where the file exists already and `force` is not set, or where it cannot be written.
+    A link stays, and its target is written. What is no regular file (a pipe, /dev/null, /dev/stdout) is written to as
+    it is. Raises InputError where the file exists already and `force` is not set, or where it cannot be written.
     """
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; name a file")
-    if path.exists() and not force:
-        raise InputError(f"{path}: exists already; give another name, or --force to replace it")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder; name a file")
+        exists = path.exists()
+        if exists and (not path.is_file() or str(path).startswith(_DESCRIPTORS)):
+            with path.open("ab") as stream:
+                yield stream
+            return
+        if exists and not force:
+            raise InputError(f"{path}: exists already; give another name, or --force to replace it")
+        target = Path(os.path.realpath(path))
+        part = target.with_name(f".{target.name}.{os.getpid()}.part")
+        target.parent.mkdir(parents=True, exist_ok=True)
         file = part.open("wb")
-    except OSError as error:
-        raise _cannot_write(path, error) from None
-    try:
         try:
             with file:
                 yield file
-            part.replace(path)
-        except OSError as error:
-            raise _cannot_write(path, error) from None
-    except BaseException:
-        with suppress(OSError):
-            part.unlink()
-        raise
-
-
-def _cannot_write(path: Path, error: OSError) -> InputError:
-    return InputError(f"{path}: cannot be written ({error.strerror}); choose another folder with -o")
+            part.replace(target)
+        except BaseException:
+            with suppress(OSError):
+                part.unlink()
+            raise
+    except BrokenPipeError:
+        raise  # the reader of a pipe has left: that is no fault of the name
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"{path}: cannot be written ({reason}); choose another folder with -o") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -119,11 +120,10 @@ class Recording:
         Stamps begin at 0 again, and so do both positions: what is taken from them moves into their angle origins, and
         into output_command, which is measured from the same zero as output_position.
         """
-        low = 0 if start is None else round(start * 1e9)
-        high = int(self.stamps[-1]) if end is None else round(end * 1e9)
-        first, last = np.searchsorted(self.stamps, low), np.searchsorted(self.stamps, high, side="right")
+        first = 0 if start is None else np.searchsorted(self.stamps, self._stamp(start))
+        last = len(self) if end is None else np.searchsorted(self.stamps, self._stamp(end), side="right")
         if first >= last:
-            span = f"{low * 1e-9:g} s to {high * 1e-9:g} s"
+            span = f"{start or 0.0:g} s to {self.duration if end is None else end:g} s"
             raise InputError(f"{self.name}: no sample from {span}; it lasts from 0 s to {self.duration:g} s")
         if last - first == len(self):
             return self
@@ -140,6 +140,12 @@ class Recording:
             motor_angle_origin=self.motor_angle_origin + shift.get("motor_position", 0.0),
             output_angle_origin=self.output_angle_origin + shift.get("output_position", 0.0),
         )
+
+    def _stamp(self, time: float) -> int:
+        """The stamp, ns, of a time in s, or one just outside the recording."""
+        if not math.isfinite(time):
+            raise InputError(f"{self.name}: {time} s is no time to cut at; it lasts from 0 s to {self.duration:g} s")
+        return round(min(max(time, -1.0), self.duration + 1.0) * 1e9)
 
 
 def _frozen(values: np.ndarray, kind: type) -> np.ndarray:

@@ -18,7 +18,7 @@ from ema_twin_sim.simulation.twin import DEFAULT_STEP
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 SECONDS = 20.0
-ROUNDS = 15
+ROUNDS = 40
 FIELDS = {
     "plant": (
         "inertia", "torque_constant", "viscous", "dry", "break_away", "speed_gain", "integral_time", "integral_limit",

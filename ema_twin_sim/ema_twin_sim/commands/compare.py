@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,10 @@ ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors
 
 AT_NOISE = 1.1
 """An RMSE up to this many noise floors counts as the sensors' noise."""
+TELLING = 160
+"""Samples from which on ``comparison.where`` looks for where a model fails."""
+OPEN_LOOP = ("speed", "motor_position", "output_position")
+"""Signals that drift under the input ``current``, where nothing holds the twin's motion to the bench's."""
 
 
 def run(
@@ -40,10 +44,11 @@ def run(
     """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
     from ..comparison.compare import compare
     from ..model import load_model
-    from .inputs import load_runs, write_json
+    from .inputs import input_files, load_runs, refuse_inputs, write_json
 
+    refuse_inputs(input_files(runs, model, import_map), json)
     models = [load_model(name) for name in model]
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict)
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     comparisons = []
     with progress_bar() as progress:
         task = progress.add_task("comparing", total=len(models) * len(recordings))
@@ -60,13 +65,17 @@ def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
     if labels and len(set(names)) < len(names):
         comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
     console.print(_errors(comparisons))
+    if comparisons[0].input == "current":
+        console.print(
+            "The current drives the twin open loop: its speed and positions drift and are left out here (JSON has them)."
+        )
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
 
 
 def _errors(comparisons: Sequence[Comparison]) -> Table:
     first = comparisons[0]
-    names = [n for n in first.overall if not first.overall[n]["driven"]]
+    names = shown_signals(first.input, first.overall)
     several = len(comparisons) > 1
     table = Table(title=f"RMSE, measured minus twin (input: {first.input})", title_justify="left", pad_edge=False)
     table.add_column("recording")
@@ -93,6 +102,12 @@ def _errors(comparisons: Sequence[Comparison]) -> Table:
     return table
 
 
+def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
+    """The signals whose errors tell something under an input."""
+    left_out = OPEN_LOOP if source == "current" else ()
+    return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]
+
+
 def _cell(signal: SignalError | None) -> str:
     if signal is None:
         return "–"
@@ -102,29 +117,28 @@ def _cell(signal: SignalError | None) -> str:
 
 
 def _removed(before: SignalError, after: SignalError | None) -> str:
-    """Share of the excess (power above the noise floor) that a model removes."""
-    if after is None:
-        return "–"
-    floor = before["noise_floor"] ** 2
-    excess = before["rmse"] ** 2 - floor
-    if excess <= 0.0:
-        return "–"
-    return f"{100.0 * (before['rmse'] ** 2 - after['rmse'] ** 2) / excess:.1f} %"
+    from ..comparison.running_comparison import excess_removed
+
+    share = None if after is None else excess_removed(before, after)
+    return "–" if share is None else f"{100.0 * share:.1f} %"
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
+    from ..comparison.where import WEAK
+
     of = f" ({comparison.model})" if titled else ""
-    poor = {n for n, s in comparison.overall.items() if s["rmse"] > AT_NOISE * s["noise_floor"] and not s["driven"]}
+    overall = comparison.overall
+    shown = shown_signals(comparison.input, overall)
+    poor = {n for n in shown if overall[n]["rmse"] > AT_NOISE * overall[n]["noise_floor"]}
     found = [d for d in comparison.where if d.signal in poor]
     if not poor:
         console.print(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        console.print(
-            f"\nAbove the sensors' noise{of}: {names}. Where the model fails cannot be told: that takes the current "
-            "and the motor's position or speed."
-        )
+        few = sum(recording.samples for recording in comparison.recordings) < TELLING
+        takes = f"{TELLING} samples or more" if few else "the current and the motor's position or speed"
+        console.print(f"\nAbove the sensors' noise{of}: {names}. Where cannot be told: that takes {takes}.")
         return
     table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
     for column in ("error of", "against"):
@@ -135,7 +149,8 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     table.add_column("RMSE there", justify="right")
     table.add_column("elsewhere", justify="right")
     for signal in dict.fromkeys(d.signal for d in found):
-        for d in (d for d in found if d.signal == signal):
+        best, *others = (d for d in found if d.signal == signal)
+        for d in (best, *(d for d in others if d.share >= WEAK)):
             table.add_row(
                 signal.replace("_", " "), d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
                 sparkline(d.profile), d.place, quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit),

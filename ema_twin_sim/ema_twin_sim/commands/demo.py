@@ -10,7 +10,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
-from . import compare, live
+from . import compare, live, options
 from .output import console
 
 EXAMPLES = """Example:
@@ -19,6 +19,8 @@ ema-twin demo -o demo"""
 
 RECORDINGS = "tests/recordings"
 LIVE = "BancoEMA_sine_0.02_1Hz"
+MARKER = ".ema-twin-demo"
+"""A file in the folders that demos made: only these are written to again."""
 ADDED = (
     (7.0, "backlash", {"width": 0.004}),
     (14.0, "stribeck_friction", {"torque": 0.08, "speed": 2.0}),
@@ -30,7 +32,10 @@ def run(
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for what the demo makes.")
     ] = Path("demo"),
-    rate: Annotated[float, typer.Option(min=0.0, help="Speed of the live replay; 1 is real time.")] = 1.0,
+    rate: Annotated[
+        float,
+        typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed of the live replay; 1: real time."),
+    ] = 1.0,
 ) -> None:
     """Show the loop: a twin misses its bench, live; an effect is added, the error falls. Replaces what a demo left."""
     from ema_bench_replay.bags.bag_reader import read_bag
@@ -131,14 +136,15 @@ def run(
 
 
 def _prepare(output: Path) -> None:
-    """Make the folder and clear what an earlier demo left in it, and nothing else."""
+    """Make the folder, or clear what an earlier demo left in it; any other folder with something in it is refused."""
     import shutil
 
     try:
+        if output.is_dir() and any(output.iterdir()) and not (output / MARKER).is_file():
+            raise InputError(f"{output}: holds files that no demo made (no {MARKER}); choose another folder with -o")
         output.mkdir(parents=True, exist_ok=True)
+        (output / MARKER).write_text("The next ema-twin demo replaces what is in this folder.\n")
         shutil.rmtree(output / "live", ignore_errors=True)
-        (output / ".writable").touch()
-        (output / ".writable").unlink()
     except OSError as error:
         raise InputError(f"{output}: cannot be written ({error.strerror}); choose a folder you may write to") from None
 

@@ -22,9 +22,15 @@ def load_runs(
     start: float | None = None,
     end: float | None = None,
     strict: bool = False,
+    least: int = 1,
 ) -> list[Recording]:
-    """The recordings that the paths name, cut to [start, end] s; warnings are printed, or refused if ``strict``."""
-    files = [file for path in paths for file in find_recordings(path)]
+    """The recordings that the paths name, each once, cut to [start, end] s; with ``least`` samples or more.
+
+    Warnings are printed, or refused if ``strict``.
+    """
+    if start is not None and end is not None and start > end:
+        raise InputError(f"--from {start:g} is after --to {end:g}; give the earlier time first")
+    files = _each_once([file for path in paths for file in find_recordings(path)])
     recordings = []
     for file in tracked(files, "reading"):
         recording = load(file, import_map=import_map)
@@ -34,6 +40,8 @@ def load_runs(
             warn(warning)
         if start is not None or end is not None:
             recording = recording.between(start, end)
+        if len(recording) < least:
+            raise InputError(f"{file}: {len(recording)} sample(s) of it are too few; give or leave {least} or more")
         recordings.append(recording)
     return recordings
 
@@ -46,8 +54,42 @@ def find_recordings(path: Path) -> list[Path]:
     return inside or [path]
 
 
+def _each_once(files: Sequence[Path]) -> list[Path]:
+    found: dict[Path, Path] = {}
+    twice = []
+    for file in files:
+        bags = list(file.glob("*.mcap")) if file.is_dir() else []
+        held = found.setdefault((bags[0] if len(bags) == 1 else file).resolve(), file)
+        if held is not file:
+            twice.append(str(file))
+    if twice:
+        warn(f"given more than once, taken once: {', '.join(dict.fromkeys(twice))}")
+    return list(found.values())
+
+
+def input_files(runs: Sequence[Path], models: Sequence[str], import_map: str) -> list[Path]:
+    """The files that are read for these arguments, as far as they exist."""
+    from ema_bench_replay.configuration import find_configuration
+
+    from ..model.model_file import model_files
+
+    files = [file for name in models for file in model_files(name)]
+    files.append(find_configuration("maps", import_map))
+    for recording in (recording for run in runs for recording in find_recordings(run)):
+        files += [recording, *(recording.iterdir() if recording.is_dir() else ())]
+    return files
+
+
+def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
+    """Raise InputError where an output is one of the inputs, by whatever name."""
+    read = {file.resolve(): file for file in inputs}
+    for output in outputs:
+        if output is not None and output.resolve() in read:
+            raise InputError(f"{output}: is an input ({read[output.resolve()]}); choose another name for the output")
+
+
 def write_json(path: Path | None, content: object) -> None:
-    """Write a result as JSON, replacing the file; numbers that are not finite become null."""
+    """Write a result as JSON, replacing a file; numbers that are not finite become null."""
     if path is not None:
         with new_file(path, force=True) as file:
             file.write((json.dumps(_finite(content), indent=1, allow_nan=False) + "\n").encode())

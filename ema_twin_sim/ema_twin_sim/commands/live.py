@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 
 from ..quantities import quantity
 from . import options
+from .compare import shown_signals
 from .output import console, warn
 
 if TYPE_CHECKING:
@@ -35,7 +36,9 @@ def run(
     ] = None,
     model: options.ModelName = "polito_bench",
     input: options.Input = None,
-    rate: Annotated[float, typer.Option(min=0.0, max=1000.0, help="Speed of the replay; 0: as fast as it goes.")] = 1.0,
+    rate: Annotated[
+        float, typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed; 0: as fast as it goes.")
+    ] = 1.0,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
     rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
     record: Annotated[
@@ -57,17 +60,18 @@ def run(
     from ..model import load_model
     from ..nodes.live import run_live
     from ..simulation.simulate import choose_input
-    from .inputs import load_runs, write_json
+    from .inputs import input_files, load_runs, refuse_inputs, write_json
 
+    refuse_inputs(input_files([run] if run is not None else [], [model], import_map), json, rrd, record)
     found = load_model(model)
     recording = None
     if run is not None:
-        recordings = load_runs([run], import_map=import_map, start=start, end=end, strict=strict)
+        recordings = load_runs([run], import_map=import_map, start=start, end=end, strict=strict, least=2)
         if len(recordings) != 1:
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         recording = recordings[0]
-    _check_outputs(rrd, record, force)
     driving = choose_input(recording, input) if recording is not None else input
+    _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
     follower = Follower(found, recording, driving)
@@ -121,25 +125,39 @@ def show(result: LiveResult) -> None:
         f"\n[bold]{result.name}[/bold] beside {result.model}, live: {result.samples} samples compared "
         f"({'complete' if result.complete else 'not complete'}), input {result.input}"
     )
-    for name, signal in result.signals.items():
-        if not signal["driven"]:
-            rmse, floor = signal["rmse"], signal["noise_floor"]
-            console.print(
-                f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, str(signal['unit'])):>12}   "
-                f"{rmse / floor:8.1f} × noise"
-            )
+    for name in shown_signals(result.input, result.signals):
+        signal = result.signals[name]
+        rmse, floor = signal["rmse"], signal["noise_floor"]
+        console.print(
+            f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, str(signal['unit'])):>12}   "
+            f"{rmse / floor:8.1f} × noise"
+        )
 
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
-    """Refuse what exists before anything starts; with ``force``, clear it."""
-    for path in (rrd, record):
-        if path is None or not path.exists():
-            continue
+    """Refuse what may not be replaced, before anything starts; with ``force``, remove the bag of an earlier run."""
+    if rrd is not None and rrd.exists():
+        if not rrd.is_file():
+            raise InputError(f"{rrd}: is no file; name the file to write for --rrd")
         if not force:
-            raise InputError(f"{path}: exists already; choose another name or give --force")
-        if path.is_dir():
-            for file in (*path.glob("*.mcap"), path / "metadata.yaml"):
-                file.unlink(missing_ok=True)
+            raise InputError(f"{rrd}: exists already; choose another name or give --force")
+    if record is None or not record.exists():
+        return
+    if not record.is_dir():
+        raise InputError(f"{record}: is no folder; name the folder to make for --record")
+    bag, index = record / f"{record.name}.mcap", record / "metadata.yaml"
+    held = sorted(record.iterdir())
+    own = [bag, index] if bag.is_file() else []
+    others = [path.name for path in held if path not in own or not path.is_file()]
+    if others:
+        more = f" and {len(others) - 3} more" if len(others) > 3 else ""
+        raise InputError(
+            f"{record}: holds {', '.join(others[:3])}{more}, which --record did not write; choose another folder"
+        )
+    if held and not force:
+        raise InputError(f"{record}: holds a bag already; choose another folder or give --force")
+    for path in held:
+        path.unlink()
 
 
 class Follower:

@@ -7,6 +7,16 @@ from typing import Annotated
 
 import typer
 
+LARGEST = 1e9
+"""No time [s], angle [rad] or factor on the command line is larger."""
+
+
+def finite(value: float | None) -> float | None:
+    """The callback of every option that takes a number; raises a usage error for what is no usable one."""
+    if value is not None and not abs(value) <= LARGEST:
+        raise typer.BadParameter(f"{value} is no finite number up to {LARGEST:g}.")
+    return value
+
 
 def _model_names(incomplete: str) -> list[str]:
     from ema_bench_replay.configuration import configuration_names
@@ -41,8 +51,12 @@ EffectName = Annotated[
     str, typer.Argument(metavar="EFFECT", help="An effect of the catalogue.", autocompletion=effect_names)
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
-From = Annotated[float | None, typer.Option("--from", metavar="S", help="Leave out what is before, in seconds.")]
-To = Annotated[float | None, typer.Option("--to", metavar="S", help="Leave out what is after, in seconds.")]
+From = Annotated[
+    float | None, typer.Option("--from", metavar="S", callback=finite, help="Leave out what is before, in seconds.")
+]
+To = Annotated[
+    float | None, typer.Option("--to", metavar="S", callback=finite, help="Leave out what is after, in seconds.")
+]
 Input = Annotated[
     str | None,
     typer.Option("--input", help="What drives the twin: setpoint or current; by default what the recording allows."),

@@ -27,11 +27,15 @@ def run(
     model: options.ModelName,
     command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="What the bench does.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
-    seconds: Annotated[float, typer.Option(help="Duration in seconds.")] = 20.0,
+    seconds: Annotated[float, typer.Option(callback=options.finite, help="Duration in seconds.")] = 20.0,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
     noise: Annotated[bool, typer.Option("--noise/--no-noise", help="With the sensors' noise.")] = True,
-    start: Annotated[float, typer.Option("--offset", help="Added to the command, in rad or rad/s.")] = 0.0,
-    phase: Annotated[float, typer.Option(help="Phase that a periodic command begins with, in rad.")] = 0.0,
+    start: Annotated[
+        float, typer.Option("--offset", callback=options.finite, help="Added to the command, in rad or rad/s.")
+    ] = 0.0,
+    phase: Annotated[
+        float, typer.Option(callback=options.finite, help="Phase that a periodic command begins with, in rad.")
+    ] = 0.0,
     force: options.Force = False,
 ) -> None:
     """Run the virtual bench: the model driven by a command, through the bench's sensors, into a recording."""

@@ -35,6 +35,12 @@ class SignalError(TypedDict):
     driven: bool  # the signal drives the twin, its residual says nothing
 
 
+def excess_removed(before: SignalError, after: SignalError) -> float | None:
+    """Share of the excess (power above the noise floor) that a model removes; None where there is no excess."""
+    excess = before["rmse"] ** 2 - before["noise_floor"] ** 2
+    return (before["rmse"] ** 2 - after["rmse"] ** 2) / excess if excess > 0.0 else None
+
+
 class RunningComparison:
     """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
 

@@ -7,38 +7,35 @@ the base's. What is written is always whole: a file that stands alone.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import yaml
 
+from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
 
 from ..effects import find_effect
-from .constants import CONSTANTS, KINDS, PARTS
-from .model import ConstantValue, EffectInstance, Model, check_range, checked_instance, nearest
+from .constants import CONSTANTS, KINDS, PARTS, Constant
+from .model import ConstantValue, EffectInstance, Model, check_range, checked_instance
 
 VERSION = 1
 _KEYS = ("version", "base", *PARTS, "effects")
-_LARGEST = 1 << 20  # bytes; a model file is a few kilobytes
 
 
 def load_model(name: str | os.PathLike[str]) -> Model:
     """The model in a file, or the one of that name in config/models. Raises InputError with file, place and remedy."""
-    path = Path(name)
-    if path.suffix not in (".yaml", ".yml") and not path.is_file():
-        path = find_configuration("models", f"{name}.yaml")
-    content = _read(path)
-    seen = {path.resolve()}
-    while "base" in content:
-        below = path.parent / str(content.pop("base"))
-        if below.resolve() in seen:
-            raise InputError(f"{path}: base: '{below.name}' leads back to itself; name a file of constants")
-        seen.add(below.resolve())
-        content = _merged(_read(below), content)
-    return _model(path, content)
+    content, files = _read_whole(name)
+    return _model(files[0], content)
+
+
+def model_files(name: str | os.PathLike[str]) -> list[Path]:
+    """The files that a model is read from: its own and those that it is based on."""
+    return _read_whole(name)[1]
 
 
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
@@ -80,27 +77,25 @@ class _Dumper(yaml.SafeDumper):
         return super().represent_mapping(tag, mapping, flow_style=leaf)
 
 
+def _read_whole(name: str | os.PathLike[str]) -> tuple[dict[str, object], list[Path]]:
+    """The content of a model's file over that of its bases, and these files."""
+    path = Path(name)
+    if path.suffix not in (".yaml", ".yml") and not path.is_file():
+        path = find_configuration("models", f"{name}.yaml")
+    content = _read(path)
+    files = [path]
+    while "base" in content:
+        below = files[-1].parent / Checker(files[-1]).text(content.pop("base"), "base")
+        content = _merged(_read(below), content)
+        if below.resolve() in [file.resolve() for file in files]:
+            raise InputError(f"{path}: base: '{below.name}' leads back to itself; name a file of constants")
+        files.append(below)
+    return content, files
+
+
 def _read(path: Path) -> dict[str, object]:
-    try:
-        if path.stat().st_size > _LARGEST:
-            raise InputError(f"{path}: larger than 1 MiB; this is no model file")
-        content = yaml.safe_load(path.read_text("utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such model file; give a file or a name in config/models") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: is not UTF-8 text; a model is a YAML file") from None
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f":{mark.line + 1}" if mark else ""
-        raise InputError(f"{path}{line}: not valid YAML ({getattr(error, 'problem', error)}); mend the line") from None
-    if not isinstance(content, dict):
-        raise InputError(f"{path}: holds no model; a model file has the keys {', '.join(_KEYS)}")
-    for key in content:
-        if key not in _KEYS:
-            raise InputError(f"{path}: unknown key '{key}'; {nearest(str(key), _KEYS)}")
-    return content
+    content, _ = read_yaml(path, "give a model file, or a name in config/models")
+    return dict(Checker(path).mapping(content, "", _KEYS))
 
 
 def _merged(below: Mapping, above: Mapping) -> dict:
@@ -111,81 +106,51 @@ def _merged(below: Mapping, above: Mapping) -> dict:
     return result
 
 
-def _section(path: Path, content: Mapping, key: str) -> Mapping:
-    section = content.get(key)
-    if not isinstance(section, Mapping):
-        raise InputError(
-            f"{path}: {key}: missing or no mapping; give this section (see config/models/polito_bench.yaml)"
-        )
-    return section
-
-
 def _model(path: Path, content: Mapping) -> Model:
-    if content.get("version") != VERSION:
-        raise InputError(f"{path}: version: {content.get('version')!r} is not known; this program reads {VERSION}")
+    check = Checker(path)
+    check.choice(content.get("version"), "version", (VERSION,))
     kinds: dict[str, str] = {}
     constants: dict[str, ConstantValue] = {}
     for part in PARTS:
-        section = _section(path, content, part)
         names = {c.name: c for c in CONSTANTS.values() if c.part == part}
         words = ("name",) if part == "machine" else (("kind",) if part in KINDS else ())
-        for name in section:
-            if name not in names and name not in words:
-                raise InputError(f"{path}: {part}: unknown key '{name}'; {nearest(str(name), (*names, *words))}")
+        section = check.mapping(content.get(part), part, (*words, *names))
         if part in KINDS:
-            kind = section.get("kind", KINDS[part][0])
-            if kind not in KINDS[part]:
-                raise InputError(f"{path}: {part}.kind: '{kind}' is not known; give one of {', '.join(KINDS[part])}")
-            kinds[part] = kind
+            kinds[part] = check.choice(section.get("kind", KINDS[part][0]), f"{part}.kind", KINDS[part])
         for name, constant in names.items():
             if section.get(name) is None:
                 if constant.optional:
                     continue
-                raise InputError(f"{path}: {part}.{name} is missing; give its value in {constant.unit}")
-            constants[constant.path] = _constant(path, constant.path, section[name])
-    name = content["machine"].get("name", path.stem)
-    return Model(path.stem, str(name), kinds, constants, _effects(path, content.get("effects")))
+                raise check.error(f"{part}.{name}", "is missing", f"give its value in {constant.unit}")
+            constants[constant.path] = _constant(check, constant, section[name])
+    name = check.text(content["machine"].get("name", path.stem), "machine.name")
+    effects = content.get("effects")
+    return Model(path.stem, name, kinds, constants, {} if effects is None else _effects(check, effects))
 
 
-def _constant(path: Path, place: str, entry: object) -> ConstantValue:
-    constant = CONSTANTS[place]
-    if not isinstance(entry, Mapping) or "value" not in entry:
-        raise InputError(f"{path}: {place}: give {{value: …, unit: {constant.unit}}}")
-    for key in entry:
-        if key not in ("value", "unit", "tolerance", "source"):
-            raise InputError(
-                f"{path}: {place}: unknown key '{key}'; {nearest(str(key), ('value', 'unit', 'tolerance', 'source'))}"
-            )
-    if str(entry.get("unit")) != constant.unit:
-        raise InputError(
-            f"{path}: {place}: unit '{entry.get('unit')}' but '{constant.unit}' is needed; convert the value"
-        )
-    value = check_range(entry["value"], constant.lower, constant.upper, constant.unit, f"{path}: {place}")
-    tolerance = check_range(entry.get("tolerance", 0.05), 0.0, 10.0, "(relative)", f"{path}: {place}.tolerance")
+def _constant(check: Checker, constant: Constant, content: object) -> ConstantValue:
+    place = constant.path
+    entry = check.mapping(content, place, ("value", "unit", "tolerance", "source"), required=("value", "unit"))
+    if str(entry["unit"]) != constant.unit:
+        raise check.error(place, f"unit '{entry['unit']}' but '{constant.unit}' is needed", "convert the value")
+    place = f"{check.path}: {place}"
+    value = check_range(entry["value"], constant.lower, constant.upper, constant.unit, place)
+    tolerance = check_range(entry.get("tolerance", 0.05), 0.0, 10.0, "(relative)", f"{place}.tolerance")
     return ConstantValue(value, tolerance, str(entry.get("source", "")))
 
 
-def _effects(path: Path, section: object) -> dict[str, EffectInstance]:
-    if section is None:
-        return {}
-    if not isinstance(section, Mapping):
-        raise InputError(f"{path}: effects: no mapping; give NAME: {{effect: ID, parameters: {{…}}}}")
+def _effects(check: Checker, content: object) -> dict[str, EffectInstance]:
     effects = {}
-    for name, entry in section.items():
-        place = f"{path}: effects.{name}"
-        if not isinstance(entry, Mapping):
-            raise InputError(f"{place}: give {{effect: ID, parameters: {{…}}}}")
-        keys = ("effect", "options", "parameters", "enabled")
-        for key in entry:
-            if key not in keys:
-                raise InputError(f"{place}: unknown key '{key}'; {nearest(str(key), keys)}")
-        effect = find_effect(str(entry.get("effect", name)), place)
-        if name != effect.id and not str(name).removeprefix(f"{effect.id}_").isdigit():
-            raise InputError(f"{place}: an instance of {effect.id} is named {effect.id}, {effect.id}_2, …; rename it")
-        instance = checked_instance(
-            effect, entry.get("parameters") or {}, entry.get("options") or {}, place, complete=True
-        )
-        effects[str(name)] = EffectInstance(
-            instance.effect, instance.options, instance.parameters, bool(entry.get("enabled", True))
-        )
+    for name, value in check.mapping(content, "effects").items():
+        place = f"effects.{name}"
+        entry = check.mapping(value, place, ("effect", "options", "parameters", "enabled"))
+        effect = find_effect(str(entry.get("effect", name)), f"{check.path}: {place}")
+        later = "(_([2-9]|[1-9][0-9]+))?" if effect.repeatable else ""
+        if not re.fullmatch(effect.id + later, str(name)):
+            names = f"is named {effect.id}, {effect.id}_2, …" if effect.repeatable else f"is there once, as {effect.id}"
+            raise check.error(place, f"an instance of {effect.id} {names}", "rename or remove this one")
+        given = {key: entry.get(key) for key in ("parameters", "options")}
+        parameters, options = ({} if v is None else check.mapping(v, f"{place}.{k}") for k, v in given.items())
+        instance = checked_instance(effect, parameters, options, f"{check.path}: {place}", complete=True)
+        effects[str(name)] = replace(instance, enabled=check.boolean(entry.get("enabled", True), f"{place}.enabled"))
     return effects

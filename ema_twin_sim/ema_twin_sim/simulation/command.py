@@ -23,6 +23,9 @@ FORMS = (
     "command, or a CSV file of time [s], value [rad]"
 )
 
+LARGEST = 1e6
+"""rad or rad/s of the slow shaft, and Hz or s of a shape: no command is larger."""
+
 
 @dataclass(frozen=True)
 class Command:
@@ -41,8 +44,15 @@ class Command:
         return re.sub(r"[^\w.+-]+", "_", Path(self.text).stem if self.text.endswith(".csv") else self.text)
 
     def __call__(self, time: np.ndarray) -> np.ndarray:
-        """Values (n,) at times [s] (n,)."""
-        return self.function(np.asarray(time, np.float64))
+        """Values (n,) at times [s] (n,). Raises InputError where one is larger than LARGEST."""
+        with np.errstate(all="ignore"):  # what overflows is refused
+            values = self.function(np.asarray(time, np.float64))
+        if not np.all(np.abs(values) <= LARGEST):
+            unit = "rad/s" if self.speed else "rad"
+            raise InputError(
+                f"command '{self.text}': grows beyond {LARGEST:g} {unit}; give a smaller one, or less time"
+            )
+        return values
 
 
 def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Command:
@@ -64,8 +74,10 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
         values = [float(number) for number in numbers]
     except ValueError:
         raise InputError(f"command '{text}': '{':'.join(numbers)}' is no number; give {FORMS}") from None
-    if not all(map(math.isfinite, values)) or (len(values) == 2 and values[1] <= 0.0):
-        raise InputError(f"command '{text}': numbers must be finite, frequency and half period positive; give {FORMS}")
+    if not all(abs(value) <= LARGEST for value in values) or (len(values) == 2 and values[1] <= 0.0):
+        raise InputError(
+            f"command '{text}': numbers must be up to {LARGEST:g}, frequency and half period positive; give {FORMS}"
+        )
     return Command(text, speed, _shape(shape, values, start, phase))
 
 
@@ -92,7 +104,7 @@ def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
     """Points of a file, time [s] and value [rad], a line each; between them the command goes straight."""
     points: list[tuple[float, float]] = []
     try:
-        lines = path.read_text("utf-8").splitlines()
+        lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: cannot be read as a command ({error}); give a text file of time,value lines"

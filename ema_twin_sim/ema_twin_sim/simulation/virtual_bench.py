@@ -29,7 +29,7 @@ def virtual_bench(
     It starts at rest, with the drive on, and is sampled with the model's trace period.
     """
     period = round(model.value("sensors.sample_period") * 1e9)
-    count = int(seconds * 1e9 / period + 1e-9) + 1
+    count = int(seconds * 1e9 / period + 1e-9) + 1 if math.isfinite(seconds) else 0
     if not 2 <= count <= 50_000_000:
         raise InputError(
             f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s"

@@ -14,7 +14,7 @@ from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import Comparison
-from ..comparison.running_comparison import UNITS
+from ..comparison.running_comparison import UNITS, excess_removed
 from ..model import Model
 from ..quantities import quantity
 from ..simulation.simulate import choose_input, simulate
@@ -65,8 +65,8 @@ def _table(comparisons: Sequence[Comparison]) -> str:
             continue
         floor, first, last = signal["noise_floor"], signal["rmse"], after.overall[name]["rmse"]
         unit = signal["unit"]
-        excess = first**2 - floor**2
-        removed = f"{100 * (first**2 - last**2) / excess:.1f} %" if excess > 0 else "–"
+        share = excess_removed(signal, after.overall[name])
+        removed = "–" if share is None else f"{100.0 * share:.1f} %"
         rows.append(
             f"<tr><td>{name.replace('_', ' ')}</td><td>{quantity(floor, unit)}</td>"
             f"<td>{quantity(first, unit)} ({first / floor:.1f}×)</td>"
@@ -101,7 +101,7 @@ def _curves(recording: Recording, twins: Sequence[Recording], names: Sequence[st
     for twin, label, colour in zip(twins, names, (_BEFORE, _AFTER), strict=False):
         torque = twin.signals.get("unexplained_torque")
         if torque is not None:
-            speed = recording.signals.get("speed", np.gradient(recording.signals["motor_position"], recording.time))
+            speed = _speed(recording, twin)
             figure.add_scatter(
                 x=speed[::every], y=1e3 * torque[::every], mode="markers", marker={"color": colour, "size": 3},
                 name=label, legendgroup=label, showlegend=False, row=rows, col=1,
@@ -111,3 +111,12 @@ def _curves(recording: Recording, twins: Sequence[Recording], names: Sequence[st
         figure.update_xaxes(matches="x", range=[0.0, min(_SHOWN, recording.duration)], row=row)
     figure.update_xaxes(title_text="time [s]", row=len(signals))
     return figure
+
+
+def _speed(recording: Recording, twin: Recording) -> np.ndarray:
+    """The bench's speed (n,) [rad/s]: measured, or of its counter; else the twin's."""
+    if recording.has("speed"):
+        return recording.signals["speed"]
+    if recording.has("motor_position"):
+        return np.gradient(recording.signals["motor_position"], recording.time)
+    return twin.signals["speed"]
