@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 
 def test_shapes():
@@ -36,12 +38,47 @@ def test_a_file_of_points(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["wobble:1", "ramp", "ramp:x", "ramp:1:2", "sine:0.02", "sine:0.02:0", "sine:0.02:-1", "ramp:nan", "nofile.csv"],
+    [
+        "wobble:1",
+        "ramp",
+        "ramp:x",
+        "ramp:1:2",
+        "sine:0.02",
+        "sine:0.02:0",
+        "sine:0.02:-1",
+        "ramp:nan",
+        "ramp:1e300",
+        "sine:1e308:1e308",
+        "sine:1:inf",
+        "nofile.csv",
+    ],
 )
 def test_what_is_no_command_is_refused_with_the_forms(text):
     with pytest.raises(InputError, match=r"ramp:RAD_PER_S|text file") as refused:
         parse_command(text)
     assert text in str(refused.value)
+
+
+def test_a_command_that_grows_too_large_is_refused(tmp_path):
+    assert parse_command("ramp:1e5")(np.array([0.0, 9.0])).max() == 9e5
+    with pytest.raises(InputError, match=r"'ramp:1e5': grows beyond 1e\+06 rad;"):
+        parse_command("ramp:1e5")(np.array([0.0, 11.0]))
+    path = tmp_path / "points.csv"
+    path.write_text("0,0\n1,1e300\n")
+    with pytest.raises(InputError, match=r"points\.csv': grows"):
+        parse_command(str(path))(np.array([0.5]))
+
+
+def test_a_byte_order_mark_hides_no_point(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("0,0\n1,0.1\n2,0.1\n", encoding="utf-8-sig")
+    assert parse_command(str(path))(np.array([0.5])) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("seconds", [float("nan"), float("inf"), -1.0])
+def test_durations_that_are_none(seconds):
+    with pytest.raises(InputError, match="--seconds"):
+        virtual_bench(load_model("polito_bench"), parse_command("ramp:0.05"), seconds)
 
 
 @pytest.mark.parametrize("lines", ["0,0\n", "0,0\n1,x\n", "0,0\n0,1\n", "1,0\n0,1\n", "0,0\n1,nan\n", "0,0\n1,2,3\n"])

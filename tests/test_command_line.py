@@ -1,7 +1,6 @@
 """The command line as its user meets it: every verb, its exit status, and one clear line for what is refused."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -84,7 +83,7 @@ def test_compare_takes_csv_mcap_folder_and_folder_of_folders_alike(tmp_path, imp
 
 def test_compare_prints_units_noise_floor_and_where_it_fails(traces):
     text = done("compare", *traces, "--model", "polito_bench").stdout
-    for word in ("noise floor", "mA", "rad", "N m", "Where the model fails", "direction", "order", "output position"):
+    for word in ("noise floor", "mA", "rad", "N m", "Where the model fails", "direction", "output position"):
         assert word in text
     assert "NaN" not in text and "nan" not in text
 
@@ -212,10 +211,148 @@ def test_outputs_that_exist_or_cannot_be_written(tmp_path, trace, imported):
     refused("export", trace, "-o", tmp_path / "model.yaml", naming=("model.yaml",))
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_folder_without_permission(tmp_path, trace):
-    (tmp_path / "locked").mkdir(mode=0o500)
-    refused("import", trace, "-o", tmp_path / "locked", naming=("locked",))
+def test_a_folder_that_cannot_be_made(tmp_path, trace):
+    (tmp_path / "file").write_text("kept")
+    refused("import", trace, "-o", tmp_path / "file" / "folder", naming=("file",))
+    assert (tmp_path / "file").read_text() == "kept"
+
+
+MODEL = ("--model", "polito_bench")
+
+
+@pytest.mark.parametrize("verb", ["compare", "live"])
+@pytest.mark.parametrize(
+    "cut", [("--from", "nan"), ("--from", "inf"), ("--from", "1e300"), ("--to", "-inf"), ("--from", "3", "--to", "2")]
+)
+def test_cuts_that_are_none(trace, verb, cut):
+    refused(verb, trace, *MODEL, *cut, naming=cut[::2])
+
+
+@pytest.mark.parametrize(
+    "option", [("--seconds", "nan"), ("--seconds", "inf"), ("--phase", "inf"), ("--offset", "nan")]
+)
+def test_numbers_that_are_none(tmp_path, option):
+    refused("simulate", *MODEL, "-c", "ramp:0.05", "-o", tmp_path / "x.mcap", *option, naming=option[:1])
+    refused("simulate", *MODEL, "-c", "ramp:1e300", "-o", tmp_path / "x.mcap", naming=("ramp:1e300",))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_rate_that_is_none(trace):
+    refused("live", trace, *MODEL, "--rate", "nan", naming=("--rate",))
+    refused("demo", "--rate", "nan", naming=("--rate",))
+
+
+def test_live_replaces_nothing_but_its_own(tmp_path, trace, imported):
+    """All are refused before a node starts: the mark is an input that the recording lacks."""
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    files = [folder / name for name in ("folder.mcap", "metadata.yaml", "other.mcap")]
+    for file in files:
+        file.write_text("precious")
+    live = ("live", trace, *MODEL, "--headless", "--force")
+    refused(*live, "--rrd", folder, naming=("folder", "--rrd"))
+    refused(*live, "--record", folder, naming=("other.mcap", "another folder"))
+    files.pop().unlink()
+    refused(*live[:-1], "--record", folder, naming=("--force",))
+    files[0].rename(folder / "some.mcap")
+    refused(*live, "--record", folder, naming=("metadata.yaml", "some.mcap"))
+    refused(*live, "--record", folder / "some.mcap", naming=("no folder",))
+    assert {file.read_text() for file in folder.iterdir()} == {"precious"}
+    bag = imported / trace.stem
+    before = (bag / f"{bag.name}.mcap").read_bytes()
+    for run in (bag, bag / f"{bag.name}.mcap"):
+        refused("live", run, *live[2:], "--record", bag, naming=("is an input",))
+        refused("live", run, *live[2:], "--rrd", bag / f"{bag.name}.mcap", naming=("is an input",))
+    assert (bag / f"{bag.name}.mcap").read_bytes() == before
+
+
+def test_live_records_over_its_own_bag(tmp_path, trace):
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    live = ("live", trace, *MODEL, "--headless", "--rate", "10", "--to", "1", "--record", folder)
+    done(*live)
+    refused(*live, naming=("--force",))
+    done(*live, "--force")
+    assert sorted(path.name for path in folder.iterdir()) == ["bag.mcap", "metadata.yaml"]
+    assert (folder / "bag.mcap").stat().st_size > 10_000
+
+
+def test_demo_leaves_folders_that_it_did_not_make(tmp_path):
+    (tmp_path / "live").mkdir()
+    (tmp_path / "better.yaml").write_text("mine")
+    refused("demo", "-o", tmp_path, naming=(str(tmp_path), "-o"))
+    assert (tmp_path / "live").is_dir() and (tmp_path / "better.yaml").read_text() == "mine"
+
+
+def test_demo_clears_its_own_folder(tmp_path):
+    from ema_twin_sim.commands.demo import _prepare
+
+    _prepare(tmp_path / "demo")
+    (tmp_path / "demo" / "live").mkdir()
+    (tmp_path / "demo" / "notes").touch()
+    _prepare(tmp_path / "demo")
+    assert {path.name for path in (tmp_path / "demo").iterdir()} == {".ema-twin-demo", "notes"}
+
+
+def test_json_replaces_no_input(tmp_path, trace):
+    run = shutil.copy(trace, tmp_path / "run.CSV")
+    model = tmp_path / "model.yaml"
+    done("add", "backlash", *MODEL, "-o", model)
+    link = tmp_path / "link.json"
+    link.symlink_to(run)
+    for output in (run, model, link):
+        for verb in ("compare", "live"):
+            refused(verb, run, "--model", model, "--json", output, naming=("is an input",))
+    assert run.read_bytes() == trace.read_bytes() and "backlash" in model.read_text()
+
+
+def test_json_on_the_standard_output(trace):
+    text = done("compare", trace, *MODEL, "--to", "1", "--json", "/dev/stdout").stdout
+    assert json.loads(text[text.index("\n{") :])["model"] == "polito_bench"
+
+
+def test_a_recording_given_twice_counts_once(tmp_path, imported, traces, trace):
+    again = (imported, imported / trace.stem, imported / trace.stem / f"{trace.stem}.mcap")
+    result = done("compare", *again, *MODEL, "--to", "1", "--json", tmp_path / "c.json")
+    assert len(json.loads((tmp_path / "c.json").read_text())["recordings"]) == len(traces)
+    assert result.stderr.count("warning:") == 1 and "more than once" in result.stderr
+
+
+def test_short_cuts(trace):
+    refused("compare", trace, *MODEL, "--to", "0", naming=(trace.name, "1 sample"))
+    text = done("compare", trace, *MODEL, "--to", "0.317").stdout
+    assert "too short" in text and "160 samples" in text
+    assert "Where the model fails" in done("compare", trace, *MODEL, "--to", "0.319").stdout
+
+
+def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, trace):
+    text = done("compare", trace, *MODEL, "--json", tmp_path / "c.json").stdout
+    where = json.loads((tmp_path / "c.json").read_text())["where"]
+    shares = [
+        int(line.split("%")[0].split()[-1]) for line in text.splitlines() if " % " in line and "power" not in line
+    ]
+    telling = [found for found in where if found["share"] >= 0.1]
+    assert len(shares) < len(where) and len(shares) >= len(telling) and max(shares) >= 10
+    assert sum(share < 10 for share in shares) <= len({found["signal"] for found in where})
+
+
+def test_under_the_current_what_drifts_is_left_out(tmp_path, trace):
+    text = done("compare", trace, *MODEL, "--input", "current", "--json", tmp_path / "c.json").stdout
+    assert "drift and are left out" in text and "unexplained torque" in text
+    assert "motor position" not in text.split("Where")[0] and "error of the speed" not in text
+    assert "motor_position" in json.loads((tmp_path / "c.json").read_text())["overall"]
+
+
+def test_the_page_draws_a_bench_without_speed_and_motor_counter():
+    import numpy as np
+
+    from ema_bench_replay.recording import Recording
+    from ema_twin_sim.views.page import _curves
+
+    stamps = np.arange(50) * 2_000_000
+    bench = Recording("bench", stamps, {"current": np.ones(50)})
+    twin = Recording("twin", stamps, {n: np.zeros(50) for n in ("current", "speed", "unexplained_torque")})
+    assert len(_curves(bench, [twin], ["twin"]).data) == 4
 
 
 def test_damaged_but_readable_input_is_used_with_a_warning(tmp_path, trace, imported):

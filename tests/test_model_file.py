@@ -9,6 +9,7 @@ from ema_bench_replay.configuration import configuration_names, find_configurati
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.constants import CONSTANTS
+from ema_twin_sim.model.model_file import model_files
 
 
 @pytest.fixture
@@ -56,7 +57,7 @@ def test_an_unknown_name_offers_the_nearest():
 
 
 def test_a_missing_file_is_named():
-    with pytest.raises(InputError, match=r"nowhere.yaml: no such model"):
+    with pytest.raises(InputError, match=r"nowhere.yaml: cannot be read \(No such file.*config/models"):
         load_model(Path("nowhere.yaml"))
 
 
@@ -98,13 +99,65 @@ def test_unknown_sections_effects_parameters_options_and_kinds_are_refused(tmp_p
 
 
 def test_text_that_is_no_model_is_refused(tmp_path):
-    assert "not valid YAML" in refused(tmp_path, "a: [1, 2")
-    assert "holds no model" in refused(tmp_path, "just text")
+    assert "is no YAML" in refused(tmp_path, "a: [1, 2")
+    assert "no mapping" in refused(tmp_path, "just text")
     assert "leads back to itself" in refused(tmp_path, "base: spoilt.yaml")
 
 
 def test_yaml_cannot_make_objects(tmp_path):
-    refused(tmp_path, "version: !!python/object/apply:os.getcwd []")
+    made = tmp_path / "made"
+    refused(tmp_path, f"version: !!python/object/apply:os.mkdir ['{made}']")
+    assert not made.exists()
+
+
+def test_a_key_given_twice_is_refused_with_its_line(tmp_path):
+    assert "line 2: is no YAML: the key 'version' is there twice" in refused(tmp_path, "version: 1\nversion: 1\n")
+    text = "version: 1\neffects:\n  backlash: {}\n  'backlash': {}\n"
+    assert "line 4" in refused(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ({"enabled": "false"}, ["enabled", "'false' is neither true nor false"]),
+        ({"enabled": None}, ["enabled", "None"]),
+        ({"options": ["side"]}, ["viscous_friction.options", "no mapping"]),
+        ({"options": "motor"}, ["viscous_friction.options", "no mapping"]),
+        ({"parameters": 5}, ["viscous_friction.parameters", "no mapping"]),
+        ({"parameters": []}, ["viscous_friction.parameters", "no mapping"]),
+        ({"parameters": {"coefficient": "10^400"}}, ["viscous_friction.coefficient", "no number"]),
+    ],
+)
+def test_what_an_effect_holds_is_checked(tmp_path, content, entry, words):
+    content["effects"]["viscous_friction"].update(entry)
+    message = refused(tmp_path, content)
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize("name", ["backlash_2", "backlash_\u00b2", "viscous_friction_\u00b2", "viscous_friction_1"])
+def test_names_of_instances(tmp_path, content, name):
+    effect, parameter = ("backlash", "width") if "backlash" in name else ("viscous_friction", "coefficient")
+    content["effects"].setdefault("backlash", {"parameters": {"width": 0.001}})
+    content["effects"][name] = {"effect": effect, "parameters": {parameter: 0.001}}
+    assert f"effects.{name}: an instance of {effect}" in refused(tmp_path, content)
+
+
+def test_values_that_no_program_can_hold(tmp_path, content):
+    content["machine"]["gear_ratio"]["value"] = 10**400
+    assert "too large" in refused(tmp_path, content)
+    assert "deeply" in refused(tmp_path, "version: " + "[" * 5000 + "]" * 5000)
+    assert "version: True" in refused(tmp_path, "version: true")
+    assert "cannot be read" in refused(tmp_path, "version: 2024-99-99")
+    (tmp_path / "based.yaml").write_text('base: "spoilt\\0.yaml"')
+    with pytest.raises(InputError, match=r"spoilt\\x00\.yaml'?: cannot be read") as error:
+        load_model(tmp_path / "based.yaml")
+    assert "\n" not in str(error.value)
+
+
+def test_the_files_of_a_model():
+    own, base = model_files("polito_bench")
+    assert (own.name, base.name) == ("polito_bench.yaml", "politecnico.yaml")
 
 
 def test_an_existing_file_stays_unless_forced(tmp_path):

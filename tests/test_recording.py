@@ -1,11 +1,16 @@
 """The recording itself: frozen, checked, and cut."""
 
 import math
+import os
 import pickle
+import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import NO_DATE, SIGNALS, Recording
 
 
@@ -75,3 +80,50 @@ def test_a_cut_keeps_command_and_position_on_one_zero():
     assert part.signals["output_command"].tolist() == [0.5, 2.5, 5.5]
     assert part.output_angle_origin == 3.0 and part.stamps.tolist() == [0, 2_000_000, 8_000_000]
     assert recording.between() is recording and recording.between(0.0, 9.0) is recording
+
+
+def test_cuts_that_hold_nothing_are_refused():
+    for start, end in ((math.nan, None), (None, math.inf), (None, -math.inf), (1e300, None), (None, -1e300), (0.01, 0)):
+        with pytest.raises(InputError, match=r"run: .* it lasts from 0 s to 0\.012 s"):
+            a_recording().between(start, end)
+    assert len(a_recording().between(-1e300, 1e300)) == 5
+
+
+def test_an_output_is_written_through_a_link(tmp_path):
+    (tmp_path / "there").mkdir()
+    target, link = tmp_path / "there" / "target", tmp_path / "link"
+    target.write_text("old")
+    link.symlink_to(target)
+    with pytest.raises(InputError, match="exists already"), new_file(link):
+        pass
+    with new_file(link, force=True) as file:
+        file.write(b"new")
+    assert link.is_symlink() and target.read_text() == "new" and list(target.parent.iterdir()) == [target]
+
+
+def test_a_pipe_and_a_device_are_written_to_and_stay(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    read = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    with new_file(pipe) as file:
+        file.write(b"through")
+    reader.join(10)
+    assert read == [b"through"] and pipe.is_fifo()
+    device = tmp_path / "device"
+    device.symlink_to("/dev/null")
+    with new_file(device, force=True) as file:
+        file.write(b"gone")
+    assert device.is_symlink() and Path("/dev/null").is_char_device()
+
+
+def test_a_failed_write_leaves_what_was_there(tmp_path):
+    path = tmp_path / "file"
+    path.write_text("old")
+    with pytest.raises(RuntimeError), new_file(path, force=True) as file:
+        file.write(b"half")
+        raise RuntimeError
+    assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+    with pytest.raises(InputError, match="cannot be written"), new_file(tmp_path / ("x" * 300)):
+        pass

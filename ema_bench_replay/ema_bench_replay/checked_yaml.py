@@ -12,7 +12,6 @@ import yaml
 
 from ema_bench_replay.errors import InputError
 
-
 _LARGEST = 1 << 20  # bytes; the files that are written by hand have a few thousand
 
 
@@ -87,14 +86,14 @@ class Checker:
         self, value: Any, place: str, allowed: Iterable[str] | None = None, required: Iterable[str] = ()
     ) -> Mapping[str, Any]:
         """A mapping with no key but the allowed ones (None: any), and with all that are required."""
-        allowed, required = None if allowed is None else list(allowed), list(required)
+        known, required = list(allowed or ()), list(required)
         if not isinstance(value, dict):
-            wanted = ", ".join(required or allowed or ()) or "{NAME: VALUE}"
+            wanted = ", ".join(required or known) or "NAME: VALUE"
             raise self.error(place, "is no mapping of keys to values", f"give {wanted}")
         for key in value if allowed is not None else ():
-            if key not in allowed:
-                near = get_close_matches(str(key), allowed, n=1)
-                hint = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(allowed)}"
+            if key not in known:
+                near = get_close_matches(str(key), known, n=1)
+                hint = f"did you mean {near[0]!r}?" if near else f"use one of {', '.join(known)}"
                 raise self.error(place, f"unknown key {key!r}", hint)
         for key in required:
             if key not in value:

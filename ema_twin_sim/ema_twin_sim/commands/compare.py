@@ -67,7 +67,7 @@ def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
     console.print(_errors(comparisons))
     if comparisons[0].input == "current":
         console.print(
-            "The current drives the twin open loop: its speed and positions drift and are left out here (JSON has them)."
+            "The current drives the twin open loop: its speed and positions drift and are left out (JSON has them)."
         )
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
@@ -137,8 +137,12 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
         few = sum(recording.samples for recording in comparison.recordings) < TELLING
-        takes = f"{TELLING} samples or more" if few else "the current and the motor's position or speed"
-        console.print(f"\nAbove the sensors' noise{of}: {names}. Where cannot be told: that takes {takes}.")
+        why = (
+            f"this is too short to tell where, which takes {TELLING} samples"
+            if few
+            else "where cannot be told: that takes the current and the motor's position or speed"
+        )
+        console.print(f"\nAbove the sensors' noise{of}: {names}; {why}.", soft_wrap=True)
         return
     table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
     for column in ("error of", "against"):

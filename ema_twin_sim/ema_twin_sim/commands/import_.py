@@ -36,8 +36,11 @@ def run(
     from ema_bench_replay.traces.import_map import load_map
     from ema_bench_replay.traces.trace_csv import read_trace
 
+    from .inputs import refuse_inputs, write_json
+
     chosen = load_map(import_map)
     _check_files(files)
+    refuse_inputs(files, json)
     written = []
     begin = time.perf_counter()
     for file in tracked(files, "importing"):
@@ -68,8 +71,6 @@ def run(
     size = sum(file.stat().st_size for file in files)
     seconds = time.perf_counter() - begin
     console.print(f"{len(files)} file(s), {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
-    from .inputs import write_json
-
     write_json(json, {"imported": written})
 
 

@@ -42,7 +42,10 @@ def run(
     """Show what a recording holds (signals, gaps, where it came from) or what a model is made of."""
     from ema_bench_replay.configuration import configuration_names
 
+    from .inputs import refuse_inputs
+
     path = Path(what)
+    refuse_inputs([path], json)
     if path.suffix in (".yaml", ".yml") or (not path.exists() and what in configuration_names("models")):
         _show_model(what, json)
     else:

@@ -76,7 +76,7 @@ def input_files(runs: Sequence[Path], models: Sequence[str], import_map: str) ->
     files = [file for name in models for file in model_files(name)]
     files.append(find_configuration("maps", import_map))
     for recording in (recording for run in runs for recording in find_recordings(run)):
-        files += [recording, *(recording.iterdir() if recording.is_dir() else ())]
+        files += [recording, *recording.glob("*.mcap"), recording / "metadata.yaml"]
     return files
 
 

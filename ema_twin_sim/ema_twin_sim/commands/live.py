@@ -62,7 +62,8 @@ def run(
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
 
-    refuse_inputs(input_files([run] if run is not None else [], [model], import_map), json, rrd, record)
+    bag = None if record is None else record / f"{record.name}.mcap"
+    refuse_inputs(input_files([run] if run is not None else [], [model], import_map), json, rrd, record, bag)
     found = load_model(model)
     recording = None
     if run is not None:

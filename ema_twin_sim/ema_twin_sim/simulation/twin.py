@@ -114,11 +114,11 @@ class Twin:
         state["output_angle_origin"] = _known(output_angle_origin)
         # as if the motion before the first sample had been steady, for an encoder that answers late
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
-        state["encoder_memory"] = -speed * ages[::-1]
+        state["encoder_memory"] = -speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
         state["encoder_newest"] = ENCODER_MEMORY - 1
         # in plain Python: once a run, and compiling it would cost more than it saves
-        records = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
-        state["encoder_zero"] = shown.py_func(*records, 0.0, 0.0)
+        plant, moving = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
+        state["encoder_zero"] = shown.py_func(plant, moving, 0.0, ages[1])
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
         self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
