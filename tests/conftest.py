@@ -32,3 +32,20 @@ def bench_cases():
     if not folder.is_dir():
         pytest.skip(f"{folder} is absent: its labelled recordings are not part of the project")
     return folder
+
+
+@pytest.fixture(scope="session")
+def stock():
+    """The stock model; models are frozen, so all tests may share it."""
+    from ema_twin_sim.model import load_model
+
+    return load_model("polito_bench")
+
+
+@pytest.fixture(scope="session")
+def frictionless(stock):
+    """The machine without friction, its sensors ideal: what it shows is what it does."""
+    model = stock.without_effect("viscous_friction").without_effect("coulomb_friction")
+    for side in ("motor", "output"):
+        model = model.with_value(f"sensors.{side}_encoder_counts", 1e12)
+    return model.with_value("sensors.speed_smoothing", 0.0)

@@ -12,15 +12,9 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.noise import noise_floors
 from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
-from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 @pytest.fixture(scope="module")

@@ -5,26 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 CYCLE = 125_000  # ns, of the stock model's speed controller
 TORQUE_CONSTANT, SPEED_GAIN = 1.91, 0.2368
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
-
-
-@pytest.fixture(scope="module")
-def frictionless(stock):
-    model = stock.without_effect("viscous_friction").without_effect("coulomb_friction")
-    for side in ("motor", "output"):
-        model = model.with_value(f"sensors.{side}_encoder_counts", 1e12)
-    return model.with_value("sensors.speed_smoothing", 0.0)
 
 
 @pytest.fixture(scope="module")

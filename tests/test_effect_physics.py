@@ -8,7 +8,6 @@ import pytest
 from ema_bench_replay.load import load
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.operating_point import OperatingPoint
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
@@ -28,11 +27,6 @@ POINT = OperatingPoint(
     dry_level=0.11,
     viscous_coefficient=0.0255,
 )
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 @pytest.mark.parametrize(

@@ -31,11 +31,6 @@ def choices():
 
 
 @pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
-
-
-@pytest.fixture(scope="module")
 def recording(stock):
     return virtual_bench(stock, parse_command("sine:0.02:1"), 2.0, seed=None)
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.comparison.noise import noise_floors
-from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.transmission import end_stop_torque
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
@@ -15,11 +14,6 @@ from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 RATIO, TORQUE_CONSTANT, INERTIA = 124.0, 1.91, 7.7e-4 + 1.75e-6 + 1.0e-3
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 @pytest.fixture(scope="module")

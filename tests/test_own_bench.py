@@ -10,18 +10,12 @@ import pytest
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.noise import noise_floors
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 STARTED_BEFORE = ("thermal_friction", "spring_load", "presliding_friction", "backlash", "shaft_compliance")
 """Effects with a past (warmth, a relaxed spring, a bent bristle, a side of the gap) that a cut does not tell."""
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 def torque_noise(model, recording):

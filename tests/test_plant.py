@@ -6,27 +6,12 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.comparison.running_comparison import RunningComparison
-from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 MICROSECOND = 1_000
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
-
-
-@pytest.fixture(scope="module")
-def frictionless(stock):
-    """The machine without friction, its sensors ideal: what it shows is what it does."""
-    model = stock.without_effect("viscous_friction").without_effect("coulomb_friction")
-    for side in ("motor", "output"):
-        model = model.with_value(f"sensors.{side}_encoder_counts", 1e12)
-    return model.with_value("sensors.speed_smoothing", 0.0)
 
 
 def inertias(model):

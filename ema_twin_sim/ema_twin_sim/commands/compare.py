@@ -25,8 +25,6 @@ ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors
 
 AT_NOISE = 1.1
 """An RMSE up to this many noise floors counts as the sensors' noise."""
-TELLING = 160
-"""Samples from which on ``comparison.where`` looks for where a model fails."""
 OPEN_LOOP = ("speed", "motor_position", "output_position")
 """Signals that drift under the input ``current``, where nothing holds the twin's motion to the bench's."""
 
@@ -124,7 +122,7 @@ def _removed(before: SignalError, after: SignalError | None) -> str:
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
-    from ..comparison.where import WEAK
+    from ..comparison.where import FEWEST_SAMPLES, WEAK
 
     of = f" ({comparison.model})" if titled else ""
     overall = comparison.overall
@@ -136,9 +134,9 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        few = sum(recording.samples for recording in comparison.recordings) < TELLING
+        few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
         why = (
-            f"this is too short to tell where, which takes {TELLING} samples"
+            f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
             if few
             else "where cannot be told: that takes the current and the motor's position or speed"
         )

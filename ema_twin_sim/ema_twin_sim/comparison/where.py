@@ -20,6 +20,9 @@ _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usua
 _STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
 _NEARLY = 0.9  # of the best share: then the simpler variable is what the error depends on
 
+FEWEST_SAMPLES = 10 * _BINS
+"""With fewer samples there is no telling where a model fails."""
+
 WEAK = 0.1
 """A variable that explains less of an error than this is not what it depends on."""
 
@@ -120,7 +123,7 @@ def find_dependences(
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = np.concatenate([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
-    if len(residual) < 10 * _BINS or not np.any(residual):
+    if len(residual) < FEWEST_SAMPLES or not np.any(residual):
         return []
     speed = np.concatenate([stretch.speed for stretch in stretches])
     direction = np.where(np.abs(speed) < _STANDSTILL, 0.0, np.sign(speed))
