@@ -12,6 +12,7 @@ from launch_ros.actions import Node
 
 ARGUMENTS = {
     "model": ("polito_bench", "model of the machine: a shipped name or a YAML file"),
+    "effect_files": ("", "Python files with effects of your own, between commas; they are run"),
     "recording": ("", "recording to play: an MCAP, its folder, or a CSV trace; none: a bench that is running"),
     "map": ("siemens", "import map that names a CSV's columns"),
     "rate": ("1.0", "speed of playing, 1 is real time; 0 plays as fast as it goes"),
@@ -28,9 +29,11 @@ def nodes(context: LaunchContext) -> list[Node]:
     from_start = bool(given["recording"])
     standalone = given["input"] == "standalone"
     twin = {"model": given["model"], "input": given["input"], "from_start": from_start, "command": given["command"]}
+    if given["effect_files"]:
+        twin["effect_files"] = given["effect_files"].split(",")
     started = [Node(package="ema_twin_sim", executable="twin", parameters=[twin], output="screen")]
     if not standalone:
-        monitor = {name: twin[name] for name in ("model", "input", "from_start")}
+        monitor = {name: value for name, value in twin.items() if name != "command"}
         started.append(Node(package="ema_twin_sim", executable="monitor", parameters=[monitor], output="screen"))
     if given["record"]:
         record = {"output": given["record"]}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ema_twin_sim.comparison.compare import compare
     from ema_twin_sim.effects import catalogue
     from ema_twin_sim.model import load_model, save_model
+    from ema_twin_sim.own_effects import load_effect
     from ema_twin_sim.simulation.command import parse_command
     from ema_twin_sim.simulation.simulate import simulate
     from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -22,6 +23,7 @@ _HOMES = {
     "catalogue": "ema_twin_sim.effects",
     "compare": "ema_twin_sim.comparison.compare",
     "load": "ema_bench_replay.load",
+    "load_effect": "ema_twin_sim.own_effects",
     "load_model": "ema_twin_sim.model",
     "parse_command": "ema_twin_sim.simulation.command",
     "save_model": "ema_twin_sim.model",
@@ -33,6 +35,7 @@ __all__ = [
     "catalogue",
     "compare",
     "load",
+    "load_effect",
     "load_model",
     "parse_command",
     "save_model",

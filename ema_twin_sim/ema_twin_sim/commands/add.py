@@ -16,7 +16,9 @@ EXAMPLES = """Examples:
 
 ema-twin add backlash --set width=0.004 --model polito_bench -o better.yaml
 
-ema-twin add viscous_friction --set coefficient=0.01 --set side=output --model better.yaml -o best.yaml"""
+ema-twin add viscous_friction --set coefficient=0.01 --set side=output --model better.yaml -o best.yaml
+
+ema-twin add position_friction.py --set torque=0.1 --model polito_bench -o mine.yaml     (an effect of your own)"""
 
 
 def run(
@@ -27,13 +29,17 @@ def run(
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; what is not given takes its default."),
     ] = None,
+    with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:
     """Write a model with one more effect; parameters that are not given take the catalogue's typical values."""
     from ..effects import find_effect
     from ..model import load_model, save_model
+    from ..own_effects import load_effect, load_effects
 
-    found = find_effect(effect, "add")
+    load_effects(with_files or ())
+    own = effect.endswith(".py")
+    found = load_effect(effect) if own else find_effect(effect, "add")
     parameters: dict[str, object] = {}
     choices: dict[str, str] = {}
     for setting in set or []:
@@ -42,7 +48,7 @@ def run(
             raise InputError(f"--set {setting}: give NAME=VALUE, for example --set {found.parameters[0].name}=1")
         (choices if name in found.options else parameters)[name] = value
     before = load_model(model)
-    after = before.with_effect(effect, parameters, choices)  # type: ignore[arg-type]
+    after = before.with_effect(found.id, parameters, choices)  # type: ignore[arg-type]
     save_model(after, output, force=force)
     name = list(after.effects)[-1]
     instance = after.effects[name]
@@ -53,3 +59,5 @@ def run(
         console.print(f"  {parameter.name} = {instance.parameters[parameter.name]:g}{unit} ({given})")
     for option, choice in instance.options.items():
         console.print(f"  {option} = {choice}")
+    if own:
+        console.print(f"Whatever reads {output} needs the effect's file: --with {effect}", markup=False, soft_wrap=True)

@@ -21,7 +21,9 @@ EXAMPLES = """Examples:
 
 ema-twin compare bench/*.CSV --model polito_bench
 
-ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors.json"""
+ema-twin compare run.mcap --model polito_bench --model better.yaml --json errors.json
+
+ema-twin compare run.mcap --model mine.yaml --with position_friction.py"""
 
 AT_NOISE = 1.1
 """An RMSE up to this many noise floors counts as the sensors' noise."""
@@ -33,6 +35,7 @@ def run(
     runs: options.Runs,
     model: options.Models,
     input: options.Input = None,
+    with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
     start: options.From = None,
     end: options.To = None,
@@ -42,9 +45,11 @@ def run(
     """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
     from ..comparison.compare import compare
     from ..model import load_model
+    from ..own_effects import load_effects
     from .inputs import input_files, load_runs, refuse_inputs, write_json
 
-    refuse_inputs(input_files(runs, model, import_map), json)
+    refuse_inputs(input_files(runs, model, import_map, with_files), json)
+    load_effects(with_files or ())
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     comparisons = []

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from . import options
 from .output import console
 
+if TYPE_CHECKING:
+    from ..effects import Effect
+
 EXAMPLES = """Examples:
 
 ema-twin effects
 
-ema-twin effects backlash --json backlash.json"""
+ema-twin effects backlash --json backlash.json
+
+ema-twin effects --with position_friction.py position_friction"""
 
 
 def run(
@@ -22,22 +29,29 @@ def run(
         str | None,
         typer.Argument(metavar="ID", help="Show one effect in full.", autocompletion=options.effect_names),
     ] = None,
+    with_files: options.WithFiles = None,
     json: options.JsonFile = None,
 ) -> None:
     """List the catalogue of physical effects: equation, parameters with units and bounds, what they look like."""
     from ..effects import catalogue, find_effect
-    from .inputs import write_json
+    from .inputs import refuse_inputs, write_json
 
+    files = {}
+    if with_files:  # the compiler takes a while to load, and the catalogue alone does not need it
+        from ..own_effects import load_effect
+
+        refuse_inputs(with_files, json)
+        files = {load_effect(file).id: file for file in with_files}
     chosen = [find_effect(id, "effects")] if id else list(catalogue().values())
     if id:
-        _show_one(chosen[0])
+        _show_one(chosen[0], files.get(id, id))
     else:
         table = Table(pad_edge=False)
         for column in ("effect", "equation", "parameters", "what a residual shows"):
             table.add_column(column, overflow="fold")
         for effect in chosen:
             parameters = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
-            table.add_row(effect.id, effect.equation, parameters.replace("[", "\\["), effect.signature)
+            table.add_row(effect.id, *map(escape, (effect.equation, parameters, effect.signature)))
         console.print(table)
         console.print(
             "T torque, L dry friction level, b viscous coefficient, ω speed, θ angle: of the motor shaft; θ_o: output."
@@ -67,8 +81,9 @@ def run(
     write_json(json, contents[0] if id else contents)
 
 
-def _show_one(effect) -> None:
-    console.print(f"[bold]{effect.id}[/bold]: {effect.summary}\n")
+def _show_one(effect: Effect, name: str | Path) -> None:
+    """One effect in full; ``name`` is what ``add`` takes for it."""
+    console.print(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n")
     console.print(f"  equation   {effect.equation}", markup=False)
     console.print(f"  residual   {effect.signature}", markup=False)
     console.print(f"  source     {effect.source}\n", markup=False)
@@ -76,12 +91,14 @@ def _show_one(effect) -> None:
     for column in ("parameter", "unit", "default", "from", "to", "meaning"):
         table.add_column(column)
     for p in effect.parameters:
-        table.add_row(p.name, p.unit, f"{p.default:g}", f"{p.lower:g}", f"{p.upper:g}", p.description)
+        numbers = (f"{number:g}" for number in (p.default, p.lower, p.upper))
+        table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))
     console.print(table)
     for name, choices in effect.options.items():
         console.print(f"option {name}: {', '.join(choices)} (default {choices[0]})")
     if effect.parameters:
         first = effect.parameters[0]
         console.print(
-            f"\nema-twin add {effect.id} --set {first.name}={first.default:g} --model polito_bench -o better.yaml"
+            f"\nema-twin add {name} --set {first.name}={first.default:g} --model polito_bench -o better.yaml",
+            soft_wrap=True,
         )

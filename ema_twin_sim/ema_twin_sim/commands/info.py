@@ -36,6 +36,7 @@ SIGNAL_UNITS = {
 
 def run(
     what: Annotated[str, typer.Argument(metavar="RUN|MODEL", help="A recording, a model file or a model's name.")],
+    with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
     json: options.JsonFile = None,
 ) -> None:
@@ -45,9 +46,9 @@ def run(
     from .inputs import refuse_inputs
 
     path = Path(what)
-    refuse_inputs([path], json)
+    refuse_inputs([path, *(with_files or ())], json)
     if path.suffix in (".yaml", ".yml") or (not path.exists() and what in configuration_names("models")):
-        _show_model(what, json)
+        _show_model(what, with_files or [], json)
     else:
         _show_recording(path, import_map, json)
 
@@ -84,11 +85,13 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
     write_json(json, contents[0] if len(contents) == 1 else contents)
 
 
-def _show_model(name: str, json: Path | None) -> None:
+def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
     from ..model import load_model
     from ..model.constants import CONSTANTS
+    from ..own_effects import load_effects
     from .inputs import write_json
 
+    load_effects(with_files)
     model = load_model(name)
     console.print(
         f"[bold]{model.name}[/bold]: machine {model.machine}; {', '.join(map(' '.join, model.kinds.items()))}"

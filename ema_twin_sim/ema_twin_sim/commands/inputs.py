@@ -67,14 +67,16 @@ def _each_once(files: Sequence[Path]) -> list[Path]:
     return list(found.values())
 
 
-def input_files(runs: Sequence[Path], models: Sequence[str], import_map: str) -> list[Path]:
+def input_files(
+    runs: Sequence[Path], models: Sequence[str], import_map: str, with_files: Sequence[Path] | None = None
+) -> list[Path]:
     """The files that are read for these arguments, as far as they exist."""
     from ema_bench_replay.configuration import find_configuration
 
     from ..model.model_file import model_files
 
     files = [file for name in models for file in model_files(name)]
-    files.append(find_configuration("maps", import_map))
+    files += [find_configuration("maps", import_map), *(with_files or ())]
     for recording in (recording for run in runs for recording in find_recordings(run)):
         files += [recording, *recording.glob("*.mcap"), recording / "metadata.yaml"]
     return files

@@ -44,6 +44,7 @@ def run(
     record: Annotated[
         Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
     ] = None,
+    with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
     start: options.From = None,
     end: options.To = None,
@@ -59,11 +60,14 @@ def run(
     from ..comparison.noise import noise_floors
     from ..model import load_model
     from ..nodes.live import run_live
+    from ..own_effects import load_effects
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
 
     bag = None if record is None else record / f"{record.name}.mcap"
-    refuse_inputs(input_files([run] if run is not None else [], [model], import_map), json, rrd, record, bag)
+    inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
+    refuse_inputs(inputs, json, rrd, record, bag)
+    load_effects(with_files or ())
     found = load_model(model)
     recording = None
     if run is not None:

@@ -48,7 +48,18 @@ ModelName = Annotated[
     str, typer.Option("--model", "-m", help="Model file, or a name in config/models.", autocompletion=_model_names)
 ]
 EffectName = Annotated[
-    str, typer.Argument(metavar="EFFECT", help="An effect of the catalogue.", autocompletion=effect_names)
+    str,
+    typer.Argument(
+        metavar="EFFECT",
+        help="An effect of the catalogue, or the Python file of one of your own.",
+        autocompletion=effect_names,
+    ),
+]
+WithFiles = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--with", metavar="FILE.py", help="A Python file with an effect of your own. It is run. May be repeated."
+    ),
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[

@@ -21,11 +21,14 @@ def run(
     effect: Annotated[str, typer.Argument(metavar="EFFECT", help="An effect's id (all its instances), or ID_2 (one).")],
     model: options.ModelName,
     output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:
     """Write a model without an effect."""
     from ..model import load_model, save_model
+    from ..own_effects import load_effects
 
+    load_effects(with_files or ())
     before = load_model(model)
     after = before.without_effect(effect)
     save_model(after, output, force=force)

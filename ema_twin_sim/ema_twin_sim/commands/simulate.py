@@ -36,6 +36,7 @@ def run(
     phase: Annotated[
         float, typer.Option(callback=options.finite, help="Phase that a periodic command begins with, in rad.")
     ] = 0.0,
+    with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:
     """Run the virtual bench: the model driven by a command, through the bench's sensors, into a recording."""
@@ -46,12 +47,14 @@ def run(
     from ema_bench_replay.traces.trace_writer import write_trace
 
     from ..model import load_model
+    from ..own_effects import load_effects
     from ..simulation.command import parse_command
     from ..simulation.virtual_bench import virtual_bench
 
     if output.suffix.lower() not in (".mcap", ".csv"):
         raise InputError(f"{output}: unknown kind of recording '{output.suffix}'; name it .mcap or .CSV")
     parsed = parse_command(command, start=start, phase=phase)
+    load_effects(with_files or ())
     recording = virtual_bench(load_model(model), parsed, seconds, seed=seed if noise else None)
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":

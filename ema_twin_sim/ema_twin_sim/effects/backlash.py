@@ -19,7 +19,18 @@ EFFECT = Effect(
     equation="no torque passes while |θ − ratio·θ_o| < ratio · width / 2",
     signature="output position error that jumps by the width at each reversal; current bursts as the teeth meet again",
     source="Nordin and Gutman 2002; thesis, script Main HF, dynamics.BLK",
-    parameters=(Parameter("width", "rad", 0.0023, 0.0, 1.0, "dead zone at the slow shaft"),),
+    parameters=(
+        Parameter(
+            "width",
+            "rad",
+            0.0023,
+            0.0,
+            1.0,
+            "dead zone at the slow shaft",
+            starts=(0.0002, 0.0007, 0.002, 0.005),
+            neutral=None,
+        ),
+    ),
     settle=settle,
     repeatable=False,
 )

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT
 
-__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "TORQUE", "Effect", "Parameter"]
+__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "TORQUE", "VISCOUS_COEFFICIENT", "Effect", "Parameter"]
 
 Values = Mapping[str, float]
 Options = Mapping[str, str]
@@ -19,7 +19,10 @@ Options = Mapping[str, str]
 class Parameter:
     """One parameter of an effect.
 
-    ``default`` is a typical value of this class of machine, used where an effect is added with none given.
+    ``default`` is a typical value of this class of machine, used where an effect is added with none given. The search
+    for missing effects begins at each of ``starts`` (none: spread between the bounds); a ``periodic`` parameter is an
+    angle. An effect's first parameter is its size; ``neutral`` is the size at which it does nothing and from which it
+    grows in proportion (None: it has none, or does not grow in proportion, so that sizes too are tried from starts).
     """
 
     name: str
@@ -28,6 +31,9 @@ class Parameter:
     lower: float
     upper: float
     description: str
+    starts: tuple[float, ...] = ()
+    periodic: bool = False
+    neutral: float | None = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +43,9 @@ class Effect:
     It acts in one of two ways. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
     :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
     four, options that carry a number included last); the place where its value goes (``TORQUE`` on the motor,
-    ``DRY_LEVEL``, ``OUTPUT_TORQUE``) may depend on an option. ``settle(plant, parameters, options)`` instead changes
-    the plant's own constants once, for what does not depend on the operating point or has a place of its own there.
+    ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
+    options)`` instead changes the plant's own constants once, for what does not depend on the operating point or has a
+    place of its own there.
     """
 
     id: str

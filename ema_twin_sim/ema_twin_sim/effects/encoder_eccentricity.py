@@ -20,7 +20,7 @@ EFFECT = Effect(
     source="geometry of an eccentric disc",
     parameters=(
         Parameter("amplitude", "rad", 0.0005, 0.0, 0.1, "amplitude, slow shaft"),
-        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the encoder's zero"),
+        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the encoder's zero", periodic=True),
     ),
     settle=settle,
     repeatable=False,

@@ -8,7 +8,7 @@ from .effect import Effect, Parameter
 
 
 def settle(plant, parameters, options):
-    """Replace the motor side's dry friction by the bristle."""
+    """Replace dry friction by the bristle (on both sides of a transmission with play, shared as their levels)."""
     plant["bristle_stiffness"] = parameters["stiffness"]
     plant["bristle_damping"] = parameters["damping"]
 
@@ -20,8 +20,17 @@ EFFECT = Effect(
     signature="current error at reversals only: friction turns over a way instead of at once",
     source="Dahl 1968; Canudas de Wit, Olsson, Åström, Lischinsky 1995",
     parameters=(
-        Parameter("stiffness", "N m/rad", 2.0, 0.05, 1e4, "stiffness of the bristle, fast shaft"),
-        Parameter("damping", "N m s/rad", 0.01, 0.0, 10.0, "damping of the bristle, fast shaft"),
+        Parameter(
+            "stiffness",
+            "N m/rad",
+            2.0,
+            0.05,
+            1e4,
+            "stiffness of the bristle, fast shaft",
+            starts=(0.3, 1.0, 3.0, 10.0),
+            neutral=None,
+        ),
+        Parameter("damping", "N m s/rad", 0.01, 0.0, 10.0, "damping of the bristle, fast shaft", starts=(0.01,)),
     ),
     settle=settle,
     repeatable=False,

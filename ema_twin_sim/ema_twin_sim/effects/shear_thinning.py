@@ -4,13 +4,13 @@ The lubricant thins with the shear rate (Cross 1965), so friction bends down at 
 is taken for a negative quadratic drag or a negative Stribeck term.
 """
 
-from .effect import Effect, Parameter
+from .effect import VISCOUS_COEFFICIENT, Effect, Parameter
 
 
 def act(at, p):
-    """Torque [N m] at the motor's speed: what the thinned lubricant takes less."""
+    """Change of the viscous coefficient [N m s/rad] at the motor's speed."""
     size = abs(at.motor_speed)
-    return -p[0] * at.viscous_coefficient * at.motor_speed * size / (size + p[1])
+    return -p[0] * at.viscous_coefficient * size / (size + p[1])
 
 
 EFFECT = Effect(
@@ -21,7 +21,16 @@ EFFECT = Effect(
     source="Cross 1965",
     parameters=(
         Parameter("fraction", "1", 0.3, 0.0, 1.0, "share of the viscous friction lost at infinite speed"),
-        Parameter("speed", "rad/s", 10.0, 0.1, 1000.0, "speed at which half of that share is lost, fast shaft"),
+        Parameter(
+            "speed",
+            "rad/s",
+            10.0,
+            0.1,
+            1000.0,
+            "speed at which half of that share is lost, fast shaft",
+            starts=(1.0, 3.0, 10.0, 30.0),
+        ),
     ),
     act=act,
+    place=VISCOUS_COEFFICIENT,
 )

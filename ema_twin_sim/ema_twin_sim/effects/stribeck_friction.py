@@ -22,7 +22,15 @@ EFFECT = Effect(
     source="Bo and Pavelescu 1982; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, 100.0, "extra level at zero speed"),
-        Parameter("speed", "rad/s", 2.0, 0.01, 1000.0, "speed at which it has fallen to 1/e, fast shaft"),
+        Parameter(
+            "speed",
+            "rad/s",
+            2.0,
+            0.01,
+            1000.0,
+            "speed at which it has fallen to 1/e, fast shaft",
+            starts=(0.3, 0.6, 1.2, 2.5, 5.0),
+        ),
     ),
     act=act,
     place=DRY_LEVEL,

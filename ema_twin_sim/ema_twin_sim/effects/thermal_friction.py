@@ -5,12 +5,12 @@ The lubricant warms as the machine runs, and the model's viscous coefficient b [
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import VISCOUS_COEFFICIENT, Effect, Parameter
 
 
 def act(at, p):
-    """Torque [N m] at a time since the cold start: what the warm lubricant takes less."""
-    return -p[0] * at.viscous_coefficient * at.motor_speed * (1.0 - math.exp(-at.time / p[1]))
+    """Change of the viscous coefficient [N m s/rad] at a time since the cold start."""
+    return -p[0] * at.viscous_coefficient * (1.0 - math.exp(-at.time / p[1]))
 
 
 EFFECT = Effect(
@@ -21,7 +21,10 @@ EFFECT = Effect(
     source="first-order warming; Bittencourt and Axelsson 2014 for its size in gearboxes",
     parameters=(
         Parameter("fraction", "1", 0.25, 0.0, 1.0, "share of the viscous friction lost when warm"),
-        Parameter("time_constant", "s", 12.0, 1.0, 10000.0, "time constant of the warming"),
+        Parameter(
+            "time_constant", "s", 12.0, 1.0, 10000.0, "time constant of the warming", starts=(2.0, 5.0, 12.0, 30.0)
+        ),
     ),
     act=act,
+    place=VISCOUS_COEFFICIENT,
 )

@@ -27,7 +27,15 @@ EFFECT = Effect(
     source="pass orders from the gearbox's kinematics (63/21 sun and fixed ring, 62/20 output ring)",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, 100.0, "height of the pulse, fast shaft"),
-        Parameter("position", "rad", 0.0, -6.284, 6.284, "where in a pass the pulse is, at the counter's zero"),
+        Parameter(
+            "position",
+            "rad",
+            0.0,
+            -6.284,
+            6.284,
+            "where in a pass the pulse is, at the counter's zero",
+            starts=tuple(2.0 * math.pi * k / 32 for k in range(32)),
+        ),
     ),
     options={"order": ("1", "2.25", "0.75", "0.7258"), "kind": ("dissipative", "conservative")},
     option_value=lambda options: float(options["order"]),

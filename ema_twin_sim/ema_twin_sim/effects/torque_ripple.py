@@ -23,7 +23,7 @@ EFFECT = Effect(
     source="Holtz and Springob 1996",
     parameters=(
         Parameter("fraction", "1", 0.05, 0.0, 1.0, "amplitude over the mean torque"),
-        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero"),
+        Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     act=act,
 )

@@ -20,6 +20,7 @@ from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..comparison.running_comparison import DRIVEN, RunningComparison
 from ..model import Model, load_model
+from ..own_effects import load_effects
 from .follower import input_for
 from .pairing import Pairing
 from .verdict import Level, judge
@@ -27,6 +28,7 @@ from .warm_up import warm_up_comparison
 
 PARAMETERS = (
     Declaration("model", "polito_bench", "model of the machine, for the sensors' noise: a shipped name or a YAML file"),
+    Declaration("effect_files", (), "Python files with effects of your own, which are run: see the twin's parameter"),
     Declaration(
         "input", "auto", "what drives the twin: see the twin's parameter", choices=("auto", "setpoint", "current")
     ),
@@ -70,6 +72,7 @@ class MonitorNode(Node):
         super().__init__("monitor", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
+        load_effects(given["effect_files"])
         self.model = model or load_model(given["model"])
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}

@@ -13,6 +13,7 @@ from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unkno
 from ema_bench_replay.nodes.spin import run
 
 from ..model import Model, load_model
+from ..own_effects import load_effects
 from ..simulation.command import FORMS, parse_command
 from .beside_bench import BesideBench
 from .model_parameters import ModelParameters
@@ -21,6 +22,7 @@ from .twin_output import TwinOutput
 
 PARAMETERS = (
     Declaration("model", "polito_bench", "model of the machine: a shipped name or a YAML file"),
+    Declaration("effect_files", (), "Python files with effects of your own, which are run; models may hold them"),
     Declaration(
         "input",
         "auto",
@@ -48,6 +50,7 @@ class TwinNode(Node):
         """Run `model`, or the one that the parameter names. Raises InputError where a parameter is wrong."""
         super().__init__("twin", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
+        load_effects(given["effect_files"])
         model = model or load_model(given["model"])
         self._output = TwinOutput(self)
         self.mode: BesideBench | OwnClock

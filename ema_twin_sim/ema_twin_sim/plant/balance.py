@@ -21,7 +21,7 @@ from numba import njit
 from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
-from .friction import bristle_step, directed, held_by_dry_friction
+from .friction import bristle_share, bristle_step, directed, held_by_dry_friction
 from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
 from .operating_point import OperatingPoint
 from .transmission import end_stop_torque
@@ -154,7 +154,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         total_dry,
         plant.motor_viscous + plant.output_viscous,
     )
-    torque, dry, load = evaluate(effects, at)
+    torque, dry, load, thinned = evaluate(effects, at)
     if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
         stop = state.output_angle_origin * ratio
         load += end_stop_torque(
@@ -185,12 +185,18 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         driving = counter_torque(state, driving, interval)
     if plant.asymmetry != 0.0:
         factor = directed(plant.asymmetry, sharp, driving - passed)
-        passed += plant.asymmetry * viscous * math.fabs(sharp)
+        passed += plant.asymmetry * (viscous + thinned) * math.fabs(sharp)
         dry *= factor
         break_away *= factor
     if plant.bristle_stiffness > 0.0:
+        share = 1.0 if plant.two_inertia == 0.0 else bristle_share(plant)
         state.driven_bristle, bent = bristle_step(
-            state.driven_bristle, sharp, dry, plant.bristle_stiffness, plant.bristle_damping, interval
+            state.driven_bristle,
+            sharp,
+            dry,
+            plant.bristle_stiffness * share,
+            plant.bristle_damping * share,
+            interval,
         )
         passed += bent
         dry = break_away = 0.0

@@ -12,7 +12,7 @@ import math
 from numba import njit
 
 from .drive import lag_gain
-from .friction import directed
+from .friction import bristle_share, bristle_step, directed
 from .transmission import contact_torque, response, shaft_speed
 
 RESOLVED = 2.0 * math.pi * 80.0  # rad/s, the fastest contact that samples of some milliseconds resolve
@@ -48,6 +48,9 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
     gain, drag = response(h, plant.output_inertia, plant.output_viscous)
     compliance = 0.5 * h / plant.output_inertia
     passed = 0.0
+    bristled = plant.bristle_stiffness > 0.0
+    share = 1.0 - bristle_share(plant)
+    bristle = state.driven_output_bristle
     for k in range(steps):
         motor_speed = start + (speed - start) * ((k + 0.5) / steps)
         torque = contact_torque(
@@ -62,11 +65,19 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
         output_angle += 0.5 * h * output_speed
         factor = directed(plant.asymmetry, output_speed, torque - output_torque)
         load = output_torque + plant.asymmetry * plant.output_viscous * math.fabs(output_speed)
+        dry = plant.output_dry * factor
+        held = plant.output_break_away * factor
+        if bristled:
+            bristle, bent = bristle_step(
+                bristle, output_speed, dry, plant.bristle_stiffness * share, plant.bristle_damping * share, h
+            )
+            load += bent
+            dry = held = 0.0
         output_speed = shaft_speed(
             output_speed,
             torque - load,
-            plant.output_dry * factor,
-            plant.output_break_away * factor,
+            dry,
+            held,
             gain,
             drag,
         )
@@ -77,4 +88,5 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
     state.driven_motor_speed = speed
     state.driven_output_angle = output_angle
     state.driven_output_speed = output_speed
+    state.driven_output_bristle = bristle
     return passed / steps

@@ -2,17 +2,20 @@
 
 from numba import njit
 
-from .layout import DRY_LEVEL, OUTPUT_TORQUE
+from .layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
 from .operating_point import OperatingPoint, call_effect
 
 
 @njit(error_model="numpy")
 def evaluate(effects, at):
-    """(torque on the motor, dry level, torque on the output) [N m] of the effects at an operating point."""
+    """What the effects do at an operating point: torque on the motor, dry level, torque on the output [N m], and change
+    of the viscous coefficient [N m s/rad]. The change's own torque is in the first.
+    """
     addresses, places, p = effects
     torque = 0.0
     dry = at.dry_level
     output_torque = 0.0
+    viscous = 0.0
     for k in range(addresses.shape[0]):
         point = OperatingPoint(
             at.time,
@@ -33,6 +36,9 @@ def evaluate(effects, at):
             dry += value
         elif places[k] == OUTPUT_TORQUE:
             output_torque += value
+        elif places[k] == VISCOUS_COEFFICIENT:
+            viscous += value
+            torque += value * at.motor_speed
         else:
             torque += value
-    return torque, (dry if dry > 0.0 else 0.0), output_torque
+    return torque, (0.0 if dry < 0.0 else dry), output_torque, viscous

@@ -19,7 +19,7 @@ def after_dry_friction(free_speed, speed, sliding, break_away):
         return free_speed - sliding
     if free_speed < -limit:
         return free_speed + sliding
-    return 0.0
+    return free_speed - free_speed  # 0; of a NaN, NaN: friction must not make a standstill of a mistake
 
 
 @njit(error_model="numpy")
@@ -27,6 +27,17 @@ def directed(asymmetry, speed, torque):
     """What friction is multiplied by: 1 + asymmetry forward, 1 - asymmetry backward; at rest, the way it is pushed."""
     forward = speed > 0.0 or (speed == 0.0 and torque > 0.0)
     return 1.0 + asymmetry if forward else 1.0 - asymmetry
+
+
+@njit(error_model="numpy")
+def bristle_share(plant):
+    """Share of the bristle that stands on the motor's side where the transmission is not rigid.
+
+    Bristles share out as the dry levels do: then they all give way over the same travel, and a rigid transmission is
+    the limit of a stiff one.
+    """
+    total = plant.motor_dry + plant.output_dry
+    return plant.motor_dry / total if total > 0.0 else 1.0
 
 
 @njit(error_model="numpy")

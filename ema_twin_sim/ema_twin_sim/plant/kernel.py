@@ -12,7 +12,7 @@ from numba import boolean, float64, from_dtype, int64, njit, types, void
 from .balance import unexplained_torque
 from .drive import lag_gain, limited, quadrature_voltage, speed_controller
 from .evaluate import evaluate
-from .friction import bristle_step, directed
+from .friction import bristle_share, bristle_step, directed
 from .layout import (
     BENCH,
     COMMAND_IN,
@@ -76,11 +76,12 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     base_break_away = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
     asymmetry = plant.asymmetry
     bristled = plant.bristle_stiffness > 0.0
+    motor_share = 1.0 if rigid else bristle_share(plant)
     # effects see the model's whole dry level; what they change of it is the motor side's
     total_dry = plant.motor_dry + plant.output_dry
     elsewhere = total_dry - base_dry
     acting = effects[0].shape[0] > 0
-    torque = output_torque = 0.0
+    torque = output_torque = thinned = 0.0
     dry = base_dry
     break_away = base_break_away
 
@@ -96,6 +97,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     smoothed = state.smoothed_speed
     phase = state.control_phase
     bristle = state.bristle
+    output_bristle = state.output_bristle
     acceleration = state.acceleration
     transmitted = state.transmitted_torque
     motor_origin = state.motor_angle_origin
@@ -184,9 +186,9 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     total_dry,
                     viscous_total,
                 )
-                torque, dry, output_torque = evaluate(effects, at)
+                torque, dry, output_torque, thinned = evaluate(effects, at)
                 dry -= elsewhere
-                dry = dry if dry > 0.0 else 0.0
+                dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
                 break_away = base_break_away + (dry - base_dry)
                 break_away = break_away if break_away > 0.0 else 0.0
             load = output_torque
@@ -201,7 +203,7 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                 factor = directed(asymmetry, speed, net - (load if rigid else transmitted))
                 dry_now *= factor
                 held *= factor
-                net -= asymmetry * viscous * math.fabs(speed)
+                net -= asymmetry * (viscous + thinned) * math.fabs(speed)
                 load_factor = directed(asymmetry, output_speed, transmitted - load)
                 load_dry *= load_factor
                 load_held *= load_factor
@@ -209,10 +211,26 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
                     load += asymmetry * output_viscous * math.fabs(output_speed)
             if bristled:
                 bristle, bristle_torque = bristle_step(
-                    bristle, speed, dry_now, plant.bristle_stiffness, plant.bristle_damping, h
+                    bristle,
+                    speed,
+                    dry_now,
+                    plant.bristle_stiffness * motor_share,
+                    plant.bristle_damping * motor_share,
+                    h,
                 )
                 net -= bristle_torque
                 dry_now = held = 0.0
+                if not rigid:
+                    output_bristle, bristle_torque = bristle_step(
+                        output_bristle,
+                        output_speed,
+                        load_dry,
+                        plant.bristle_stiffness * (1.0 - motor_share),
+                        plant.bristle_damping * (1.0 - motor_share),
+                        h,
+                    )
+                    load += bristle_torque
+                    load_dry = load_held = 0.0
             before = speed
             if rigid:
                 speed = shaft_speed(speed, net - load, dry_now, held, motor_gain, motor_drag)
@@ -271,5 +289,6 @@ def advance(plants, states, effects, source, stamps, bench, twin, step, record):
     state.smoothed_speed = smoothed
     state.control_phase = phase
     state.bristle = bristle
+    state.output_bristle = output_bristle
     state.acceleration = acceleration
     state.transmitted_torque = transmitted

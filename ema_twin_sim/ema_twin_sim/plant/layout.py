@@ -76,6 +76,7 @@ STATE = np.dtype(
         ("acceleration", "f8"),  # rad/s2
         ("transmitted_torque", "f8"),  # N m
         ("bristle", "f8"),  # rad, how far the bristle of presliding friction is bent
+        ("output_bristle", "f8"),  # rad of the fast shaft, the same on the output's side
         ("encoder_memory", "f8", (ENCODER_MEMORY,)),  # rad of the fast shaft, the output at past control cycles
         ("encoder_zero", "f8"),  # rad of the slow shaft, what the encoder showed at the first sample
         ("encoder_newest", "i8"),  # where in it the newest is
@@ -96,6 +97,7 @@ STATE = np.dtype(
         ("driven_output_speed", "f8"),
         ("driven_ready", "f8"),
         ("driven_bristle", "f8"),  # rad, the bristle under the measured motion
+        ("driven_output_bristle", "f8"),
     ],
     align=True,
 )
@@ -123,5 +125,6 @@ TWIN = (
 )
 """Columns of a twin sample that the kernel writes: the same signals as a bench's, through the same sensors."""
 
-TORQUE, DRY_LEVEL, OUTPUT_TORQUE = range(3)
-"""Where an effect's value goes: a torque on the motor, a dry friction level on the motor, a torque on the output."""
+TORQUE, DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT = range(4)
+"""Where an effect's value goes: a torque on the motor, a dry friction level on the motor, a torque on the output, a
+viscous coefficient of the motor (levels and coefficients are made up before asymmetry scales all friction)."""

@@ -9,8 +9,10 @@ functions costs 40 us per function to unbox.
 
 from __future__ import annotations
 
+import math
 from collections import namedtuple
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 from numba import njit, types
@@ -42,28 +44,35 @@ _PARAMETERS = types.UniTuple(types.float64, PARAMETER_SLOTS)
 SIGNATURE = types.float64(_POINT, _PARAMETERS)
 
 
-def compile_effect(act: Callable[..., float], *, cache: bool) -> int:
-    """Compile ``act(at, p)`` to machine code and return its address (valid as long as the process lives)."""
-    compiled = njit(SIGNATURE, cache=cache, error_model="numpy")(act)
-    result: Any = compiled.overloads[SIGNATURE.args]
-    _KEEP_ALIVE.append(compiled)
+@cache
+def compiled_effect(act: Callable[..., float], *, on_disk: bool) -> Any:
+    """``act(at, p)`` in machine code, to be called from Python too; kept as long as the process lives.
+
+    ``on_disk`` lets the next process find it: only for what cannot change unnoticed.
+    """
+    return njit(SIGNATURE, cache=on_disk, error_model="numpy")(act)
+
+
+def compile_effect(act: Callable[..., float], *, on_disk: bool) -> int:
+    """The address of ``act(at, p)`` in machine code (valid as long as the process lives)."""
+    result = compiled_effect(act, on_disk=on_disk).overloads[SIGNATURE.args]
     return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
-
-
-_KEEP_ALIVE: list[object] = []  # an address must not outlive its code
 
 
 @intrinsic
 def call_effect(typing_context, address, at, parameters):
-    """Call the compiled effect at ``address`` with an operating point and four parameters."""
+    """Call the compiled effect at ``address`` with an operating point and four parameters.
+
+    An effect that raises has no value: it counts as NaN, which ends the run with words.
+    """
 
     def generate(context, builder, signature, arguments):
         address, at, parameters = arguments
         function_type = context.call_conv.get_function_type(types.float64, SIGNATURE.args)
         pointer = builder.inttoptr(address, function_type.as_pointer())
-        _status, value = context.call_conv.call_function(
+        status, value = context.call_conv.call_function(
             builder, pointer, types.float64, SIGNATURE.args, (at, parameters)
         )
-        return value
+        return builder.select(status.is_ok, value, context.get_constant(types.float64, math.nan))
 
     return types.float64(types.int64, _POINT, _PARAMETERS), generate

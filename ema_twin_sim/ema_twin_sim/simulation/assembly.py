@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..effects import Effect, catalogue
+from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..plant.layout import DRY_LEVEL, ENCODER_MEMORY, PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
@@ -52,7 +53,7 @@ class Assembly:
 
 
 def assemble(model: Model) -> Assembly:
-    """Build the kernel's arguments; effects compile on first use (milliseconds) and are cached on disk."""
+    """Build the kernel's arguments; effects compile on first use (milliseconds); the package's are kept on disk."""
     plant = np.zeros(1, PLANT)
     record = plant[0]
     for path in _SAME_NAME:
@@ -121,4 +122,4 @@ def _slots(effect: Effect, instance: EffectInstance) -> list[float]:
 @cache
 def _address(effect: Effect) -> int:
     assert effect.act is not None  # only effects that act have an address
-    return compile_effect(effect.act, cache=True)
+    return compile_effect(effect.act, on_disk=not is_own(effect))

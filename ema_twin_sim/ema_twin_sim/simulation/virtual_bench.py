@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
+from .simulate import refuse_infinite
 from .twin import DEFAULT_STEP, Twin
 
 
@@ -42,6 +43,7 @@ def virtual_bench(
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
     twin.start({column: bench[0, BENCH.index(column)]}, 0.0, 0.0)
     rows = twin.follow(stamps, bench)
+    refuse_infinite(rows, stamps * 1e-9, f"model {model.name}: on the virtual bench")
     signals = {
         n: rows[:, k] for k, n in enumerate(TWIN) if n not in ("motor_torque", "load_torque", "unexplained_torque")
     }

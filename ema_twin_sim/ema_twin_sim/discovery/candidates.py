@@ -1,0 +1,65 @@
+"""What could be missing: every effect of the catalogue under each of its options, and where its search begins."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from ..effects import Effect, Parameter, catalogue
+from .hypothesis import Hypothesis
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect under one choice of its options."""
+
+    effect: str
+    options: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """The effect and its options in one word."""
+        chosen = ",".join(f"{k}={v}" for k, v in self.options.items())
+        return f"{self.effect}({chosen})" if chosen else self.effect
+
+
+def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Candidate]:
+    """The effects that may be added to a hypothesis."""
+    found = []
+    held = [*h.base.effects.values(), *h.added.values()]
+    for id, effect in catalogue().items():
+        if id in without or (not effect.repeatable and any(i.effect == id for i in held)):
+            continue
+        names = list(effect.options)
+        for choice in itertools.product(*effect.options.values()):
+            options = dict(zip(names, choice, strict=True))
+            same = [i for i in held if i.effect == id]
+            if any(dict(i.options) == options for i in h.added.values() if i.effect == id):
+                continue
+            if "side" in options and options["side"] != "motor":
+                continue  # a rigid train does not tell the sides apart
+            if same and id in {i.effect for i in h.added.values()} and not effect.options:
+                continue
+            found.append(Candidate(id, options))
+    return found
+
+
+def starts(effect: Effect) -> Iterator[dict[str, float]]:
+    """The shapes from which the search of an effect begins: all parameters but a size that grows in proportion."""
+    size = effect.parameters[0]
+    shapes = [p for p in effect.parameters if p is not size or p.neutral is None]
+    for choice in itertools.product(*(_values(p) for p in shapes)):
+        yield dict(zip((p.name for p in shapes), choice, strict=True))
+
+
+def _values(p: Parameter) -> tuple[float, ...]:
+    if p.starts:
+        return p.starts
+    if p.periodic:
+        return (0.0, 0.5 * math.pi)
+    if p.lower > 0.0 and p.upper / p.lower > 100.0:
+        ratio = (p.upper / p.lower) ** (1.0 / 7.0)
+        return tuple(p.lower * ratio**k for k in range(1, 7))
+    return tuple(p.lower + (p.upper - p.lower) * share for share in (0.1, 0.3, 0.5, 0.7, 0.9))

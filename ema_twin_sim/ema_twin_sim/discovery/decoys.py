@@ -1,0 +1,107 @@
+"""Decoys: what a residual may depend on without any effect of the catalogue. They keep false company away.
+
+A decoy is a handful of columns, linear in their coefficients, that stand for *any* dependence on one quantity: hats
+over the speed, over time, waves over the output's position or the motor's angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .equation import Equation, Fit
+from .smoothing import smooth_at
+
+ORDERS = np.arange(0.1, 60.0, 0.03)
+NAMED = (1.0, 4.0, 0.75, 2.25, 0.7258, 15.0, 15.75, 24.0, 45.0)
+
+
+def add_decoys(eq: Equation) -> None:
+    """Put all decoys that do not depend on a fit into an equation."""
+    eq.decoys.update(_by_speed(eq))
+    eq.decoys.update(_by_position(eq))
+    eq.decoys.update(_by_time(eq))
+
+
+def dependence(name: str) -> str:
+    """The quantity that a decoy stands for."""
+    return name.partition("#")[0]
+
+
+def _hats(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """(n, k) piecewise linear bases."""
+    return np.stack([np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))], 1)
+
+
+def _rows(eq: Equation, columns: list[np.ndarray]) -> np.ndarray:
+    """Columns given at full rate per observation (n, d), at all rows (m, d) in units of noise."""
+    out = np.zeros((eq.rows, columns[0].shape[1]))
+    for o, part, c in zip(eq.observations, eq.torque_parts, columns, strict=True):
+        for k in range(c.shape[1]):
+            got = np.empty(len(o.rows))
+            smooth_at(np.ascontiguousarray(c[:, k]), o.kernel, o.rows, got)
+            out[part, k] = got / o.torque_noise
+    return out
+
+
+def _by_speed(eq: Equation) -> dict[str, np.ndarray]:
+    speeds = np.concatenate([np.abs(o.motion[o.rows, 2]) for o in eq.observations])
+    knots = np.unique(np.quantile(speeds, np.linspace(0, 1, 9)))
+    if len(knots) < 3:
+        return {}
+    hats = [_hats(np.abs(o.motion[:, 2]), knots) for o in eq.observations]
+    sense = [np.sign(o.motion[:, 2])[:, None] for o in eq.observations]
+    return {"speed": _rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]), "direction": _rows(eq, hats)}
+
+
+def _by_position(eq: Equation) -> dict[str, np.ndarray]:
+    angles = [o.output_origin + o.motion[:, 5] for o in eq.observations]
+    span = max(a.max() for a in angles) - min(a.min() for a in angles)
+    if span <= 0.0:
+        return {}
+    found = {}
+    sense = [np.sign(o.motion[:, 2])[:, None] for o in eq.observations]
+    for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
+        waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
+        found[f"output_position#{k}"] = _rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])
+        if order > 1.5:
+            found[f"output_position#load{k}"] = _rows(eq, waves)
+    return found
+
+
+def _by_time(eq: Equation) -> dict[str, np.ndarray]:
+    found = {}
+    for k, chosen in enumerate(eq.observations):
+        knots = np.linspace(0.0, chosen.motion[-1, 0], max(3, round(chosen.motion[-1, 0] / 2.5)))
+        hats = [
+            _hats(o.motion[:, 0], knots) * np.sign(o.motion[:, 2])[:, None] * float(o is chosen)
+            for o in eq.observations
+        ]
+        found[f"time#{k}"] = _rows(eq, hats)
+    return found
+
+
+def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
+    """Waves over the motor's angle at the order that a fit's residual shows most, as a torque and as friction."""
+    found = {}
+    for kind in ("torque", "friction"):
+        power = np.zeros(len(ORDERS))
+        for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+            angle = o.motor_origin + o.motion[o.rows, 1]
+            if np.ptp(angle) < 2.0 * np.pi:
+                continue
+            r = f.residual[part] * (np.sign(o.motion[o.rows, 2]) if kind == "friction" else 1.0)
+            step = np.exp(1j * (ORDERS[1] - ORDERS[0]) * angle)
+            wave = np.exp(1j * ORDERS[0] * angle) * r
+            for k in range(len(ORDERS)):
+                power[k] += abs(wave.sum()) ** 2 / len(r)
+                wave *= step
+        if not power.any():
+            continue
+        order = float(ORDERS[int(np.argmax(power))])
+        columns = []
+        for o in eq.observations:
+            angle = order * (o.motor_origin + o.motion[:, 1])
+            waves = np.stack([np.sin(angle), np.cos(angle)], 1)
+            columns.append(waves * np.sign(o.motion[:, 2])[:, None] if kind == "friction" else waves)
+        found[f"order#{kind}{order:.2f}".replace(".", "_")] = _rows(eq, columns)
+    return found

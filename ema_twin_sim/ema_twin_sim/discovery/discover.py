@@ -1,0 +1,231 @@
+"""Discover: which effects a model lacks, how sure that is, and the model that has them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..effects import catalogue
+from ..model import Model
+from ..model.constants import CONSTANTS
+from .decoys import add_decoys, dependence
+from .equation import Equation, Fit, fit
+from .hypothesis import INERTIAS, null_hypothesis
+from .observation import observe_all
+from .rivals import Rivalry, rivalries
+from .search import Round, Search, left_over, search
+from .uncertainty import covariance
+from .unseen import Unseen, judge_unseen
+
+UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+SHAKY = 3.0  # times that where an output bounces
+REMAINDER = 0.1  # of what the start model leaves over
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its standard error and unit."""
+
+    value: float
+    std: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step: an effect added (or removed again), and the error before and after, on data not fitted to."""
+
+    effect: str
+    instance: str
+    action: str  # add or remove
+    rmse_before: float
+    rmse_after: float
+    unit: str
+    error_removed: float | None
+    reason: str
+    tried: tuple[dict[str, object], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Discovery:
+    """What a discovery found; ``as_json`` is what ``discover --json`` writes."""
+
+    verdict: str  # explained, none or unknown
+    added: tuple[str, ...]
+    model: Model
+    steps: tuple[Step, ...]
+    parameters: MappingProxyType[str, dict[str, Any]]
+    constants: MappingProxyType[str, dict[str, dict[str, object]]]
+    groups: tuple[tuple[str, ...], ...]
+    depends_on: tuple[str, ...]
+    next_recording: str
+    stopped: str
+    warnings: tuple[str, ...]
+    unseen: Unseen
+    search: Search
+    equation: Equation
+    rivalries: tuple[Rivalry, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """SI units; absent numbers are null."""
+        return {
+            "added": list(self.added),
+            "verdict": self.verdict,
+            "steps": [{**vars(step), "tried": list(step.tried)} for step in self.steps],
+            "parameters": dict(self.parameters),
+            "constants": dict(self.constants),
+            "groups": [list(group) for group in self.groups],
+            "depends_on": list(self.depends_on),
+            "next_recording": self.next_recording,
+            "stopped": self.stopped,
+            "unseen": self.unseen.as_json(),
+            "warnings": list(self.warnings),
+        }
+
+
+def discover(
+    recordings: Sequence[Recording],
+    model: Model,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda text: None,
+) -> Discovery:
+    """Find the effects that a model lacks beside recordings of its machine.
+
+    ``without`` takes effects out of the catalogue; ``progress`` is called with what is being done. Raises InputError
+    where the recordings cannot be judged.
+    """
+    progress("reading the motion")
+    eq = Equation(observe_all(list(recordings), model))
+    null = fit(eq, null_hypothesis(model))
+    barred = frozenset(without)
+    found = search(eq, null, barred, progress)
+    start_left = left_over(eq, found.rounds[0].before)
+    verdict = "explained" if found.fit.hypothesis.added else "none"
+    depends_on: tuple[str, ...] = ()
+    if unexplained(eq, found.fit, start_left):
+        progress("something is left: looking for what it depends on")
+        verdict = "unknown"
+        add_decoys(eq)
+        found = search(eq, null, barred, progress, decoyed=True)
+        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+    progress("looking for rivals")
+    rivals = rivalries(eq, found.fit, barred)
+    best = found.fit
+    progress("judging on recordings that were not fitted to")
+    unseen = judge_unseen(eq, recordings, found)
+    spread = np.sqrt(np.diag(covariance(eq, best)))
+    added = tuple(dict.fromkeys(best.hypothesis.effects))
+    return Discovery(
+        verdict,
+        added,
+        best.hypothesis.model(),
+        _steps(found, unseen),
+        MappingProxyType(_parameters(best, spread)),
+        MappingProxyType(_constants(best, spread)),
+        tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
+        depends_on,
+        "",
+        _why(verdict, found, depends_on),
+        tuple(warning for recording in recordings for warning in recording.warnings),
+        unseen,
+        found,
+        eq,
+        rivals,
+    )
+
+
+def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
+    """Whether more is left over than the sensors' noise lets expect."""
+    shaky = f.predicted.plant["two_inertia"][0] != 0.0
+    for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
+        allowed = UNEXPLAINED * float(np.median(o.torque_noise))
+        if shaky:
+            allowed = max(SHAKY * allowed, REMAINDER * before)
+        if left > allowed:
+            return True
+    return False
+
+
+def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
+    steps = []
+    for k, turn in enumerate(found.rounds):
+        if turn.after is None:
+            continue
+        before, after = unseen.rmse[k], unseen.rmse[k + 1]
+        tried = tuple(_tried(turn))
+        new = [n for n in turn.after.hypothesis.added if n not in turn.before.hypothesis.added]
+        gone = [n for n in turn.before.hypothesis.added if n not in turn.after.hypothesis.added]
+        for action, names, owner in (("add", new, turn.after), ("remove", gone, turn.before)):
+            for name in names:
+                effect = owner.hypothesis.added[name].effect
+                reason = "largest gain" if action == "add" else "needless beside what was added"
+                steps.append(
+                    Step(effect, name, action, before, after, unseen.unit, unseen.removed(k, k + 1), reason, tried)
+                )
+    return tuple(steps)
+
+
+def _tried(turn: Round) -> list[dict[str, object]]:
+    return [
+        {"names": list(trial.names), "gain": trial.gain, "unique": trial.unique, "misfit": trial.fit.misfit}
+        for trial in turn.tried[:6]
+    ]
+
+
+def _parameters(f: Fit, spread: np.ndarray) -> dict[str, dict[str, Any]]:
+    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    found: dict[str, dict[str, Any]] = {}
+    for name, instance in f.hypothesis.model().effects.items():
+        if name not in f.hypothesis.added:
+            continue
+        effect = catalogue()[instance.effect]
+        entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
+        for p in effect.parameters:
+            std = sure.get(f"effects.{name}.{p.name}")
+            entry[p.name] = {"value": instance.parameters[p.name], "std": std, "unit": p.unit}
+        found[name] = entry
+    return found
+
+
+def _constants(f: Fit, spread: np.ndarray) -> dict[str, dict[str, dict[str, object]]]:
+    """Machine constants and the start model's friction, refitted, with their nominal values."""
+    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    base, model = f.hypothesis.base, f.hypothesis.model()
+    found: dict[str, dict[str, dict[str, object]]] = {}
+    for path in INERTIAS:
+        part, _, name = path.partition(".")
+        scale = model.value(path) / base.value(path) if base.value(path) else 1.0
+        std = sure["scale.inertia"] * base.value(path)
+        if path == "machine.output_inertia" and "scale.output_inertia" in sure:
+            std = math.hypot(std, sure["scale.output_inertia"] * base.value(path) * scale)
+        entry = {"value": model.value(path), "std": std, "unit": CONSTANTS[path].unit, "nominal": base.value(path)}
+        found.setdefault(part, {})[name] = entry
+    for name, instance in base.effects.items():
+        path = f"scale.{instance.effect}"
+        if path not in sure:
+            continue
+        p = catalogue()[instance.effect].parameters[0]
+        nominal = instance.parameters[p.name]
+        value = model.effects[name].parameters[p.name]
+        std = sure[path] * nominal
+        found.setdefault(name, {})[p.name] = {"value": value, "std": std, "unit": p.unit, "nominal": nominal}
+    return found
+
+
+def _why(verdict: str, found: Search, depends_on: tuple[str, ...]) -> str:
+    if verdict == "unknown":
+        on = ", ".join(depends_on)
+        return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
+    last = found.rounds[-1]
+    if not last.tried:
+        return "nothing is left to try"
+    best = last.tried[0]
+    return f"what is left is the sensors' noise; {' and '.join(best.names)} would gain nothing worth its price"

@@ -1,0 +1,265 @@
+"""The equation error of a hypothesis over all recordings, its slopes, and the fit that makes it smallest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..effects import catalogue
+from ..model import EffectInstance
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
+from ..plant.measured_motion import REQUIRED, require, require_of
+from ..simulation.assembly import _address, _slots, assemble
+from .hypothesis import Hypothesis
+from .observation import Observation
+from .smoothing import smooth_at
+
+POOL = ThreadPoolExecutor(2)
+OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """What a hypothesis predicts: all rows (m,) in units of noise, and what it stands on."""
+
+    rows: np.ndarray
+    plant: np.ndarray
+    required: tuple[np.ndarray, ...]
+
+
+class Equation:
+    """Rows of several recordings: torque rows of all, then encoder rows of all, each in units of its noise."""
+
+    def __init__(self, observations: Sequence[Observation]) -> None:
+        self.observations = tuple(observations)
+        self.torque = np.concatenate([o.torque for o in observations])
+        self.noise = np.concatenate([o.torque_noise for o in observations])
+        self.acceleration = np.concatenate([o.acceleration for o in observations])
+        self.rate = np.concatenate([o.torque_rate for o in observations])
+        self.encoder = np.concatenate([o.encoder for o in observations])
+        self.encoder_noise = np.concatenate([o.encoder_noise for o in observations])
+        edges = np.cumsum([0, *(len(o.rows) for o in observations)])
+        self.torque_parts = [slice(a, b) for a, b in pairwise(edges)]
+        self.size = int(edges[-1])
+        edges = self.size + np.cumsum([0, *(len(o.encoder_rows) for o in observations)])
+        self.encoder_parts = [slice(a, b) for a, b in pairwise(edges)]
+        self.measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
+        self.rows = len(self.measured)
+        self.reach = np.full(self.rows, 1e9)
+        self.decoys: dict[str, np.ndarray] = {}
+
+    def predict(self, h: Hypothesis) -> Prediction:
+        """What the hypothesis predicts."""
+        assembly = assemble(h.model())
+        plant = assembly.plant[0]
+        rigid = plant["two_inertia"] == 0.0
+        inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
+        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
+        rows = np.zeros(self.rows)
+        every = []
+        for o, t, e in zip(self.observations, self.torque_parts, self.encoder_parts, strict=True):
+            required = np.empty((len(o.motion), len(REQUIRED)))
+            require(assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin, required)
+            smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
+            every.append(required)
+            if len(o.encoder_rows):
+                shown = required[:, 1]
+                difference = o.motion[:, 1] / plant["gear_ratio"]
+                if rigid and plant["encoder_delay"] == 0.0 and plant["eccentricity_amplitude"] == 0.0:
+                    continue
+                if plant["encoder_delay"] != 0.0:
+                    time = o.motion[:, 0]
+                    shown = np.interp(time - plant["encoder_delay"], time, shown)
+                if plant["eccentricity_amplitude"] != 0.0:
+                    start = o.output_origin + plant["eccentricity_phase"]
+                    shown = shown + plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
+                smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[e])
+        torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
+        rows[: self.size] = torque / self.noise
+        rows[self.size :] /= self.encoder_noise
+        for name in h.decoys:
+            start = f"decoy.{name}."
+            rows += self.decoys[name] @ [v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)]
+        return Prediction(rows, assembly.plant, tuple(every))
+
+    def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
+        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
+        effect = catalogue()[instance.effect]
+        plant = beside.plant[0]
+        if effect.act is None:
+            return None
+        place = effect.where(instance.options)
+        if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
+            return None
+        if place == OUTPUT_TORQUE and plant["two_inertia"] != 0.0:
+            return None
+        address, slots = _address(effect), np.array(_slots(effect, instance))
+        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
+        rows = np.zeros(self.rows)
+        for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
+            torque = np.empty(len(o.motion))
+            require_of(beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque)
+            smooth_at(torque, o.kernel, o.rows, rows[t])
+        rows[: self.size] /= scale * self.noise
+        return rows
+
+    def residual(self, predicted: Prediction) -> np.ndarray:
+        """Measured minus predicted (m,), in units of noise; each recording's encoder offset is taken out, robustly."""
+        rows = self.measured - predicted.rows
+        for e in self.encoder_parts:
+            if e.stop > e.start:
+                noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+                part = rows[e] - np.median(rows[e] * noise) / noise
+                w = 1.0 / (1.0 + (part / self.reach[e]) ** 2)
+                rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
+        return rows
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Square roots (m,) of what each row counts: less and less beyond ``reach``."""
+        return 1.0 / np.sqrt(1.0 + (residual / self.reach) ** 2)
+
+    def misfit(self, residual: np.ndarray) -> float:
+        """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
+        return float(self.reach**2 @ np.log1p((residual / self.reach) ** 2))
+
+    def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Rows with the weighted mean of each recording's encoder rows taken out."""
+        rows = rows.copy()
+        for e in self.encoder_parts:
+            if e.stop > e.start:
+                noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+                w = weights[e] ** 2
+                rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
+        return rows
+
+    def reweigh(self, residual: np.ndarray, most: float = math.inf) -> bool:
+        """Let outliers begin where the bulk of a residual ends, at ``most`` at the latest; True if that moved much."""
+        reach = np.empty(self.rows)
+        for part in (*self.torque_parts, *self.encoder_parts):
+            if part.stop > part.start:
+                reach[part] = min(most, OUTLIER * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
+        changed = bool((np.abs(np.log(reach / self.reach)) > 0.1).any())
+        self.reach = reach
+        return changed
+
+    def jacobian(
+        self, h: Hypothesis, predicted: Prediction, weights: np.ndarray, known: Mapping[str, np.ndarray] | None = None
+    ) -> np.ndarray:
+        """Slopes of the weighted prediction (m, k) to the free numbers; ``known`` are slopes, unweighted, to keep."""
+        known = known or {}
+
+        def column(k: int) -> np.ndarray:
+            free = h.free[k]
+            if free.path in known:
+                return known[free.path] * weights
+            if free.path.startswith("decoy."):
+                _, name, place = free.path.split(".")
+                return self.decoys[name][:, int(place)] * weights
+            if free.path == "lag":
+                rows = np.zeros(self.rows)
+                rows[: self.size] = self.rate / self.noise
+                return rows * weights
+            step = free.step if h.values[k] + free.step <= free.upper else -free.step
+            kind, _, rest = free.path.partition(".")
+            if kind == "effects":
+                name, _, parameter = rest.partition(".")
+                now = h.instance(name)
+                moved = EffectInstance(
+                    now.effect, now.options, {**now.parameters, parameter: now.parameters[parameter] + step}
+                )
+                there, here = self.alone(predicted, moved), self.alone(predicted, now)
+                if there is not None and here is not None:
+                    return (there - here) / step * weights
+            values = h.values.copy()
+            values[k] += step
+            return self.centred((self.predict(h.at(values)).rows - predicted.rows) / step, weights) * weights
+
+        return np.stack(list(POOL.map(column, range(len(h.free)))), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not."""
+
+    hypothesis: Hypothesis
+    predicted: Prediction
+    raw: np.ndarray
+    weights: np.ndarray
+    jacobian: np.ndarray
+    misfit: float
+    prior_cost: float
+
+    @property
+    def residual(self) -> np.ndarray:
+        """(m,) residual, outliers weighted down."""
+        return self.raw * self.weights
+
+
+def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+    """(residuals, slopes) that the priors add."""
+    rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
+    r = np.array([(p[0] - h.values[k]) / p[1] for k, p in rows])
+    j = np.zeros((len(rows), len(h.free)))
+    for row, (k, p) in enumerate(rows):
+        j[row, k] = 1.0 / p[1]
+    return r, j
+
+
+def fit(
+    equation: Equation, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
+) -> Fit:
+    """Levenberg-Marquardt with bounds and priors. The slopes of a fit ``known`` are kept for the numbers it shares."""
+    slopes = {}
+    if known is not None:
+        plain = known.jacobian / known.weights[:, None]
+        slopes = {f.path: plain[:, k] for k, f in enumerate(known.hypothesis.free)}
+    lower = np.array([f.lower for f in h.free])
+    upper = np.array([f.upper for f in h.free])
+    h = h.at(np.clip(h.values, lower, upper))
+    predicted = equation.predict(h)
+    raw = equation.residual(predicted)
+    pr, pj = prior_rows(h)
+    cost = equation.misfit(raw) + float(pr @ pr)
+    damping = 0.0
+    weights = equation.weights(raw)
+    jac = equation.jacobian(h, predicted, weights, slopes)
+    for _ in range(iterations):
+        a = jac.T @ jac + pj.T @ pj
+        g = jac.T @ (raw * weights) + pj.T @ pr
+        # numbers held on a bound that they push against
+        held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
+        idx = np.flatnonzero(~held)
+        if not np.isfinite(a).all():
+            break
+        scale = np.sqrt(np.maximum(np.diag(a)[idx], 1e-30))
+        normal = a[np.ix_(idx, idx)] / np.outer(scale, scale)
+        gained = False
+        for _try in range(5):
+            step = np.zeros(len(h.values))
+            step[idx] = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(idx)), g[idx] / scale) / scale
+            if not np.isfinite(step).all():
+                break
+            trial = h.at(np.clip(h.values + step, lower, upper))
+            p = equation.predict(trial)
+            r = equation.residual(p)
+            q, _ = prior_rows(trial)
+            c = equation.misfit(r) + float(q @ q)
+            if c < cost:
+                gained = True
+                break
+            damping = max(10.0 * damping, 1e-3)
+        if not gained:
+            break
+        fall = cost - c
+        h, predicted, raw, pr, cost = trial, p, r, q, c
+        damping = 0.1 * damping if damping > 1e-5 else 0.0
+        weights = equation.weights(raw)
+        jac = equation.jacobian(h, predicted, weights, slopes)
+        if fall < tolerance + 1e-5 * cost:
+            break
+    return Fit(h, predicted, raw, weights, jac, equation.misfit(raw), float(pr @ pr))

@@ -1,0 +1,181 @@
+"""A hypothesis: a model, and which of its numbers are free, each with bounds, a scale and what is known beforehand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..effects import catalogue
+from ..model import EffectInstance, Model
+
+INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
+LAG = "lag"
+PRIOR = 0.05
+SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
+BEYOND = 5.0
+PARTING = ("backlash", "shaft_compliance")
+LAG_PRIOR = 2e-4  # s
+
+
+@dataclass(frozen=True)
+class Free:
+    """One free number: ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` or ``lag``."""
+
+    path: str
+    lower: float
+    upper: float
+    step: float  # of finite differences
+    prior: tuple[float, float] | None = None  # mean, standard deviation
+
+
+@dataclass(frozen=True, eq=False)
+class Hypothesis:
+    """A start model with effects added, and its free numbers at ``values`` (k,)."""
+
+    base: Model  # the model that was given
+    added: Mapping[str, EffectInstance]
+    free: tuple[Free, ...]
+    values: np.ndarray
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """The ids of the added effects."""
+        return tuple(instance.effect for instance in self.added.values())
+
+    def at(self, values: np.ndarray) -> Hypothesis:
+        """The same hypothesis at other values."""
+        return replace(self, values=np.asarray(values, float))
+
+    def lag(self) -> float:
+        """Time [s] by which the current runs ahead of the motion."""
+        for free, value in zip(self.free, self.values, strict=True):
+            if free.path == LAG:
+                return float(value)
+        return 0.0
+
+    def instance(self, name: str) -> EffectInstance:
+        """An added effect at the present values."""
+        held = self.added[name]
+        parameters = dict(held.parameters)
+        start = f"effects.{name}."
+        for free, value in zip(self.free, self.values, strict=True):
+            if free.path.startswith(start):
+                parameters[free.path[len(start) :]] = float(value)
+        return replace(held, parameters=parameters)
+
+    def model(self) -> Model:
+        """The model that the values make."""
+        constants = dict(self.base.constants)
+        effects: dict[str, EffectInstance] = dict(self.base.effects)
+        added = {name: dict(instance.parameters) for name, instance in self.added.items()}
+        for free, value in zip(self.free, self.values, strict=True):
+            kind, _, rest = free.path.partition(".")
+            if kind == "scale":
+                if rest == "inertia":
+                    for path in INERTIAS:
+                        constants[path] = replace(constants[path], value=constants[path].value * value)
+                elif rest == "output_inertia":
+                    path = "machine.output_inertia"
+                    constants[path] = replace(constants[path], value=constants[path].value * value)
+                elif rest == "output_coulomb":
+                    for name, instance in effects.items():
+                        if instance.effect == "coulomb_friction" and instance.options["side"] == "output":
+                            parameters = {**instance.parameters, "torque": instance.parameters["torque"] * value}
+                            effects[name] = replace(instance, parameters=parameters)
+                else:
+                    for name, instance in self.base.effects.items():
+                        if instance.effect == rest:
+                            size = catalogue()[rest].parameters[0].name
+                            instance = effects[name]
+                            parameters = {**instance.parameters, size: instance.parameters[size] * value}
+                            effects[name] = replace(instance, parameters=parameters)
+            elif kind == "effects":
+                name, _, parameter = rest.partition(".")
+                added[name][parameter] = float(value)
+        for name, instance in self.added.items():
+            effects[name] = replace(instance, parameters=added[name])
+        return replace(self.base, constants=constants, effects=effects)
+
+    def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
+        """One more effect, its parameters free, starting from ``parameters``."""
+        effect = catalogue()[id]
+        name, number = id, 2
+        while name in self.added or name in self.base.effects:
+            name, number = f"{id}_{number}", number + 1
+        instance = EffectInstance(id, dict(options), dict(parameters))
+        free = list(self.free)
+        values = list(self.values)
+        for p in effect.parameters:
+            if p.name in ("static_ratio",):
+                continue
+            start = parameters[p.name]
+            size = max(abs(start), abs(p.default), 1e-6)
+            step = 1e-3 if p.periodic else (0.01 if p.neutral is None else 1e-3) * size
+            lower, upper = p.lower, p.upper
+            if p.periodic:
+                lower, upper = -math.inf, math.inf
+            elif p.neutral is None and p.starts:
+                # far outside its starts an effect does nothing that a machine without it would not do
+                lower, upper = max(lower, min(p.starts) / BEYOND), min(upper, max(p.starts) * BEYOND)
+            elif p is effect.parameters[0] and p.neutral == 0.0 and any(q.periodic for q in effect.parameters):
+                lower = -upper
+            free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
+            values.append(start)
+        more = replace(self, added={**self.added, name: instance}, free=tuple(free), values=np.array(values))
+        return more._sides()
+
+    def _sides(self) -> Hypothesis:
+        """With what the motor's and the output's side share out free where the transmission tells them apart."""
+        parted = any(instance.effect in PARTING for instance in (*self.added.values(), *self.base.effects.values()))
+        parted = parted or self.base.kinds["transmission"] == "two_inertia"
+        has = any(f.path == "scale.output_inertia" for f in self.free)
+        if parted and not has:
+            more = (
+                Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR)),
+                Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR)),
+            )
+            return replace(self, free=(*self.free, *more), values=np.append(self.values, [1.0, 1.0]))
+        if has and not parted:
+            keep = [k for k, f in enumerate(self.free) if not f.path.startswith("scale.output_")]
+            return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
+        return self
+
+    def with_decoy(self, name: str, columns: int) -> Hypothesis:
+        """One more dependence that is no effect: ``columns`` coefficients of the decoy of that name."""
+        more = tuple(Free(f"decoy.{name}.{k}", -math.inf, math.inf, 1.0) for k in range(columns))
+        return replace(self, free=(*self.free, *more), values=np.append(self.values, np.zeros(columns)))
+
+    @property
+    def decoys(self) -> tuple[str, ...]:
+        """The names of the decoys."""
+        return tuple(dict.fromkeys(f.path.split(".")[1] for f in self.free if f.path.startswith("decoy.")))
+
+    def without_decoy(self, name: str) -> Hypothesis:
+        """The hypothesis less one decoy."""
+        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"decoy.{name}.")]
+        return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
+
+    def without(self, name: str) -> Hypothesis:
+        """The hypothesis less one added effect."""
+        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"effects.{name}.")]
+        return replace(
+            self,
+            added={k: v for k, v in self.added.items() if k != name},
+            free=tuple(self.free[k] for k in keep),
+            values=self.values[keep],
+        )._sides()
+
+
+def null_hypothesis(model: Model) -> Hypothesis:
+    """The model as given, its constants free within their tolerances."""
+    free = [Free("scale.inertia", 0.3, 3.0, 1e-3, (1.0, PRIOR))]
+    present = dict.fromkeys(instance.effect for instance in model.effects.values() if instance.enabled)
+    for id in present:
+        if id in ("viscous_friction", "coulomb_friction"):
+            free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
+    free.append(Free(LAG, -4e-4, 4e-4, 1e-5, (0.0, LAG_PRIOR)))
+    values = [1.0] * (len(free) - 1) + [0.0]
+    return Hypothesis(model, {}, tuple(free), np.array(values))._sides()

@@ -1,0 +1,244 @@
+"""What was observed in a recording, ready to be explained: the measured motion, the drive's torque, the encoders'
+difference, and the rows (instants) at which they are judged.
+
+Measured and predicted values go through the same Gaussian kernel, so nothing is lost by it; the drive's own smoothing
+of the speed is undone. A row is not judged near standstill (dry friction has no sign there), near a gap, or at an end.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from ..plant.measured_motion import MOTION, SPEED
+from .smoothing import gaussian, smooth, smooth_at
+
+NEEDED = ("current", "motor_position")
+STANDSTILL = 0.3  # rad/s of the fast shaft
+WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
+COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
+COUNTER_SPEED_WIDTH = 0.004  # s, for the speed that friction depends on there
+COUNTER_PULL = 0.06  # s, the width over which the integrated speed follows the counter
+LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
+START = 0.03  # s at the ends that are not judged
+HARD = 50.0  # rad/s2: beyond it, rows count less
+SHAKEN = 0.05  # s after hard acceleration in which rows count less
+CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
+THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
+JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
+LEAST_ROWS = 100  # of motion, in all recordings together: a second
+CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """One recording as a diagnosis sees it: n samples at full rate, m rows of torque, k rows of the encoders.
+
+    Torques are in N m at the fast shaft, noises are standard deviations.
+    """
+
+    name: str
+    period: float  # s
+    motion: np.ndarray  # (n, 6) with the columns MOTION
+    motor_origin: float  # rad, the motor counter's own angle where its position is zero
+    output_origin: float  # rad, the same of the output encoder
+    kernel: np.ndarray
+    rows: np.ndarray  # int64 (m,), the samples at which the torque is judged
+    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
+    torque_rate: np.ndarray  # (m,) its slope, N m/s
+    acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
+    torque_noise: np.ndarray  # (m,)
+    calm: np.ndarray  # bool (m,), no hard acceleration shortly before
+    encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
+    encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
+    encoder_noise: np.ndarray  # (k,)
+
+    def window(self, first: int, last: int) -> Observation:
+        """The samples from ``first`` to before ``last``; times stay as they are."""
+        rows = (self.rows >= first) & (self.rows < last)
+        encoder = (self.encoder_rows >= first) & (self.encoder_rows < last)
+        return replace(
+            self,
+            motion=np.ascontiguousarray(self.motion[first:last]),
+            rows=self.rows[rows] - first,
+            torque=self.torque[rows],
+            torque_rate=self.torque_rate[rows],
+            acceleration=self.acceleration[rows],
+            torque_noise=self.torque_noise[rows],
+            calm=self.calm[rows],
+            encoder_rows=self.encoder_rows[encoder] - first,
+            encoder=self.encoder[encoder],
+            encoder_noise=self.encoder_noise[encoder],
+        )
+
+
+def observe(recording: Recording, model: Model) -> Observation:
+    """Take from a recording what a diagnosis needs. Raises InputError where it lacks a signal that all stands on."""
+    missing = [name for name in NEEDED if not recording.has(name)]
+    if missing:
+        raise InputError(
+            f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
+            f"(it holds {', '.join(recording.signals)})"
+        )
+    period, time, signals, whole = _even(recording)
+    width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
+    kernel = gaussian(width, period)
+    if len(time) < 4 * len(kernel):
+        raise InputError(
+            f"{recording.name}: lasts {recording.duration:.3g} s; a diagnosis needs recordings of some seconds"
+        )
+    ratio = model.value("machine.gear_ratio")
+    motion, motion_noise = _motion(signals, time, period, width, model)
+    acceleration = motion[:, MOTION.index("acceleration")]
+    drive = model.value("machine.torque_constant") * signals["current"]
+    hit = _hardest(acceleration, SHAKEN, 2.0 * width, period)
+    centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
+    judged = _judged(time, period, whole, kernel)
+    moving = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2) == 0.0
+    driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
+        model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
+    )
+    rows = centres[(judged & moving & driven)[centres]]
+    white = _white_noise(drive) * float(np.linalg.norm(kernel))
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
+    output = signals.get("output_position")
+    difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
+    encoder_rows = centres[judged[centres]] if output is not None else centres[:0]
+    thrown = _hardest(acceleration, THROWN, 2.0 * width, period)[encoder_rows] > CHAOTIC
+    if not thrown.all():
+        encoder_rows = encoder_rows[~thrown]
+    parting = np.hypot(
+        _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
+        JITTER * smooth(difference, gaussian(width, period, 1)),
+    )
+    return Observation(
+        name=recording.name,
+        period=period,
+        motion=motion,
+        motor_origin=_known(recording.motor_angle_origin),
+        output_origin=_known(recording.output_angle_origin),
+        kernel=kernel,
+        rows=rows,
+        torque=_at(drive, kernel, rows),
+        torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
+        acceleration=acceleration[rows],
+        torque_noise=noise[rows],
+        calm=hit[rows] < HARD,
+        encoder_rows=encoder_rows,
+        encoder=_at(difference, kernel, encoder_rows),
+        encoder_noise=parting[encoder_rows],
+    )
+
+
+def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
+    """All recordings. Raises InputError where together they hold too little motion to judge anything."""
+    if not recordings:
+        raise InputError("no recording is given; a diagnosis needs at least one")
+    found = [observe(recording, model) for recording in recordings]
+    moving = sum(len(o.rows) * 2.0 * max(WIDTH, LEAST_PERIODS * o.period) for o in found)
+    if sum(len(o.rows) for o in found) < LEAST_ROWS:
+        raise InputError(
+            f"{', '.join(o.name for o in found)}: {moving:.2g} s of motion faster than {STANDSTILL:g} rad/s at the "
+            "motor; a diagnosis needs seconds of it: record longer, or move faster"
+        )
+    return found
+
+
+def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
+    """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
+    period = recording.sample_period
+    steps = np.diff(recording.stamps) * 1e-9
+    used = {name: recording.signals[name] for name in (*NEEDED, "speed", "output_position") if recording.has(name)}
+    whole = np.ones(len(recording), bool)
+    for values in used.values():
+        whole &= np.isfinite(values)
+    if whole.all() and np.abs(steps - period).max() < 0.02 * period:
+        return period, recording.time, used, whole
+    measured = recording.time[whole]
+    if len(measured) < 2:
+        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
+    time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
+    signals = {name: np.interp(time, measured, values[whole]) for name, values in used.items()}
+    after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
+    return period, time, signals, measured[after] - measured[after - 1] <= 1.5 * period
+
+
+def _motion(
+    signals: dict[str, np.ndarray], time: np.ndarray, period: float, width: float, model: Model
+) -> tuple[np.ndarray, float]:
+    """(motion (n, 6) with the columns MOTION, noise of the acceleration [rad/s2])."""
+    position = signals["motor_position"]
+    if "speed" in signals:
+        smoothing = model.value("sensors.speed_smoothing")
+        sharp = gaussian(period, period) + smoothing * gaussian(period, period, 1)
+        speed = smooth(signals["speed"], sharp)
+        exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
+        acceleration = smooth(signals["speed"], exact)
+        travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
+        angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
+        noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
+    else:
+        speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
+        speed = smooth(position, gaussian(speed_width, period, 1))
+        angle = smooth(position, gaussian(speed_width, period))
+        bend = gaussian(width, period, 2)
+        acceleration = smooth(position, bend)
+        noise = _counter_noise(model, "motor") * float(np.linalg.norm(bend))
+    output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output], axis=1), noise
+
+
+def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Samples (n,) that are neither near an end nor near a gap."""
+    margin = len(kernel) // 2 + round(START / period)
+    judged = _spread(~whole, len(kernel) // 2) == 0.0
+    judged[:margin] = judged[len(time) - margin :] = False
+    return judged
+
+
+def _spread(where: np.ndarray, reach: int) -> np.ndarray:
+    """Above zero within ``reach`` / 2 samples of where it is true: the kernel's outer half weighs next to nothing."""
+    return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
+
+
+def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
+    """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
+    left, right = round(before / period), round(after / period)
+    return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+
+
+def _white_noise(values: np.ndarray) -> float:
+    """Standard deviation of the white noise on a smooth signal, by its third differences, robustly."""
+    third = np.diff(values, 3)
+    return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
+
+
+def _counter_noise(model: Model, side: str) -> float:
+    """Standard deviation [rad] of a counter: its noise and its quantisation."""
+    count = 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts")
+    return count * math.hypot(model.value(f"sensors.{side}_encoder_noise"), math.sqrt(1.0 / 12.0))
+
+
+def _encoder_noise(model: Model) -> float:
+    """Standard deviation [rad, slow shaft] of the difference of both encoders."""
+    return math.hypot(
+        _counter_noise(model, "output"), _counter_noise(model, "motor") / model.value("machine.gear_ratio")
+    )
+
+
+def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    smoothed = np.empty(len(rows))
+    smooth_at(np.ascontiguousarray(values), kernel, rows, smoothed)
+    return smoothed
+
+
+def _known(origin: float) -> float:
+    return 0.0 if math.isnan(origin) else origin

@@ -1,0 +1,63 @@
+"""How sure the numbers of a fit are: what the noise, the priors and the recordings' own disagreement leave open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .equation import Equation, Fit, prior_rows
+
+CORRELATION = 2.0  # neighbouring rows are correlated: what one row is worth less
+BLOCKS = 6  # fewest blocks of a jackknife; recordings are parted where there are fewer
+
+
+def blocks(eq: Equation) -> np.ndarray:
+    """The block (m,) that each row belongs to: its recording, or a stretch of it where recordings are few."""
+    pieces = -(-BLOCKS // len(eq.observations))
+    found = np.zeros(eq.rows, int)
+    for parts in (eq.torque_parts, eq.encoder_parts):
+        for k, part in enumerate(parts):
+            count = part.stop - part.start
+            found[part] = k * pieces + (np.arange(count) * pieces) // max(count, 1)
+    return found
+
+
+def covariance(eq: Equation, f: Fit) -> np.ndarray:
+    """Covariance (k, k) of the free numbers: curvature and priors, and a jackknife over blocks on top.
+
+    White least squares is far too sure of itself, because what is left over is not white: leaving out one recording
+    after the other (Tukey's jackknife, linearised) shows how far the numbers really move.
+    """
+    _, pj = prior_rows(f.hypothesis)
+    scale = CORRELATION * max(1.0, f.misfit / eq.rows)
+    information = f.jacobian.T @ f.jacobian
+    posterior = _inverse(information / scale + pj.T @ pj)
+    which = blocks(eq)
+    moves = []
+    for k in np.unique(which):
+        rows = which == k
+        j, r = f.jacobian[rows], f.residual[rows]
+        left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
+        moves.append(-left @ (j.T @ r) / scale)
+    away = np.array(moves) - np.mean(moves, axis=0)
+    return posterior + (len(away) - 1) / len(away) * away.T @ away
+
+
+def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
+    """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
+    _, pj = prior_rows(f.hypothesis)
+    scale = CORRELATION * max(1.0, f.misfit / eq.rows)
+    information = f.jacobian.T @ f.jacobian
+    lower = np.array([free.lower for free in f.hypothesis.free])
+    upper = np.array([free.upper for free in f.hypothesis.free])
+    found = []
+    for t, e in zip(eq.torque_parts, eq.encoder_parts, strict=True):
+        rows = np.r_[t, e]
+        j, r = f.jacobian[rows], f.residual[rows]
+        left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
+        found.append(np.clip(f.hypothesis.values - left @ (j.T @ r) / scale, lower, upper))
+    return found
+
+
+def _inverse(a: np.ndarray) -> np.ndarray:
+    d = np.sqrt(np.maximum(np.diag(a), 1e-30))
+    return np.linalg.inv(a / np.outer(d, d) + 1e-9 * np.eye(len(a))) / np.outer(d, d)

@@ -1,0 +1,83 @@
+"""The judgement on unseen data: each recording simulated with numbers that were fitted to the others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..comparison.noise import noise_floors
+from ..model import Model
+from ..simulation.simulate import choose_input, simulate
+from .equation import POOL, Equation, Fit
+from .search import Search
+from .uncertainty import held_out
+
+
+@dataclass(frozen=True)
+class Unseen:
+    """RMSE of the headline signal after each round, the start included: pooled, and per recording."""
+
+    signal: str
+    unit: str
+    noise_floor: float
+    rmse: tuple[float, ...]
+    recordings: tuple[tuple[str, tuple[float, ...]], ...]
+
+    def removed(self, before: int, after: int) -> float | None:
+        """Share of the excess above the noise floor that went away between two rounds; None without excess."""
+        excess = self.rmse[before] ** 2 - self.noise_floor**2
+        return (self.rmse[before] ** 2 - self.rmse[after] ** 2) / excess if excess > 0.0 else None
+
+    def as_json(self) -> dict[str, object]:
+        """For ``--json``."""
+        return {
+            "signal": self.signal,
+            "unit": self.unit,
+            "noise_floor": self.noise_floor,
+            "rmse": list(self.rmse),
+            "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
+        }
+
+
+def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -> Unseen:
+    """Simulate every recording after every round with the numbers that the other recordings gave."""
+    base = found.fit.hypothesis.base
+    inputs = [choose_input(recording) for recording in recordings]
+    driven = all(source == "current" for source in inputs)
+    signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
+    fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.rounds if turn.after is not None)]
+    jobs: list[tuple[int, Recording, str, Model]] = []
+    for k, f in enumerate(fits):
+        alone = len(recordings) < 2
+        numbers = [f.hypothesis.values] if alone else held_out(eq, f)
+        for recording, source, values in zip(recordings, inputs, numbers, strict=True):
+            model = base if k == 0 else f.hypothesis.at(values).model()
+            jobs.append((k, recording, source, model))
+
+    def square(job: tuple[int, Recording, str, Model]) -> tuple[float, int]:
+        _, recording, source, model = job
+        twin = simulate(model, recording, source)
+        if signal == "current":
+            residual = recording.signals["current"] - twin.signals["current"]
+        else:
+            residual = twin.signals["unexplained_torque"]
+        residual = residual[np.isfinite(residual)]
+        return float(residual @ residual), len(residual)
+
+    squares = list(POOL.map(square, jobs))
+    rows = np.array([s for s, _ in squares]).reshape(len(fits), len(recordings))
+    counts = np.array([n for _, n in squares]).reshape(len(fits), len(recordings))
+    floors = noise_floors(base, has_speed=recordings[0].has("speed"), period=recordings[0].sample_period)
+    each = np.sqrt(rows / np.maximum(counts, 1))
+    return Unseen(
+        signal,
+        unit,
+        floors[signal],
+        tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
+        tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
+    )

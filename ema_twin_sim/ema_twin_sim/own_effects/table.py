@@ -1,0 +1,101 @@
+"""The table of a user's effect: words, names, numbers and options, checked before anything relies on them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from ema_bench_replay.errors import InputError
+
+from ..effects.effect import Effect, Parameter
+
+_NAME = r"[a-z][a-z0-9]*(_[a-z0-9]+)*"
+_NAMING = "use small letters, digits and single underscores"
+
+
+def checked_table(file: Path, effect: Effect) -> Effect:
+    """The effect with its numbers as floats and its lists as tuples. Raises InputError where its table is not right."""
+    check = _Check(file)
+    check.name(effect.id, "EFFECT.id")
+    if re.search(r"_\d+$", effect.id):
+        raise check.error("EFFECT.id", f"'{effect.id}' ends like a second instance", "end it with a word")
+    for name in ("summary", "equation", "signature", "source"):
+        check.text(getattr(effect, name), f"EFFECT.{name}")
+    if not effect.parameters:
+        raise check.error("EFFECT.parameters", "holds none", "give at least one, the effect's size first")
+    parameters = tuple(_checked_parameter(check, parameter, k) for k, parameter in enumerate(effect.parameters))
+    options = _checked_options(check, effect.options)
+    names = [parameter.name for parameter in parameters] + list(options)
+    for name in names:
+        if names.count(name) > 1:
+            raise check.error("EFFECT", f"'{name}' names two parameters or options", "rename one")
+    for way in ("act", "settle"):
+        if getattr(effect, way) is not None and not callable(getattr(effect, way)):
+            raise check.error(f"EFFECT.{way}", "is no function", f"give {way}={way}")
+    act = getattr(effect.act, "py_func", effect.act)  # of a function that is compiled already, the Python
+    return replace(effect, parameters=parameters, options=options, act=act)
+
+
+def _checked_parameter(check: _Check, parameter: object, number: int) -> Parameter:
+    place = f"EFFECT.parameters[{number}]"
+    if not isinstance(parameter, Parameter):
+        raise check.error(place, f"is {parameter!r}", "give Parameter(name, unit, default, lower, upper, description)")
+    check.name(parameter.name, f"{place}.name")
+    if parameter.name == "enabled":
+        raise check.error(f"{place}.name", "'enabled' is the effect's switch", "choose another name")
+    place = f"EFFECT.parameters.{parameter.name}"
+    check.text(parameter.unit, f"{place}.unit", "give a unit, '1' for none")
+    check.text(parameter.description, f"{place}.description")
+    lower, upper = (check.number(getattr(parameter, name), f"{place}.{name}") for name in ("lower", "upper"))
+    if not lower < upper:
+        raise check.error(place, f"lower {lower:g} is not below upper {upper:g}", "give the bounds in order")
+    if not isinstance(parameter.starts, (tuple, list)):
+        raise check.error(f"{place}.starts", f"is {parameter.starts!r}", "give a tuple of numbers")
+    within = {"default": check.number(parameter.default, f"{place}.default")}
+    within |= {f"starts[{k}]": check.number(v, f"{place}.starts[{k}]") for k, v in enumerate(parameter.starts)}
+    for name, value in within.items():
+        if not lower <= value <= upper:
+            raise check.error(f"{place}.{name}", f"{value:g} is out of bounds", f"give {lower:g} to {upper:g}")
+    default, *starts = within.values()
+    return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts))
+
+
+def _checked_options(check: _Check, options: object) -> dict[str, tuple[str, ...]]:
+    if not isinstance(options, Mapping):
+        raise check.error("EFFECT.options", "is no dictionary", "give {name: (choice, choice)}")
+    checked = {}
+    for name, choices in options.items():
+        check.name(name, "EFFECT.options")
+        place = f"EFFECT.options.{name}"
+        if isinstance(choices, str) or not choices:
+            raise check.error(place, f"is {choices!r}", "give a tuple of choices, the default first")
+        for choice in choices:
+            check.text(choice, place, "give every choice as a text")
+        checked[name] = tuple(choices)
+    return checked
+
+
+class _Check:
+    """Refusals that name the file and the place in its table."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+
+    def error(self, place: str, what: str, remedy: str) -> InputError:
+        return InputError(f"{self._file}: {place}: {what}; {remedy}")
+
+    def text(self, value: object, place: str, remedy: str = "say it in a few words") -> None:
+        if not isinstance(value, str) or not value.strip():
+            raise self.error(place, f"is {value!r}, no text", remedy)
+
+    def name(self, value: object, place: str) -> None:
+        if not isinstance(value, str) or not re.fullmatch(_NAME, value):
+            raise self.error(place, f"{value!r} is no name for YAML and ROS", _NAMING)
+
+    def number(self, value: object, place: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            raise self.error(place, f"is {value!r}", "give a finite number")
+        return float(value)

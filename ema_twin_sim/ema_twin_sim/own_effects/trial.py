@@ -1,0 +1,173 @@
+"""A trial of a user's effect: compiled and called over its options, bounds and a few operating points.
+
+What would stop a twin in the middle of a run (a name that does not exist, a division by zero, a parameter that is not
+in the table) is found here, where it can be said with file, line and remedy.
+"""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+from ..effects.effect import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT, Effect, Options, Values
+from ..model.model import nearest
+from ..plant.layout import PLANT
+from ..plant.operating_point import PARAMETER_SLOTS, OperatingPoint, compiled_effect
+from .refusal import line_of, words
+
+_COMPILABLE = "act may use numbers, at, p, math and numpy, and helpers under @numba.njit(error_model='numpy')"
+_PLACES = {
+    TORQUE: "TORQUE",
+    DRY_LEVEL: "DRY_LEVEL",
+    OUTPUT_TORQUE: "OUTPUT_TORQUE",
+    VISCOUS_COEFFICIENT: "VISCOUS_COEFFICIENT",
+}
+
+
+def _point(time: float, speed: float, dry_level: float) -> OperatingPoint:
+    """A machine of the bench's size after some seconds [s] at a speed [rad/s] of its motor."""
+    return OperatingPoint(
+        time=time,
+        motor_angle=speed * time,
+        motor_speed=speed,
+        output_angle=speed * time / 124.0,
+        output_travel=speed * time / 124.0,
+        output_speed=speed / 124.0,
+        acceleration=2.0 * speed,
+        current=0.1 * speed,
+        motor_torque=0.15 * speed,
+        transmitted_torque=0.05 * speed,
+        dry_level=dry_level,
+        viscous_coefficient=0.5 * dry_level,
+    )
+
+
+_POINTS = (_point(0.0, 0.0, 0.0), _point(5.0, 0.01, 0.05), _point(1.0, -6.2, 0.05), _point(100.0, 150.0, 0.05))
+
+
+def try_out(file: Path, effect: Effect) -> None:
+    """Raise InputError where the effect is not a finite number at every trial."""
+    for options in _choices(effect):
+        try:
+            place = effect.where(options)
+            numeric = () if effect.option_value is None else (float(effect.option_value(options)),)
+        except Exception as error:
+            what = f"place or option_value fails under {_told(options)}: {words(error)}"
+            raise InputError(f"{file}: {line_of(error, file)}{what}; let it take every option's every choice") from None
+        for value in numeric:
+            if not math.isfinite(value):
+                raise InputError(f"{file}: EFFECT.option_value: is {value} under {_told(options)}; make it finite")
+        if not isinstance(place, int) or place not in _PLACES:
+            raise InputError(f"{file}: EFFECT.place: {place!r} is none; give one of {', '.join(_PLACES.values())}")
+        if effect.settle is not None:
+            _try_settle(file, effect, effect.settle, options)
+        elif effect.act is not None:
+            _try_act(file, effect, effect.act, options, numeric)
+
+
+def _choices(effect: Effect) -> Iterator[dict[str, str]]:
+    for choice in itertools.product(*effect.options.values()):
+        yield dict(zip(effect.options, choice, strict=True))
+
+
+def _settings(effect: Effect) -> Iterator[dict[str, float]]:
+    """The defaults, and each parameter at both its bounds."""
+    defaults = effect.default_parameters()
+    yield defaults
+    for p in effect.parameters:
+        yield {**defaults, p.name: p.lower}
+        yield {**defaults, p.name: p.upper}
+
+
+def _try_settle(
+    file: Path, effect: Effect, settle: Callable[[np.void, Values, Options], None], options: Options
+) -> None:
+    for parameters in _settings(effect):
+        plant = np.ones(1, PLANT)
+        try:
+            settle(plant[0], parameters, options)
+        except Exception as error:
+            what = f"settle fails with {_told({**parameters, **options})}: {words(error)}"
+            remedy = "it may change the plant's constants, the fields of ema_twin_sim/plant/layout.py"
+            raise InputError(f"{file}: {line_of(error, file)}{what}; {remedy}") from None
+        for name in plant.dtype.names or ():
+            if not np.isfinite(plant[name]).all():
+                what = f"settle makes {name} {plant[name][0]} with {_told({**parameters, **options})}"
+                raise InputError(f"{file}: {what}; keep it finite for all values within bounds")
+
+
+def _try_act(
+    file: Path, effect: Effect, act: Callable[..., float], options: Options, numeric: tuple[float, ...]
+) -> None:
+    compiled = _compiled(file, act, (*effect.default_parameters().values(), *numeric))
+    for parameters, at in itertools.product(_settings(effect), _POINTS):
+        values = (*parameters.values(), *numeric)
+        where = f"at motor_speed {at.motor_speed:g}, time {at.time:g}, with {_told({**parameters, **options})}"
+        try:
+            value = compiled(at, values + (0.0,) * (PARAMETER_SLOTS - len(values)))
+        except Exception as error:
+            place = line_of(error, file) or _start(act)
+            remedy = "let it return a number for all values within bounds"
+            raise InputError(f"{file}: {place}act raises {words(error)} {where}; {remedy}") from None
+        if not math.isfinite(value):
+            remedy = "keep it finite for all values within bounds (a lower bound above 0, a case for standstill)"
+            raise InputError(f"{file}: {_start(act)}act gives {value} {where}; {remedy}")
+
+
+def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) -> Callable[..., float]:
+    """``act`` in machine code. Raises InputError with the line that cannot become any."""
+    try:
+        inspect.signature(act).bind(None, None)
+    except (TypeError, ValueError):
+        raise InputError(f"{file}: {_start(act)}act does not take two arguments; define act(at, p)") from None
+    plain: Exception | None = None
+    for at in _POINTS:
+        try:
+            act(at, _Table(values))
+        except _NotInTable as missing:
+            what = f"act reads p[{missing}], but the table has {len(values)} parameter(s), numeric options included"
+            raise InputError(f"{file}: {line_of(missing, file)}{what}; add a Parameter, or count from p[0]") from None
+        except AttributeError as error:
+            if error.obj is at:
+                what = f"at has no '{error.name}'; {nearest(str(error.name), at._fields)}"
+                raise InputError(f"{file}: {line_of(error, file)}{what}") from None
+            plain = plain or error
+        except (NameError, TypeError) as error:
+            plain = plain or error
+        except Exception:
+            continue  # plain Python is stricter (1 / 0): what counts is what the compiled function does, below
+    try:
+        return compiled_effect(act, on_disk=False)
+    except Exception as error:
+        told = plain or error  # what Python says of the same mistake is clearer, and has a line
+        place = line_of(told, file) or _start(act)
+        raise InputError(f"{file}: {place}act does not compile: {words(told)}; {_COMPILABLE}") from None
+
+
+def _start(act: Callable[..., float]) -> str:
+    code = getattr(act, "__code__", None)
+    return f"line {code.co_firstlineno}: " if code else ""
+
+
+def _told(values: Mapping[str, object]) -> str:
+    return ", ".join(f"{k} {v:g}" if isinstance(v, float) else f"{k} {v}" for k, v in values.items()) or "no options"
+
+
+class _NotInTable(Exception):
+    """A parameter is read that the table does not have; compiled code would find a silent zero there."""
+
+
+class _Table(tuple):
+    """The parameters of the table, and nothing else."""
+
+    def __getitem__(self, index):
+        if isinstance(index, int) and not 0 <= index < len(self):
+            raise _NotInTable(index)
+        return super().__getitem__(index)

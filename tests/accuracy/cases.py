@@ -1,0 +1,284 @@
+"""The cases: benches with hidden effects, drawn reproducibly from a seed.
+
+from tests.accuracy.cases import drawn_cases
+for case in drawn_cases(seed=1, count=60): case.train, case.holdout, case.hidden
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from .commands import Drive, drawn_drives
+from .hide import CATALOGUE, UNKNOWN
+from .machine import Machine, drawn_machine, stock_machine
+from .other_bench import Cause, OtherBench
+from .sizes import OF_THE_STOCK_MODEL, drawn_causes
+from .unkind import COUNTERS_AND_CURRENT, Unkind
+
+KINDS = ("plain", "pairs", "triples", "none", "unknown", "small", "extreme")
+
+_TURNS = (
+    *("plain", "pairs", "plain", "none", "triples", "plain"),
+    *("unknown", "pairs", "small", "extreme", "plain", "extreme"),
+)
+"""The kinds in the order that they are drawn in: of sixty cases twenty are plain."""
+
+_LOADS = ("gravity_load", "spring_load")
+"""What makes friction in proportion to load visible: alone it is Coulomb friction."""
+
+# Effects of which no recording of the set could tell the parts, or that would overrule each other.
+_NOT_TOGETHER: tuple[frozenset[str], ...] = tuple(
+    frozenset(group)
+    for group in (
+        ("viscous_friction", "thermal_friction"),
+        ("viscous_friction", "shear_thinning"),
+        ("viscous_friction", "quadratic_drag"),
+        ("coulomb_friction", "presliding_friction"),
+        ("quadratic_drag", "shear_thinning"),
+        ("torque_constant_error", "added_inertia"),
+        ("torque_constant_error", "coulomb_friction"),
+        ("torque_constant_error", "viscous_friction"),
+        ("torque_constant_error", "mesh_friction"),
+        ("spring_load", "gravity_load", "constant_load"),
+    )
+)
+LOOK_ALIKE = (
+    ("constant_load", "asymmetric_friction"),
+    ("shaft_compliance", "backlash"),
+    ("backlash", "presliding_friction"),
+    ("stribeck_friction", "presliding_friction"),
+    ("gravity_load", "constant_load"),
+    ("spring_load", "thermal_friction"),
+    ("cogging", "torque_ripple"),
+    ("encoder_delay", "backlash"),
+    ("encoder_delay", "shaft_compliance"),
+    ("quadratic_drag", "thermal_friction"),
+    ("added_inertia", "shaft_compliance"),
+    ("sun_runout", "tooth_fault"),
+)
+"""Pairs of effects that are easily taken for each other, or for one."""
+
+NOT_SMALL = (*OF_THE_STOCK_MODEL, "torque_constant_error", "added_inertia")
+"""Effects that constants known to 5 % hide where they are small: nothing could name them."""
+
+_TORQUES = ("torque", "coefficient", "stiffness", "damping", "inertia")
+"""Parameters that are torques over something: a trace tells them in ampere."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A bench with something hidden, and what its drive is commanded. The recordings are made when asked for."""
+
+    name: str
+    kind: str
+    seed: tuple[int, ...]
+    machine: Machine
+    causes: tuple[Cause, ...]
+    train_drives: tuple[Drive, ...]
+    holdout_drives: tuple[Drive, ...]
+    seconds: float = 20.0
+    unkind: Unkind = field(default_factory=Unkind)
+    motor_origin: float = -math.pi
+    output_origin: float = 1.276
+    moved: bool = False
+    held: float = 0.0
+
+    @property
+    def hidden(self) -> tuple[str, ...]:
+        """What is to be named: catalogue ids, and ``unknown`` where a cause is in no catalogue."""
+        return tuple("unknown" if cause.id in UNKNOWN else cause.id for cause in self.causes)
+
+    @property
+    def parameters(self) -> Mapping[str, Mapping[str, float]]:
+        """True values by effect; of ``coulomb_friction`` and ``viscous_friction`` the sum over both sides.
+
+        Torques are as a trace shows them to who believes the drive's torque constant: ampere times that constant.
+        """
+        shown = 1.0
+        if "torque_constant_error" not in self.hidden:
+            shown = stock_machine().torque_constant / self.machine.torque_constant
+        return {
+            cause.id: {
+                name: value * (shown if name in _TORQUES and cause.id != "mesh_friction" else 1.0)
+                for name, value in cause.values.items()
+            }
+            for cause in self.causes
+            if cause.id not in UNKNOWN
+        }
+
+    @property
+    def remove_from_stock_model(self) -> tuple[str, ...]:
+        """Effects to take out of the stock model first."""
+        return tuple(id for id in self.hidden if id in OF_THE_STOCK_MODEL)
+
+    @property
+    def tolerated(self) -> tuple[str, ...]:
+        """Effects that the unkind bench truly has besides: right where they are named, no loss where they are not."""
+        return ("shaft_compliance",) if self.unkind.gear_resonance else ()
+
+    @property
+    def restless(self) -> bool:
+        """Whether something in no catalogue is there besides: then ``unknown`` is as right as what is named."""
+        return self.unkind.wander > 0.0
+
+    @cached_property
+    def recordings(self) -> tuple[tuple[Recording, ...], tuple[Recording, ...]]:
+        """(train, holdout), made in one day at the bench."""
+        bench = OtherBench(
+            self.machine,
+            self.causes,
+            self.unkind,
+            seed=self.seed,
+            motor_origin=self.motor_origin,
+            output_origin=self.output_origin,
+            moved=self.moved,
+            held=self.held,
+        )
+        train, holdout = (
+            tuple(bench.record(drive, self.seconds) for drive in drives)
+            for drives in (self.train_drives, self.holdout_drives)
+        )
+        return train, holdout
+
+    @property
+    def train(self) -> tuple[Recording, ...]:
+        """Recordings for discovery."""
+        return self.recordings[0]
+
+    @property
+    def holdout(self) -> tuple[Recording, ...]:
+        """Recordings for judging only."""
+        return self.recordings[1]
+
+
+def drawn_case(
+    name: str,
+    kind: str,
+    effects: Sequence[str],
+    seed: Sequence[int],
+    *,
+    size: float = 1.0,
+    company: Sequence[Cause] = (),
+    unkind: Unkind | None = None,
+    seconds: float = 20.0,
+    off: float = 0.05,
+    train: Sequence[Drive] = (),
+) -> Case:
+    """A case with these effects, all else drawn from the seed.
+
+    ``company`` are causes hidden as they are; ``off`` is by how much the machine's constants are off at most; ``train``
+    takes the place of the drawn commands.
+    """
+    random = np.random.default_rng(seed)
+    machine = drawn_machine(random, off)
+    train_drives, holdout_drives = drawn_drives(random)
+    own_zero = random.random() < 0.5
+    return Case(
+        name=name,
+        kind=kind,
+        seed=(*seed, 1),
+        machine=machine,
+        causes=(*drawn_causes(effects, machine, random, size), *company),
+        train_drives=tuple(train) or train_drives,
+        holdout_drives=holdout_drives,
+        seconds=seconds,
+        unkind=unkind or Unkind(),
+        motor_origin=float(random.uniform(-math.pi, math.pi)) if own_zero else -math.pi,
+        output_origin=float(random.uniform(-math.pi, math.pi)) if own_zero else 1.276,
+        moved=bool(random.random() < 0.3),
+        held=0.5 if random.random() < 0.3 else 0.0,
+    )
+
+
+def drawn_cases(seed: int, count: int = 60, kinds: Sequence[str] = KINDS) -> tuple[Case, ...]:
+    """Cases of these kinds in turn; the same seed gives the same cases. ``plain`` goes through the whole catalogue."""
+    random = np.random.default_rng((seed, 77))
+    plain = itertools.cycle(random.permutation(CATALOGUE).tolist())
+    small = itertools.cycle([id for id in random.permutation(CATALOGUE).tolist() if id not in NOT_SMALL])
+    unknown = itertools.cycle(random.permutation(list(UNKNOWN)).tolist())
+    extreme = itertools.cycle(random.permutation(len(_EXTREMES)).tolist())
+    turns = itertools.cycle([kind for kind in _TURNS if kind in kinds])
+    cases = []
+    for number in range(count):
+        kind = next(turns)
+        effects: Sequence[str] = ()
+        more: dict[str, Any] = {}
+        if kind == "plain":
+            effects = in_company([next(plain)], random)
+        elif kind in ("pairs", "triples"):
+            effects = drawn_effects(2 if kind == "pairs" else 3, random)
+        elif kind == "unknown":
+            effects = [next(unknown)]
+        elif kind == "small":
+            wanted = next(small)
+            loads = in_company([wanted], random)[1:]
+            more = {"size": 0.2, "company": drawn_causes(loads, stock_machine(), random)}
+            effects = [wanted]
+        elif kind == "extreme":
+            effects, more = _EXTREMES[next(extreme)](random)
+        cases.append(drawn_case(f"{number:03d}_{kind}", kind, effects, (seed, number), **more))
+    return tuple(cases)
+
+
+def in_company(effects: list[str], random: np.random.Generator) -> list[str]:
+    """The effects, with the load that one of them needs to be seen at all."""
+    if "mesh_friction" in effects and not set(_LOADS) & set(effects):
+        return [*effects, str(random.choice(_LOADS))]
+    return effects
+
+
+def drawn_effects(count: int, random: np.random.Generator) -> list[str]:
+    """So many effects that go together."""
+    while True:
+        effects = in_company(random.choice(CATALOGUE, count, replace=False).tolist(), random)
+        if not any(len(group & set(effects)) > 1 for group in _NOT_TOGETHER):
+            return effects
+
+
+_Extreme = tuple[Sequence[str], dict[str, Any]]
+
+
+def _look_alikes(random: np.random.Generator) -> _Extreme:
+    return LOOK_ALIKE[random.integers(len(LOOK_ALIKE))], {}
+
+
+def _partial(random: np.random.Generator) -> _Extreme:
+    return drawn_effects(1, random), {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)}
+
+
+def _noisy_controller(random: np.random.Generator) -> _Extreme:
+    noise = float(random.choice([0.004, 0.02]))
+    effects = drawn_effects(int(random.integers(1, 3)), random) if random.random() < 0.7 else []
+    return effects, {"unkind": Unkind(controller_noise=noise)}
+
+
+def _short(random: np.random.Generator) -> _Extreme:
+    return drawn_effects(2, random), {"seconds": 10.0}
+
+
+def _ringing(random: np.random.Generator) -> _Extreme:
+    frequency = float(random.uniform(50.0, 150.0))
+    ringing = Unkind(gear_resonance=frequency) if random.random() < 0.5 else Unkind(load_resonance=frequency)
+    return [id for id in drawn_effects(1, random) if id != "shaft_compliance"], {"unkind": ringing}
+
+
+def _wandering(random: np.random.Generator) -> _Extreme:
+    effects = drawn_effects(1, random) if random.random() < 0.5 else []
+    return effects, {"unkind": Unkind(wander=float(random.uniform(0.05, 0.1)))}
+
+
+def _bad_trace(random: np.random.Generator) -> _Extreme:
+    bad = Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5, counter_jump=True)
+    return drawn_effects(1, random), {"unkind": bad}
+
+
+_EXTREMES = (_look_alikes, _partial, _noisy_controller, _short, _ringing, _wandering, _bad_trace, _look_alikes)

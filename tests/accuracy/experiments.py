@@ -1,0 +1,163 @@
+"""Sets of cases that ask one question each: detection limits, false alarms, robustness."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from .cases import LOOK_ALIKE, NOT_SMALL, Case, drawn_case, in_company
+from .commands import Drive
+from .hide import CATALOGUE
+from .judge import Verdict
+from .machine import stock_machine
+from .other_bench import Cause
+from .sizes import drawn_causes, middling_cause, size_of
+from .unkind import COUNTERS_AND_CURRENT, Unkind
+
+SIZES = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8)
+"""Sizes of the detection limit's ladder, over the middle of an effect's usual range."""
+TRIES = 10
+ENOUGH = 9
+"""Named so often of TRIES, a size counts as detected."""
+
+SWEPT = tuple(id for id in CATALOGUE if size_of(id) is not None)
+"""The effects that have a size."""
+
+UNKIND_NULLS = (
+    Unkind(),
+    Unkind(),
+    Unkind(controller_noise=0.01),
+    Unkind(wander=0.08),
+    Unkind(load_resonance=90.0),
+    Unkind(spikes=3e-4, uneven=0.2, dropped=0.01, interpolation=1e-5),
+    Unkind(signals=COUNTERS_AND_CURRENT),
+    Unkind(power_cycled=True),
+)
+"""Benches on which nothing is hidden: a quarter of them kind."""
+
+
+def null_cases(seed: int, count: int) -> list[Case]:
+    """Cases with nothing hidden, constants off, on benches that go through UNKIND_NULLS."""
+    nulls = itertools.islice(itertools.cycle(UNKIND_NULLS), count)
+    return [drawn_case(f"{k:03d}_none", _words(u), (), (seed, 1000, k), unkind=u) for k, u in enumerate(nulls)]
+
+
+def left_out_cases(seed: int, count: int) -> list[Case]:
+    """One hidden effect each, in turn, which is to be left out of the catalogue (the stock model's own are not)."""
+    return [
+        drawn_case(f"{k:03d}_{id}", id, (id,), (seed, 2000, k), company=_company(id, seed, k))
+        for k, id in enumerate(itertools.islice(itertools.cycle(SWEPT), count))
+    ]
+
+
+def sweep(
+    seed: int,
+    effects: Sequence[str],
+    solve: Callable[[Sequence[Case]], Iterator[Verdict]],
+    say: Callable[[str], None],
+) -> dict[str, dict[str, Any]]:
+    """The smallest size of each effect that is named in ENOUGH of TRIES cases, by going up or down the ladder."""
+    limits: dict[str, dict[str, Any]] = {}
+    for id in effects:
+        tried: dict[float, int] = {}
+
+        def named(step: int, id: str = id, tried: dict[float, int] = tried) -> bool:
+            size = SIZES[step]
+            verdicts = list(solve([_sized(id, size, seed, k) for k in range(TRIES)]))
+            tried[size] = sum(verdict.found for verdict in verdicts)
+            return tried[size] >= ENOUGH
+
+        step = len(SIZES) // 2
+        if named(step):
+            while step > 0 and named(step - 1):
+                step -= 1
+        else:
+            step += 1
+            while step < len(SIZES) and not named(step):
+                step += 1
+        limits[id] = _limit(id, SIZES[step] if step < len(SIZES) else None, tried)
+        say(_limit_line(id, limits[id]))
+    return limits
+
+
+def _limit(id: str, size: float | None, tried: dict[float, int]) -> dict[str, Any]:
+    named = size_of(id)
+    assert named is not None
+    parameter, usual = named
+    value = None
+    if size is not None:
+        cause = middling_cause(id, np.random.default_rng(0), size)
+        value = abs(cause.values[parameter] - usual.zero)
+    return {"size": size, "parameter": parameter, "value": value, "named": dict(sorted(tried.items()))}
+
+
+def _limit_line(id: str, limit: dict[str, Any]) -> str:
+    tried = "  ".join(f"{size:g}: {count}/{TRIES}" for size, count in limit["named"].items())
+    smallest = f"{limit['parameter']} {limit['value']:.3g}" if limit["value"] is not None else "not at any size tried"
+    return f"{id:24s} {smallest:28s} ({tried})"
+
+
+def _sized(id: str, size: float, seed: int, number: int) -> Case:
+    random = np.random.default_rng((seed, 3000, CATALOGUE.index(id), number))
+    company = (middling_cause(id, random, size), *_company(id, seed, number))
+    return drawn_case(f"{id}_{size:g}_{number}", id, (), (seed, 3001, number), company=company)
+
+
+def _company(id: str, seed: int, number: int) -> tuple[Cause, ...]:
+    """The load that an effect needs to be seen at all, of its usual size."""
+    random = np.random.default_rng((seed, 3500, number))
+    return tuple(drawn_causes(in_company([id], random)[1:], stock_machine(), random))
+
+
+def robustness_cases(seed: int, count: int) -> list[Case]:
+    """``count`` cases with one hidden effect under each condition; a case's kind is the condition's name.
+
+    The effects and the machines are the same under each condition, as far as it leaves them: only it differs.
+    """
+    cases = []
+    for name, more in CONDITIONS.items():
+        ids = [id for id in CATALOGUE if "size" not in more or id not in NOT_SMALL]
+        for k in range(count):
+            hidden: tuple[str, ...] = (ids[(seed + 5 * k) % len(ids)],)
+            if name == "look-alike pairs":
+                hidden = LOOK_ALIKE[k % len(LOOK_ALIKE)]
+            company = _company(hidden[0], seed, k)
+            cases.append(drawn_case(f"{k:02d} {name}", name, hidden, (seed, 4001, k), company=company, **more))
+    return cases
+
+
+CONDITIONS: dict[str, dict[str, Any]] = {
+    "as it is": {},
+    "counters and current": {"unkind": Unkind(signals=COUNTERS_AND_CURRENT)},
+    "controller noise 0.004": {"unkind": Unkind(controller_noise=0.004)},
+    "controller noise 0.02": {"unkind": Unkind(controller_noise=0.02)},
+    "look-alike pairs": {},
+    "a fifth of the size": {"size": 0.2},
+    "5 s": {"seconds": 5.0},
+    "10 s": {"seconds": 10.0},
+    "60 s": {"seconds": 60.0},
+    "120 s": {"seconds": 120.0},
+    "one triangle only": {"train": (Drive("triangle", 0.04, 2.5),)},
+    "one ramp only": {"train": (Drive("ramp", 0.05),)},
+    "counter jump": {"unkind": Unkind(counter_jump=True)},
+    "5 % of rows dropped": {"unkind": Unkind(dropped=0.05)},
+    "uneven stamps": {"unkind": Unkind(uneven=0.3)},
+    "spikes": {"unkind": Unkind(spikes=5e-4)},
+    "interpolation error": {"unkind": Unkind(interpolation=1.5e-5)},
+    "gearbox rings at 90 Hz": {"unkind": Unkind(gear_resonance=90.0)},
+    "load rings at 90 Hz": {"unkind": Unkind(load_resonance=90.0)},
+    "friction wanders 8 %": {"unkind": Unkind(wander=0.08)},
+    "power cycled": {"unkind": Unkind(power_cycled=True)},
+    "constants off by 10 %": {"off": 0.1},
+}
+"""What robustness is measured under: arguments of ``drawn_case``."""
+
+
+def _words(unkind: Unkind) -> str:
+    """The switches that are on."""
+    kind = Unkind()
+    on = [name for name in vars(unkind) if getattr(unkind, name) != getattr(kind, name)]
+    return " ".join(on).replace("_", " ") or "kind bench"

@@ -1,0 +1,121 @@
+"""``make accuracy``: effects hidden in another bench, given to discovery, and how well it named them.
+
+python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [--only NAME ...]
+python -m tests.accuracy.run --null 40 | --leave-out | --sweep [EFFECT ...] | --robust
+python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from . import experiments
+from .cases import KINDS, Case, drawn_cases
+from .folders import save
+from .judge import Verdict
+from .tables import by_kind, confusion, confusion_table, totals, totals_line
+from .work import WORKERS, Solvers
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run what was asked for; the exit status is 0 when it ran, whatever the score."""
+    asked = _parser().parse_args(arguments)
+    start = time.perf_counter()
+    if asked.save:
+        for case in _default_cases(asked):
+            print(save(case, asked.save))
+        return 0
+    with Solvers(asked.workers) as solve:
+        report = {"seed": asked.seed, **_asked_for(asked, solve)}
+    print(f"{time.perf_counter() - start:.0f} s in all, {asked.workers} at a time")
+    if asked.json:
+        asked.json.write_text(json.dumps(report, indent=1), "utf-8")
+    return 0
+
+
+def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
+    """What the chosen experiment found, for the JSON; it is printed on the way."""
+    if asked.sweep is not None:
+        print(f"smallest size named in {experiments.ENOUGH} of {experiments.TRIES} cases", flush=True)
+        effects = asked.sweep or experiments.SWEPT
+        return {"limits": experiments.sweep(asked.seed, effects, solve, lambda line: print(line, flush=True))}
+    if asked.leave_out:
+        cases = experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT))
+        return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
+    if asked.null:
+        cases = experiments.null_cases(asked.seed, asked.null)
+    elif asked.robust:
+        cases = experiments.robustness_cases(asked.seed, asked.cases or 12)
+    else:
+        cases = _default_cases(asked)
+    return _report(_shown(solve(cases), cases))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        "accuracy", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--cases", type=_count, help="60 by default; with --robust, per condition (12)")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
+    parser.add_argument("--only", nargs="+", default=(), metavar="NAME", help="of the drawn cases, these")
+    parser.add_argument("--null", type=_count, metavar="N", help="N benches with nothing hidden")
+    parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
+    parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
+    parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
+    parser.add_argument("--workers", type=_count, default=WORKERS)
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--save", type=Path, metavar="DIR")
+    return parser
+
+
+def _count(text: str) -> int:
+    """A number of things, from one on."""
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is no count; give a whole number from 1 on")
+    return int(text)
+
+
+def _default_cases(asked: argparse.Namespace) -> list[Case]:
+    cases = drawn_cases(asked.seed, asked.cases or 60, asked.kinds)
+    unknown = set(asked.only) - {case.name for case in cases}
+    if unknown:
+        sys.exit(f"--only: no case {', '.join(sorted(unknown))}; there are {cases[0].name} to {cases[-1].name}")
+    return [case for case in cases if not asked.only or case.name in asked.only]
+
+
+def _shown(verdicts: Iterable[Verdict], cases: Sequence[Case]) -> list[Verdict]:
+    """The verdicts, each printed as it comes; returned in the order of the cases."""
+    by_name = {}
+    for number, verdict in enumerate(verdicts, 1):
+        print(f"{number:4d}/{len(cases)} {verdict.line()}", flush=True)
+        by_name[verdict.case] = verdict
+    return [by_name[case.name] for case in cases]
+
+
+def _report(verdicts: list[Verdict]) -> dict[str, Any]:
+    print("", confusion_table(verdicts), "", by_kind(verdicts), "", totals_line(verdicts), sep="\n")
+    return {
+        "totals": totals(verdicts),
+        "confusion": {id: dict(row) for id, row in confusion(verdicts).items()},
+        "cases": [verdict.as_json() for verdict in verdicts],
+    }
+
+
+def _left_out(verdicts: list[Verdict]) -> dict[str, Any]:
+    """Without the true effect in the catalogue, ``explained`` is a false claim, whatever it names."""
+    said = {verdict: sum(v.verdict == verdict for v in verdicts) for verdict in ("unknown", "none", "explained")}
+    claims = [v for v in verdicts if v.verdict == "explained"]
+    print("", f"true effect left out: {len(verdicts)} cases, unknown {said['unknown']}, none {said['none']}", sep="\n")
+    print(f"false explanations {said['explained']}: " + ", ".join(f"{v.kind} as {'+'.join(v.added)}" for v in claims))
+    return {"left_out": said, "cases": [verdict.as_json() for verdict in verdicts]}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
