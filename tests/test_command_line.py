@@ -10,7 +10,20 @@ from pathlib import Path
 import pytest
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
-VERBS = ("import", "compare", "live", "simulate", "add", "remove", "effects", "info", "export", "demo")
+VERBS = (
+    "import",
+    "compare",
+    "diagnose",
+    "discover",
+    "live",
+    "simulate",
+    "add",
+    "remove",
+    "effects",
+    "info",
+    "export",
+    "demo",
+)
 
 
 def twin(*arguments, cwd=None, timeout=60):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 _PREFIXES = ((1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"))
+_TWO_DIGITS = 3.0  # a standard error that begins with a smaller digit is given with two
 
 
 def quantity(value: float | None, unit: str, digits: int = 3) -> str:
@@ -19,3 +20,27 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     number = value / scale
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(number)))) if number else 0
     return f"{number:.{decimals}f} {prefix}{unit}"
+
+
+def estimate(value: float, std: float | None, unit: str) -> str:
+    """``0.07968, 0.00085, 'N m'`` as ``79.7 ± 0.8 mN m``: no digit that the standard error makes meaningless.
+
+    Numbers without a unit and masses take no prefix but a power of ten where they need one.
+    """
+    plain = unit == "1" or unit.startswith("kg")
+    if std is None or not math.isfinite(std) or std <= 0.0:
+        return f"{value:.4g}{'' if unit == '1' else f' {unit}'}" if plain else quantity(value, unit)
+    largest = max(abs(value), std)
+    if plain:
+        power = math.floor(math.log10(largest))
+        scale, prefix = (1.0, "") if -2 <= power <= 3 else (10.0**power, f"e{power}")
+    else:
+        scale, prefix = next(((s, p) for s, p in reversed(_PREFIXES) if largest >= s), _PREFIXES[0])
+    error = std / scale
+    decimals = -math.floor(math.log10(error))
+    decimals = max(0, decimals + (round(error * 10.0**decimals, 6) < _TWO_DIGITS))
+    number = f"{value / scale:.{decimals}f} ± {error:.{decimals}f}"
+    if plain:
+        number = f"({number}){prefix}" if prefix else number
+        return number if unit == "1" else f"{number} {unit}"
+    return f"{number} {prefix}{unit}"

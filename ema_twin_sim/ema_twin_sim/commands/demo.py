@@ -1,17 +1,24 @@
-"""``ema-twin demo``: the whole loop on the project's own recordings, in about half a minute."""
+"""``ema-twin demo``: the whole loop on the project's own recordings. Nobody tells it what is missing."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ema_bench_replay.errors import InputError
 
 from . import compare, live, options
-from .output import console
+from . import discover as discover_verb
+from .output import console, status
+from .wording import effect_words, listed
+
+if TYPE_CHECKING:
+    from ..model import Model
 
 EXAMPLES = """Example:
 
@@ -21,11 +28,6 @@ RECORDINGS = "tests/recordings"
 LIVE = "BancoEMA_sine_0.02_1Hz"
 MARKER = ".ema-twin-demo"
 """A file in the folders that demos made: only these are written to again."""
-ADDED = (
-    (7.0, "backlash", {"width": 0.004}),
-    (14.0, "stribeck_friction", {"torque": 0.08, "speed": 2.0}),
-)
-"""What is switched on in the running twin, and when [s of the replay]."""
 
 
 def run(
@@ -37,7 +39,7 @@ def run(
         typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed of the live replay; 1: real time."),
     ] = 1.0,
 ) -> None:
-    """Show the loop: a twin misses its bench, live; an effect is added, the error falls. Replaces what a demo left."""
+    """Show the loop: a model misses its bench, discover finds why, live the error falls. Replaces what a demo left."""
     from ema_bench_replay.bags.bag_reader import read_bag
     from ema_bench_replay.bags.bag_writer import write_bag
     from ema_bench_replay.configuration import checkout
@@ -46,6 +48,7 @@ def run(
 
     from ..comparison.compare import compare as compare_models
     from ..comparison.noise import noise_floors
+    from ..discovery.discover import discover
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
     from ..views.page import write_page
@@ -69,29 +72,34 @@ def run(
     before = compare_models(recordings, stock)
     compare.show([before])
 
+    _chapter("3", "Which effects does it lack?", "ema-twin discover … --model polito_bench -o better.yaml")
+    with status() as progress:
+        found = discover(recordings, stock, progress=progress)
+    discover_verb.show(found)
+    better_file = save_model(found.model, output / "better.yaml", force=True)
+
     played = next(recording for recording in recordings if recording.name == LIVE)
+    beside, moments = _switched_off(stock, found.model), _moments(list(found.parameters), played.duration)
+    switched = [f"{effect_words(name)} is switched on after {moment:g} s" for name, moment in moments.items()]
+    changing = f"in the running twin, {listed(switched)}" if switched else "nothing is switched on in the twin"
     _chapter(
-        "3",
+        "4",
         "Live: replay, twin and monitor as ROS 2 nodes",
-        f"{played.name} at {rate:g} × real time; backlash is switched on after {ADDED[0][0]:g} s, Stribeck friction "
-        f"after {ADDED[1][0]:g} s, in the running twin",
+        f"{played.name} at {rate:g} × real time; {changing}",
     )
     rrd = output / "live.rrd"
     view = live.LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock)))
     view.tell(0.0, "the stock model beside the bench")
     follower = live.Follower(stock, played)
     follower.watchers.append(view.take)
-    changes = []
-    for moment, effect, parameters in ADDED:
-        changes += [Change(0.0, f"effects.{effect}.{name}", value) for name, value in parameters.items()]
-        changes.append(Change(moment, f"effects.{effect}.enabled", True))
-        view.tell(moment, f"{effect} switched on")
+    for name, moment in moments.items():
+        view.tell(moment, f"{effect_words(name)} switched on")
     try:
         result = run_live(
             played,
-            stock,
+            beside,
             rate=rate,
-            changes=changes,
+            changes=[Change(moment, f"effects.{name}.enabled", True) for name, moment in moments.items()],
             on_pairs=follower.take,
             notify=lambda text: console.print(f"  [bold green]{text}[/bold green]", soft_wrap=True),
             record_to=output / "live",
@@ -106,11 +114,7 @@ def run(
             f"demo: the monitor did not compare every sample ({counts}); free the machine and run it again"
         )
 
-    _chapter("4", "The error falls", "ema-twin compare … --model polito_bench --model better.yaml")
-    better = stock
-    for _, effect, parameters in ADDED:
-        better = better.with_effect(effect, parameters)
-    better_file = save_model(better, output / "better.yaml", force=True)
+    _chapter("5", "The error falls", "ema-twin compare … --model polito_bench --model better.yaml")
     better = load_model(better_file)
     after = compare_models(recordings, better)
     compare.show([before, after])
@@ -118,20 +122,21 @@ def run(
     page = output / "demo.html"
     story = [
         f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings of a virtual bench (another "
-        "program's simulation of it, sensors and noise included) that hides two effects. Nothing is estimated: the "
-        "stock model, and the one with backlash and Stribeck friction added, integrate beside the same recorded speed "
-        "setpoint.",
+        "program's simulation of it, sensors and noise included) that hides two effects. Discover found in them: "
+        f"{listed(map(effect_words, found.parameters)) if found.parameters else 'nothing'}. The stock model, and the "
+        "one with what was found, integrate beside the same recorded speed setpoint.",
         f"Below, the first seconds of {played.name}. Left: bench and both twins. Right: measured minus twin. Click a "
         "name in the legend to hide it; drag in a plot to zoom, double-click to see all.",
     ]
     write_page(page, "EMA twin: the error falls", story, played, [stock, better], [before, after])
-    _chapter("5", "Look at it", f"{time.perf_counter() - begin:.0f} s")
+    _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
     console.print(f"  {page}   before and after, in any browser")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
     console.print(f"  {better_file}   the better model")
     console.print("\nNow your own recordings:\n  .venv/bin/ema-twin import YOUR.CSV -o recordings")
-    console.print("  .venv/bin/ema-twin compare recordings/* --model polito_bench")
+    console.print("  .venv/bin/ema-twin compare recordings --model polito_bench")
+    console.print("  .venv/bin/ema-twin discover recordings --model polito_bench -o better.yaml")
     open_viewer(rrd)
 
 
@@ -147,6 +152,18 @@ def _prepare(output: Path) -> None:
         shutil.rmtree(output / "live", ignore_errors=True)
     except OSError as error:
         raise InputError(f"{output}: cannot be written ({error.strerror}); choose a folder you may write to") from None
+
+
+def _switched_off(start: Model, found: Model) -> Model:
+    """The start model, with the effects that were found in it but off, to be switched on in the running twin."""
+    new = {name: replace(held, enabled=False) for name, held in found.effects.items() if name not in start.effects}
+    return replace(start, effects={**start.effects, **new})
+
+
+def _moments(names: Sequence[str], duration: float) -> dict[str, float]:
+    """When [s of the replay] each of these effects is switched on: one after the other, evenly."""
+    pause = max(1, round(duration / (len(names) + 1)))
+    return {name: float(pause * (k + 1)) for k, name in enumerate(names)}
 
 
 def _chapter(number: str, title: str, detail: str) -> None:

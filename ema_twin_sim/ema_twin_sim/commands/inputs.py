@@ -83,11 +83,26 @@ def input_files(
 
 
 def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
-    """Raise InputError where an output is one of the inputs, by whatever name."""
-    read = {file.resolve(): file for file in inputs}
+    """Raise InputError where an output is one of the inputs, or another output, by whatever name."""
+    taken = {file.resolve(): f"an input ({file})" for file in inputs}
     for output in outputs:
-        if output is not None and output.resolve() in read:
-            raise InputError(f"{output}: is an input ({read[output.resolve()]}); choose another name for the output")
+        if output is not None:
+            if output.resolve() in taken:
+                raise InputError(f"{output}: is {taken[output.resolve()]}; choose another name for the output")
+            taken[output.resolve()] = "another output too"
+
+
+def refuse_existing(force: bool, *outputs: Path | None) -> None:
+    """Raise InputError, before anything is worked out, where an output exists and may not be replaced."""
+    for output in outputs:
+        if output is not None and output.is_file() and not force:
+            raise InputError(f"{output}: exists already; give another name, or --force to replace it")
+
+
+def refuse_evidence(path: Path | None) -> None:
+    """Raise InputError where the name of a file of evidence does not tell what it is."""
+    if path is not None and path.suffix != ".mcap":
+        raise InputError(f"{path}: evidence is written as MCAP; name it .mcap")
 
 
 def write_json(path: Path | None, content: object) -> None:

@@ -61,6 +61,21 @@ WithFiles = Annotated[
         "--with", metavar="FILE.py", help="A Python file with an effect of your own. It is run. May be repeated."
     ),
 ]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--without",
+        metavar="EFFECT",
+        help="An effect that is not to be looked for. May be repeated.",
+        autocompletion=effect_names,
+    ),
+]
+Evidence = Annotated[
+    Path | None,
+    typer.Option(
+        "--evidence", metavar="FILE.mcap", help="Also write what each step left over, for rerun, Foxglove, PlotJuggler."
+    ),
+]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", callback=finite, help="Leave out what is before, in seconds.")

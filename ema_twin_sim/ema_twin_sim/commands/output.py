@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeVar
 
 from rich.console import Console
@@ -36,6 +37,16 @@ def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]
     """The items, with a progress bar where somebody watches and there is more than one."""
     with progress_bar() as progress:
         yield from progress.track(items, description=what)
+
+
+@contextmanager
+def status() -> Iterator[Callable[[str], None]]:
+    """What takes a line of what is being done, and shows it on the error output where somebody watches."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    with messages.status("starting") as shown:
+        yield lambda text: shown.update(f"{text} …")
 
 
 def progress_bar() -> Progress:

@@ -20,14 +20,18 @@ ema-twin simulate --model polito_bench --command ramp:0.05 -o ramp.mcap
 ema-twin simulate --model better.yaml --command sine:0.02:1 --seconds 10 --seed 3 -o sine.CSV
 
 Commands, of the slow shaft: ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, \
-or a file of lines of time in s, value in rad; prefix speed- for a speed command (speed-ramp is rad/s2)."""
+or a file: lines of time in s, value in rad, or the YAML that plan wrote; prefix speed- for a speed command \
+(speed-ramp is rad/s2)."""
 
 
 def run(
     model: options.ModelName,
     command: Annotated[str, typer.Option("--command", "-c", metavar="KIND:A:B|FILE", help="What the bench does.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
-    seconds: Annotated[float, typer.Option(callback=options.finite, help="Duration in seconds.")] = 20.0,
+    seconds: Annotated[
+        float | None,
+        typer.Option(callback=options.finite, help="Duration in seconds; by default the command file's, else 20."),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
     noise: Annotated[bool, typer.Option("--noise/--no-noise", help="With the sensors' noise.")] = True,
     start: Annotated[
@@ -55,6 +59,8 @@ def run(
         raise InputError(f"{output}: unknown kind of recording '{output.suffix}'; name it .mcap or .CSV")
     parsed = parse_command(command, start=start, phase=phase)
     load_effects(with_files or ())
+    if seconds is None:
+        seconds = 20.0 if parsed.seconds is None else parsed.seconds
     recording = virtual_bench(load_model(model), parsed, seconds, seed=seed if noise else None)
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":

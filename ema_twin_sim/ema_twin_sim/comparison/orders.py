@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 _ANGLE_BINS = 256  # per revolution: orders up to 128
-_LOWEST, _HIGHEST, _STEP = 0.2, 60.0, 0.02
+_STEP = 0.02
+ORDERS = np.arange(0.2, 60.0, _STEP)
+"""The orders of a ``Periodicity``'s spectrum."""
 _REFINED = 11  # orders tried around the best of the grid
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
@@ -22,7 +24,7 @@ _LARGEST = 1 << 22  # angle bins
 class Periodicity:
     """The strongest order of a residual: amplitude * sin(order * motor angle + phase), times direction if dissipative.
 
-    ``share`` is the part of the residual's power that it explains, ``spectrum`` the amplitude over orders 0.2 to 60.
+    ``share`` is the part of the residual's power that it explains, ``spectrum`` the amplitude over ``ORDERS``.
     """
 
     order: float
@@ -38,12 +40,11 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
 
     None where no part turns far enough.
     """
-    orders = np.arange(_LOWEST, _HIGHEST, _STEP)
-    plain, flipped = np.zeros_like(orders), np.zeros_like(orders)
+    plain, flipped = np.zeros_like(ORDERS), np.zeros_like(ORDERS)
     used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
     for residual, angle, direction in used:
-        plain += _power(orders, residual, angle)
-        flipped += _power(orders, residual * direction, angle)
+        plain += _power(ORDERS, residual, angle)
+        flipped += _power(ORDERS, residual * direction, angle)
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
@@ -55,7 +56,7 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
     residual, angle, direction = residual[::every], angle[::every], direction[::every]
     if dissipative:
         residual = residual * direction
-    near = orders[best] + _STEP * np.linspace(-1.0, 1.0, _REFINED)
+    near = ORDERS[best] + _STEP * np.linspace(-1.0, 1.0, _REFINED)
     order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
     return Periodicity(
         order,

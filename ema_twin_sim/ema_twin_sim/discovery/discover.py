@@ -15,18 +15,20 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
+from .contradictions import contradictions
 from .decoys import add_decoys, dependence
 from .equation import Equation, Fit, fit
 from .hypothesis import INERTIAS, null_hypothesis
 from .observation import observe_all
-from .rivals import Rivalry, rivalries
+from .rivals import Rivalry, judged_against_rivals
 from .search import Round, Search, left_over, search
 from .uncertainty import covariance
 from .unseen import Unseen, judge_unseen
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
 SHAKY = 3.0  # times that where an output bounces
-REMAINDER = 0.1  # of what the start model leaves over
+CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
+REMAINDER = 0.3  # of what the start model leaves over, there
 
 
 @dataclass(frozen=True)
@@ -114,10 +116,12 @@ def discover(
         progress("something is left: looking for what it depends on")
         verdict = "unknown"
         add_decoys(eq)
+        # only what was found before may stay beside what is in no catalogue: in company anything fits
+        barred |= set(catalogue()) - set(found.fit.hypothesis.effects)
         found = search(eq, null, barred, progress, decoyed=True)
-        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys)) or ("time",)
     progress("looking for rivals")
-    rivals = rivalries(eq, found.fit, barred)
+    found, rivals = judged_against_rivals(eq, found)
     best = found.fit
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
@@ -134,7 +138,7 @@ def discover(
         depends_on,
         "",
         _why(verdict, found, depends_on),
-        tuple(warning for recording in recordings for warning in recording.warnings),
+        (*(warning for recording in recordings for warning in recording.warnings), *contradictions(eq, best)),
         unseen,
         found,
         eq,
@@ -156,9 +160,7 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
     steps = []
-    for k, turn in enumerate(found.rounds):
-        if turn.after is None:
-            continue
+    for k, turn in enumerate(found.taken):
         before, after = unseen.rmse[k], unseen.rmse[k + 1]
         tried = tuple(_tried(turn))
         new = [n for n in turn.after.hypothesis.added if n not in turn.before.hypothesis.added]
@@ -190,7 +192,10 @@ def _parameters(f: Fit, spread: np.ndarray) -> dict[str, dict[str, Any]]:
         entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
         for p in effect.parameters:
             std = sure.get(f"effects.{name}.{p.name}")
-            entry[p.name] = {"value": instance.parameters[p.name], "std": std, "unit": p.unit}
+            value = instance.parameters[p.name]
+            if std is not None and not p.periodic:
+                std = math.hypot(std, CALIBRATION * value)
+            entry[p.name] = {"value": value, "std": std, "unit": p.unit}
         found[name] = entry
     return found
 

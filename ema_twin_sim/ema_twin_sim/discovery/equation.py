@@ -52,26 +52,26 @@ class Equation:
         self.rows = len(self.measured)
         self.reach = np.full(self.rows, 1e9)
         self.decoys: dict[str, np.ndarray] = {}
+        self.use_encoder = True
 
-    def predict(self, h: Hypothesis) -> Prediction:
-        """What the hypothesis predicts."""
+    def predict(self, h: Hypothesis, pool: ThreadPoolExecutor | None = None) -> Prediction:
+        """What the hypothesis predicts; recordings side by side where an idle ``pool`` is given."""
         assembly = assemble(h.model())
         plant = assembly.plant[0]
         rigid = plant["two_inertia"] == 0.0
         inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
-        every = []
-        for o, t, e in zip(self.observations, self.torque_parts, self.encoder_parts, strict=True):
+
+        def one(o: Observation, t: slice, e: slice) -> np.ndarray:
             required = np.empty((len(o.motion), len(REQUIRED)))
             require(assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
-            every.append(required)
             if len(o.encoder_rows):
                 shown = required[:, 1]
                 difference = o.motion[:, 1] / plant["gear_ratio"]
                 if rigid and plant["encoder_delay"] == 0.0 and plant["eccentricity_amplitude"] == 0.0:
-                    continue
+                    return required
                 if plant["encoder_delay"] != 0.0:
                     time = o.motion[:, 0]
                     shown = np.interp(time - plant["encoder_delay"], time, shown)
@@ -79,6 +79,10 @@ class Equation:
                     start = o.output_origin + plant["eccentricity_phase"]
                     shown = shown + plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
                 smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[e])
+            return required
+
+        parts = (self.observations, self.torque_parts, self.encoder_parts)
+        every = list(pool.map(one, *parts) if pool else map(one, *parts))
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
@@ -111,6 +115,9 @@ class Equation:
     def residual(self, predicted: Prediction) -> np.ndarray:
         """Measured minus predicted (m,), in units of noise; each recording's encoder offset is taken out, robustly."""
         rows = self.measured - predicted.rows
+        if not self.use_encoder:
+            rows[self.size :] = 0.0
+            return rows
         for e in self.encoder_parts:
             if e.stop > e.start:
                 noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
@@ -121,7 +128,10 @@ class Equation:
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
         """Square roots (m,) of what each row counts: less and less beyond ``reach``."""
-        return 1.0 / np.sqrt(1.0 + (residual / self.reach) ** 2)
+        weights = 1.0 / np.sqrt(1.0 + (residual / self.reach) ** 2)
+        if not self.use_encoder:
+            weights[self.size :] = 0.0
+        return weights
 
     def misfit(self, residual: np.ndarray) -> float:
         """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
@@ -130,7 +140,7 @@ class Equation:
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
         rows = rows.copy()
-        for e in self.encoder_parts:
+        for e in self.encoder_parts if self.use_encoder else ():
             if e.stop > e.start:
                 noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
                 w = weights[e] ** 2
@@ -210,13 +220,14 @@ def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
     return r, j
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a step too far may blow up; it is not taken then
 def fit(
     equation: Equation, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
 ) -> Fit:
     """Levenberg-Marquardt with bounds and priors. The slopes of a fit ``known`` are kept for the numbers it shares."""
     slopes = {}
     if known is not None:
-        plain = known.jacobian / known.weights[:, None]
+        plain = known.jacobian / np.maximum(known.weights, 1e-12)[:, None]
         slopes = {f.path: plain[:, k] for k, f in enumerate(known.hypothesis.free)}
     lower = np.array([f.lower for f in h.free])
     upper = np.array([f.upper for f in h.free])
@@ -245,7 +256,7 @@ def fit(
             if not np.isfinite(step).all():
                 break
             trial = h.at(np.clip(h.values + step, lower, upper))
-            p = equation.predict(trial)
+            p = equation.predict(trial, POOL)
             r = equation.residual(p)
             q, _ = prior_rows(trial)
             c = equation.misfit(r) + float(q @ q)

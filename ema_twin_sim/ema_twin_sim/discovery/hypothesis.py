@@ -10,6 +10,7 @@ import numpy as np
 
 from ..effects import catalogue
 from ..model import EffectInstance, Model
+from ..plant.driven_output import RESOLVED
 
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 LAG = "lag"
@@ -17,6 +18,7 @@ PRIOR = 0.05
 SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 BEYOND = 5.0
 PARTING = ("backlash", "shaft_compliance")
+SIDED = ("scale.output_", "contact.")
 LAG_PRIOR = 2e-4  # s
 
 
@@ -92,9 +94,15 @@ class Hypothesis:
                             instance = effects[name]
                             parameters = {**instance.parameters, size: instance.parameters[size] * value}
                             effects[name] = replace(instance, parameters=parameters)
+            elif kind == "contact":
+                path = f"transmission.contact_{rest}"
+                constants[path] = replace(constants[path], value=float(value))
             elif kind == "effects":
                 name, _, parameter = rest.partition(".")
-                added[name][parameter] = float(value)
+                turning = any(
+                    p.name == parameter and p.periodic for p in catalogue()[self.added[name].effect].parameters
+                )
+                added[name][parameter] = math.remainder(value, 2.0 * math.pi) if turning else float(value)
         for name, instance in self.added.items():
             effects[name] = replace(instance, parameters=added[name])
         return replace(self.base, constants=constants, effects=effects)
@@ -120,28 +128,36 @@ class Hypothesis:
             elif p.neutral is None and p.starts:
                 # far outside its starts an effect does nothing that a machine without it would not do
                 lower, upper = max(lower, min(p.starts) / BEYOND), min(upper, max(p.starts) * BEYOND)
-            elif p is effect.parameters[0] and p.neutral == 0.0 and any(q.periodic for q in effect.parameters):
-                lower = -upper
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
         more = replace(self, added={**self.added, name: instance}, free=tuple(free), values=np.array(values))
         return more._sides()
 
     def _sides(self) -> Hypothesis:
-        """With what the motor's and the output's side share out free where the transmission tells them apart."""
-        parted = any(instance.effect in PARTING for instance in (*self.added.values(), *self.base.effects.values()))
-        parted = parted or self.base.kinds["transmission"] == "two_inertia"
-        has = any(f.path == "scale.output_inertia" for f in self.free)
-        if parted and not has:
-            more = (
-                Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR)),
-                Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR)),
-            )
-            return replace(self, free=(*self.free, *more), values=np.append(self.values, [1.0, 1.0]))
-        if has and not parted:
-            keep = [k for k, f in enumerate(self.free) if not f.path.startswith("scale.output_")]
-            return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
-        return self
+        """With the numbers free that only a transmission with play or spring shows, and without them elsewhere."""
+        held = {instance.effect for instance in (*self.added.values(), *self.base.effects.values())}
+        wanted: list[tuple[Free, float]] = []
+        if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
+            wanted += [
+                (Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR)), 1.0),
+                (Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR)), 1.0),
+            ]
+        if "backlash" in held and "shaft_compliance" not in held:
+            # where teeth meet is a spring too, which nobody knows: as stiff as samples resolve, to begin with
+            inertia = self.base.value("machine.output_inertia")
+            stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
+            wanted += [
+                (Free("contact.stiffness", 0.3 * stiffness, 9.0 * stiffness, 0.02 * stiffness), stiffness),
+                (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),
+            ]
+        paths = [free.path for free, _ in wanted]
+        keep = [k for k, f in enumerate(self.free) if f.path in paths or not f.path.startswith(SIDED)]
+        new = [(free, value) for free, value in wanted if free.path not in {f.path for f in self.free}]
+        return replace(
+            self,
+            free=(*(self.free[k] for k in keep), *(free for free, _ in new)),
+            values=np.append(self.values[keep], [value for _, value in new]),
+        )
 
     def with_decoy(self, name: str, columns: int) -> Hypothesis:
         """One more dependence that is no effect: ``columns`` coefficients of the decoy of that name."""

@@ -33,6 +33,7 @@ SHAKEN = 0.05  # s after hard acceleration in which rows count less
 CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
 THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
+SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
 LEAST_ROWS = 100  # of motion, in all recordings together: a second
 CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
@@ -56,6 +57,7 @@ class Observation:
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
     calm: np.ndarray  # bool (m,), no hard acceleration shortly before
+    thrown: np.ndarray  # bool (m,), so hard an acceleration not long before that an output with play rests anywhere
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
@@ -73,6 +75,7 @@ class Observation:
             acceleration=self.acceleration[rows],
             torque_noise=self.torque_noise[rows],
             calm=self.calm[rows],
+            thrown=self.thrown[rows],
             encoder_rows=self.encoder_rows[encoder] - first,
             encoder=self.encoder[encoder],
             encoder_noise=self.encoder_noise[encoder],
@@ -112,9 +115,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
     encoder_rows = centres[judged[centres]] if output is not None else centres[:0]
-    thrown = _hardest(acceleration, THROWN, 2.0 * width, period)[encoder_rows] > CHAOTIC
-    if not thrown.all():
-        encoder_rows = encoder_rows[~thrown]
+    thrown = _hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    if not thrown[encoder_rows].all():
+        encoder_rows = encoder_rows[~thrown[encoder_rows]]
     parting = np.hypot(
         _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
         JITTER * smooth(difference, gaussian(width, period, 1)),
@@ -132,6 +135,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
         calm=hit[rows] < HARD,
+        thrown=thrown[rows],
         encoder_rows=encoder_rows,
         encoder=_at(difference, kernel, encoder_rows),
         encoder_noise=parting[encoder_rows],
@@ -160,13 +164,14 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
     whole = np.ones(len(recording), bool)
     for values in used.values():
         whole &= np.isfinite(values)
+    if whole.sum() < 2:
+        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
+    measured = recording.time[whole]
+    used = {name: despiked(values[whole]) for name, values in used.items()}
     if whole.all() and np.abs(steps - period).max() < 0.02 * period:
         return period, recording.time, used, whole
-    measured = recording.time[whole]
-    if len(measured) < 2:
-        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
-    signals = {name: np.interp(time, measured, values[whole]) for name, values in used.items()}
+    signals = {name: np.interp(time, measured, values) for name, values in used.items()}
     after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
     return period, time, signals, measured[after] - measured[after - 1] <= 1.5 * period
 
@@ -213,6 +218,21 @@ def _hardest(acceleration: np.ndarray, before: float, after: float, period: floa
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     left, right = round(before / period), round(after / period)
     return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+
+
+def despiked(values: np.ndarray) -> np.ndarray:
+    """The values (n,) without single samples that stand far out of their neighbours' line: transmission errors."""
+    middle = 0.5 * (values[:-2] + values[2:])
+    out = values[1:-1] - middle
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
+    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
+    wild = (np.abs(out) > SPIKE * spread) & (before * out < -0.25 * out**2) & (after * out < -0.25 * out**2)
+    if spread == 0.0 or not wild.any():
+        return values
+    kept = values.copy()
+    kept[1:-1][wild] = middle[wild]
+    return kept
 
 
 def _white_noise(values: np.ndarray) -> float:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .equation import Equation, Fit, fit
-from .search import entrants, gain, unique
+from .search import STRUCTURAL, Round, Search, Trial, gain, new_names, prune, unique
 
 CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
-TRIED = 3
+BETTER = 1.0  # the same: a rival that gains more takes the effect's place
+NEAR = 0.5  # share of the winner's gain from which on what was tried in its round may be a rival
+SWAPS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,29 +18,64 @@ class Rivalry:
     """One found effect, the best that could stand in for it, and those that the data cannot tell from it."""
 
     effect: str
-    runner_up: str
-    behind: float  # how much the runner-up loses by
+    runner_up: str  # empty: nothing else came near
+    behind: float  # how much the runner-up loses by, in units of noise
     group: tuple[str, ...]  # the effect and what the data cannot tell from it, sorted
+    fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
 
 
-def rivalries(eq: Equation, best: Fit, without: frozenset[str]) -> tuple[Rivalry, ...]:
-    """For each found effect, refit without it and with its best substitutes."""
-    found = []
+def judged_against_rivals(eq: Equation, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
+    """The search with every effect that a rival beats replaced by it, and what still comes near."""
+    rivals = rivalries(eq, found)
+    for _ in range(SWAPS):
+        better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
+        if better is None or better.behind > -BETTER:
+            break
+        found = _swapped(eq, found, better.fits[0])
+        rivals = rivalries(eq, found)
+    return found, rivals
+
+
+def rivalries(eq: Equation, found: Search) -> tuple[Rivalry, ...]:
+    """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
+    best = found.fit
+    judged = []
     for name, instance in best.hypothesis.added.items():
-        if best.predicted.plant["two_inertia"][0] != 0.0 and instance.effect in ("backlash", "shaft_compliance"):
+        turn = next((t for t in found.taken if name in t.added), None)
+        if turn is None or instance.effect in STRUCTURAL:
             continue
-        bare = fit(eq, best.hypothesis.without(name), 4, known=best)
-        barred = without | {instance.effect}
-        substitutes = [fit(eq, h, 6, known=bare) for h in entrants(eq, bare, barred)[:TRIED]]
-        if not substitutes:
-            continue
-        ranked = sorted(substitutes, key=lambda f: -gain(eq, best, f))
-        close = {
-            list(f.hypothesis.added.values())[-1].effect
-            for f in ranked
-            if gain(eq, best, f) > -CLOSE and unique(eq, bare, f) > 0.0
-        }
-        runner_up = list(ranked[0].hypothesis.added.values())[-1].effect
+        fits = sorted(substitutes(eq, best, name, turn), key=lambda f: -gain(eq, best, f))
+        worth = [gain(eq, best, f) for f in fits]
+        effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
+        close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
+        runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
-        found.append(Rivalry(instance.effect, runner_up, -gain(eq, best, ranked[0]), group))
-    return tuple(found)
+        judged.append(Rivalry(instance.effect, runner_up, behind, group, tuple(fits)))
+    return tuple(judged)
+
+
+def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
+    """The end of the search with an effect replaced by each that came near it in its round."""
+    winner = max(trial.gain for trial in turn.tried if name in trial.names)
+    bare = best.hypothesis.without(name)
+    effect = best.hypothesis.added[name].effect
+    found = []
+    for trial in turn.tried:
+        if len(trial.names) != 1 or trial.gain < NEAR * winner:
+            continue
+        other = trial.fit.hypothesis.added.get(trial.names[0])
+        if other is None or other.effect == effect or other.effect in best.hypothesis.effects:
+            continue
+        start = trial.fit.hypothesis.instance(trial.names[0])
+        found.append(fit(eq, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+    return found
+
+
+def _swapped(eq: Equation, found: Search, rival: Fit) -> Search:
+    """The search with one more round, in which a rival took an effect's place."""
+    best = found.fit
+    added, removed = new_names(best, rival), new_names(rival, best)
+    after = prune(eq, fit(eq, rival.hypothesis))
+    trial = Trial(added, rival, gain(eq, best, rival), unique(eq, best, rival))
+    turn = Round(best, (trial,), after, added, removed)
+    return replace(found, fit=after, rounds=(*found.rounds, turn))

@@ -17,16 +17,21 @@ from .hypothesis import Hypothesis
 from .structure import NARROW, structural_fits
 
 CORRELATION = 2.0  # neighbouring rows are correlated: what one row is worth less
-COST_EFFECT = 9.0
-COST_PARAMETER = 1.5
+COST_EFFECT = 7.0
+COST_PARAMETER = 4.0
+SHAKY = 3.0
 COST_DECOY = 6.0
+DECOY_SHARE = 0.85
 CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
 FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
 SHARE = 0.1  # of the excess that an effect must remove
 ENTRANTS = 8
 ROUNDS = 10
-PARTED = 1.5  # noise standard deviations by which the encoders part where a gearbox is suspected
+PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 STRUCTURAL = ("backlash", "shaft_compliance")
+ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})
+LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
+"""What a gearbox that rings or bounces looks like in the torque alone."""
 POOL_SCREEN = ThreadPoolExecutor(2)
 
 
@@ -37,6 +42,7 @@ class Screened:
     candidate: Candidate
     start: dict[str, float]
     gain: float
+    shift: np.ndarray  # (k,) by how much the numbers that were free before give way to it
 
 
 def projector(f: Fit) -> tuple[np.ndarray, np.ndarray]:
@@ -52,6 +58,7 @@ def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]
     """Each candidate's gain, at its best start, best first."""
     q, r = projector(f)
     pad = np.zeros(len(r) - len(f.raw))
+    slopes = np.concatenate([f.jacobian, prior_rows(f.hypothesis)[1]])
 
     def column(c: Candidate, parameters: dict[str, float], per: float) -> np.ndarray:
         h = f.hypothesis.with_effect(c.effect, c.options, parameters)
@@ -74,8 +81,10 @@ def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]
             a = np.stack([column(c, s, per) for s in given], 1)
             if not np.isfinite(a).all():
                 continue
-            a -= q @ (q.T @ a)
+            raw = a
+            a = a - q @ (q.T @ a)
             start = dict(group[0])
+            shift = np.zeros(slopes.shape[1])
             if size.neutral is None:
                 left = r - a[:, 0]
                 gain = float(r @ r - left @ left)
@@ -98,12 +107,19 @@ def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]
                     fitted = fitted * ((clipped - size.neutral) / (value - size.neutral))
                 gain = float(r @ r - (r - fitted) @ (r - fitted))
                 start[size.name] = clipped
+                if clipped == value:
+                    shift = -np.linalg.lstsq(slopes, raw @ x, rcond=1e-9)[0]
             if best is None or gain > best.gain:
-                best = Screened(c, start, gain)
+                best = Screened(c, start, gain, shift)
         return best
 
     found = [s for s in POOL_SCREEN.map(one, options) if s is not None]
     return sorted(found, key=lambda s: -s.gain)
+
+
+def judged(eq: Equation) -> int:
+    """How many rows are judged."""
+    return eq.rows if eq.use_encoder else eq.size
 
 
 def price(f: Fit) -> float:
@@ -115,7 +131,9 @@ def price(f: Fit) -> float:
 
 def gain(eq: Equation, before: Fit, after: Fit) -> float:
     """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
-    temperature = CORRELATION * max(1.0, min(before.misfit, after.misfit) / eq.rows)
+    temperature = CORRELATION * max(1.0, min(before.misfit, after.misfit) / judged(eq))
+    if _parted(before) and _parted(after):
+        temperature *= SHAKY  # beside an output that bounces, more is fitted by chance
     return (before.misfit - after.misfit) / temperature + price(before) - price(after)
 
 
@@ -133,20 +151,19 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
 def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
     fall = before.misfit - after.misfit
-    excess = max(before.misfit - eq.rows, 0.0)
+    excess = max(before.misfit - judged(eq), 0.0)
     if before.prior_cost - after.prior_cost > COST_EFFECT + COST_PARAMETER:
         return True
-    left = math.sqrt(max(1.0, after.misfit / eq.rows))
+    left = math.sqrt(max(1.0, after.misfit / judged(eq)))
     # an output that bounces is never known as well as one that does not
-    floor = FLOOR * (2.0 if after.predicted.plant["two_inertia"][0] != 0.0 else 1.0)
+    floor = FLOOR * (2.0 if _parted(after) else 1.0)
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
 
 
 def settle(eq: Equation, f: Fit) -> Fit:
     """Fit, take weight from outliers, fit again."""
     for _ in range(4):
-        parted = f.predicted.plant["two_inertia"][0] != 0.0
-        if not eq.reweigh(f.raw, NARROW if parted else math.inf):
+        if not eq.reweigh(f.raw, NARROW if _parted(f) else math.inf):
             break
         f = fit(eq, f.hypothesis)
     return f
@@ -188,8 +205,14 @@ class Round:
 
     before: Fit
     tried: tuple[Trial, ...]
-    after: Fit | None  # None: nothing was worth its price, and the search ended
-    removed: tuple[str, ...] = ()
+    after: Fit
+    added: tuple[str, ...] = ()  # empty: nothing was worth its price
+    removed: tuple[str, ...] = ()  # what was needless beside it, which may be itself
+
+    def effect_of(self, name: str) -> str:
+        """The effect, or the decoy, behind a name that was tried."""
+        held = next((t.fit.hypothesis.added[name] for t in self.tried if name in t.fit.hypothesis.added), None)
+        return held.effect if held else name
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +221,11 @@ class Search:
 
     fit: Fit
     rounds: tuple[Round, ...]
+
+    @property
+    def taken(self) -> tuple[Round, ...]:
+        """The rounds in which something was added."""
+        return tuple(turn for turn in self.rounds if turn.added)
 
 
 def search(
@@ -209,42 +237,85 @@ def search(
 ) -> Search:
     """Add effects one after another as long as each is worth its price, and drop what later ones make needless.
 
-    ``decoyed`` lets decoys stand beside the effects.
+    Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
+    gearbox can only be simulated with the right loads. ``decoyed`` lets decoys stand beside the effects.
     """
     current = settle(eq, null)
     rounds: list[Round] = []
+    if parted_encoders(eq, current) and not without >= set(STRUCTURAL):
+        eq.use_encoder = False
+        progress("looking at the torque alone")
+        current, by_torque = _add_effects(
+            eq, fit(eq, current.hypothesis), without | _misleading(null), progress, decoyed
+        )
+        rounds += by_torque
+        eq.use_encoder = True
+        eq.reach = np.full(eq.rows, NARROW)
+        current = fit(eq, current.hypothesis)
+        if parted_encoders(eq, current):
+            progress("looking at the gearbox")
+            current, by_gearbox = _add_structure(eq, current, without)
+            rounds += by_gearbox
+    else:
+        without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
+    current, by_all = _add_effects(eq, current, without, progress, decoyed)
+    return Search(current, (*rounds, *by_all))
+
+
+def _misleading(null: Fit) -> frozenset[str]:
+    """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
+    held = {instance.effect for instance in null.hypothesis.base.effects.values()}
+    return ENCODER_ONLY | LIKE_STRUCTURE | (held & {"viscous_friction", "coulomb_friction"})
+
+
+def _parted(f: Fit) -> bool:
+    return bool(f.predicted.plant["two_inertia"][0] != 0.0)
+
+
+def _add_effects(
+    eq: Equation, current: Fit, without: frozenset[str], progress: Callable[[str], None], decoyed: bool
+) -> tuple[Fit, list[Round]]:
+    """One effect a round, until none is worth its price."""
+    rounds: list[Round] = []
     banned: frozenset[str] = frozenset()
-    looked_for_structure = bool(without >= set(STRUCTURAL))
     for _ in range(ROUNDS):
-        structural = not looked_for_structure and parted_encoders(eq, current)
-        if structural:
-            eq.reach = np.full(eq.rows, NARROW)
-            current = fit(eq, current.hypothesis)
-        progress("looking at " + ("the gearbox and " if structural else "") + "all effects")
-        hypotheses = entrants(eq, current, without | banned)
-        tried = [fit(eq, h, 6, known=current) for h in hypotheses]
+        progress("trying all effects")
+        tried = [fit(eq, h, 6, known=current) for h in entrants(eq, current, without | banned)]
         if decoyed:
             eq.decoys.update(order_decoys(eq, current))
             for _, name in screen_decoys(eq, current)[:2]:
                 tried.append(fit(eq, current.hypothesis.with_decoy(name, eq.decoys[name].shape[1]), 3, known=current))
-        if structural:
-            looked_for_structure = True
-            tried += [f for f in structural_fits(eq, current) if not without & set(f.hypothesis.effects)]
-        trials = sorted(
-            (Trial(new_names(current, g), g, gain(eq, current, g), unique(eq, current, g)) for g in tried),
-            key=lambda trial: -trial.gain,
-        )
-        took = next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
-        if took is None:
-            rounds.append(Round(current, tuple(trials), None))
+        turn = _turn(eq, current, tried)
+        rounds.append(turn)
+        if not turn.added:
             break
-        progress("found " + " and ".join(took.names))
-        after = prune(eq, settle(eq, fit(eq, took.fit.hypothesis)))
-        removed = new_names(after, took.fit)
-        banned |= {i.effect for n, i in took.fit.hypothesis.added.items() if n in removed and n in took.names}
-        rounds.append(Round(current, tuple(trials), after, removed))
-        current = after
-    return Search(current, tuple(rounds))
+        progress("found " + " and ".join(turn.added))
+        banned |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
+        current = turn.after
+    return current, rounds
+
+
+def _add_structure(eq: Equation, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
+    """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
+    tried = [f for f in structural_fits(eq, current) if not without & set(f.hypothesis.effects)]
+    sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
+    tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
+    turn = _turn(eq, current, tried)
+    return turn.after, [turn]
+
+
+def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
+    """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
+    trials = sorted(
+        (Trial(new_names(current, g), g, gain(eq, current, g), unique(eq, current, g)) for g in tried),
+        # a decoy fits anything: an effect that does nearly as well goes first
+        key=lambda trial: -trial.gain * (DECOY_SHARE if set(trial.names) & set(trial.fit.hypothesis.decoys) else 1.0),
+    )
+    took = next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
+    if took is None:
+        return Round(current, tuple(trials), current)
+    after = prune(eq, settle(eq, fit(eq, took.fit.hypothesis)))
+    return Round(current, tuple(trials), after, took.names, new_names(after, took.fit))
 
 
 def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
@@ -256,7 +327,14 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
         if alike < 2 and len(picked) < ENTRANTS and s.gain > 0.02 * ranked[0].gain:
             picked.append(s)
-    return [current.hypothesis.with_effect(s.candidate.effect, s.candidate.options, s.start) for s in picked]
+    lower = np.array([free.lower for free in current.hypothesis.free])
+    upper = np.array([free.upper for free in current.hypothesis.free])
+    return [
+        current.hypothesis.at(np.clip(current.hypothesis.values + s.shift, lower, upper)).with_effect(
+            s.candidate.effect, s.candidate.options, s.start
+        )
+        for s in picked
+    ]
 
 
 def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
@@ -267,9 +345,10 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
 
 def left_over(eq: Equation, f: Fit) -> list[float]:
     """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
+    parted = _parted(f)
     found = []
     for o, part in zip(eq.observations, eq.torque_parts, strict=True):
-        z = f.raw[part][o.calm]
+        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]
         if len(z) < 20:
             found.append(0.0)
             continue

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .equation import Equation, Fit, prior_rows
+from .equation import POOL, Equation, Fit, prior_rows
 
 CORRELATION = 2.0  # neighbouring rows are correlated: what one row is worth less
+STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
 BLOCKS = 6  # fewest blocks of a jackknife; recordings are parted where there are fewer
 
 
@@ -54,7 +55,21 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
         rows = np.r_[t, e]
         j, r = f.jacobian[rows], f.residual[rows]
         left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
-        found.append(np.clip(f.hypothesis.values - left @ (j.T @ r) / scale, lower, upper))
+        step = -left @ (j.T @ r) / scale
+        others = np.ones(eq.rows, bool)
+        others[rows] = False
+        # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by
+        best, least = f.hypothesis.values, np.inf
+        for share in STEP_SHARES:
+            values = np.clip(f.hypothesis.values + share * step, lower, upper)
+            trial = f.hypothesis.at(values)
+            residual = eq.residual(eq.predict(trial, POOL))[others]
+            pr, _ = prior_rows(trial)
+            reach = eq.reach[others]
+            cost = float(reach**2 @ np.log1p((residual / reach) ** 2)) / scale + float(pr @ pr)
+            if cost < least:
+                best, least = values, cost
+        found.append(best)
     return found
 
 

@@ -50,7 +50,7 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
     inputs = [choose_input(recording) for recording in recordings]
     driven = all(source == "current" for source in inputs)
     signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
-    fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.rounds if turn.after is not None)]
+    fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
     jobs: list[tuple[int, Recording, str, Model]] = []
     for k, f in enumerate(fits):
         alone = len(recordings) < 2

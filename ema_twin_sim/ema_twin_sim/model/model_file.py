@@ -41,16 +41,13 @@ def model_files(name: str | os.PathLike[str]) -> list[Path]:
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
     """Write a model whole. Raises InputError where the file exists (without ``force``) or cannot be written."""
     path = Path(path)
-    if path.suffix not in (".yaml", ".yml"):
-        raise InputError(
-            f"{path}: a model file is named .yaml (without it, it would hide a shipped model of that name)"
-        )
+    check_model_name(path)
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
     for part in PARTS[1:]:
         content[part] = {"kind": model.kinds[part]} if part in model.kinds else {}
     for constant_path, held in model.constants.items():
         constant = CONSTANTS[constant_path]
-        entry: dict[str, object] = {"value": held.value, "unit": constant.unit, "tolerance": held.tolerance}
+        entry: dict[str, object] = {"value": float(held.value), "unit": constant.unit, "tolerance": held.tolerance}
         if held.source:
             entry["source"] = held.source
         content[constant.part][constant.name] = entry  # type: ignore[index]
@@ -58,7 +55,7 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         name: {
             "effect": instance.effect,
             "options": dict(instance.options),
-            "parameters": dict(instance.parameters),
+            "parameters": {parameter: float(value) for parameter, value in instance.parameters.items()},
             **({} if instance.enabled else {"enabled": False}),
         }
         for name, instance in model.effects.items()
@@ -67,6 +64,14 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
     with new_file(path, force=force) as file:
         file.write(f"# EMA twin model, whole; units as stated, tolerances relative (one std)\n{text}".encode())
     return path
+
+
+def check_model_name(path: Path) -> None:
+    """Raise InputError where a file of that name would not be taken for a model."""
+    if path.suffix not in (".yaml", ".yml"):
+        raise InputError(
+            f"{path}: a model file is named .yaml (without it, it would hide a shipped model of that name)"
+        )
 
 
 class _Dumper(yaml.SafeDumper):

@@ -27,7 +27,8 @@ transmitted torque [N m], dry level [N m]."""
 
 _EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
 _PLANT = from_dtype(PLANT)
-_SUBSTEP = 1.25e-4  # s; the contact is softened to what samples resolve, so this is short enough
+_SUBSTEP = 2.5e-4  # s, short enough for the stiffest spring
+_STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is taken as one that samples resolve (driven_output.py)
 _STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle gives way
 _LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
 
@@ -67,9 +68,8 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
         output_damping = plant.bristle_damping * (1.0 - share)
     stiffness = plant.contact_stiffness
     damping = plant.contact_damping
-    resolved = plant.output_inertia * RESOLVED**2
-    if stiffness > resolved:
-        stiffness = resolved
+    if stiffness > plant.output_inertia * _STIFFEST**2:
+        stiffness = plant.output_inertia * RESOLVED**2
         damping = 2.0 * plant.output_inertia * RESOLVED
     output_angle = motion[0, MOTOR_ANGLE]
     output_speed = motion[0, SPEED]

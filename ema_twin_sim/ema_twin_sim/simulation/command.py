@@ -1,15 +1,20 @@
-"""Commands of the virtual bench and of a twin on its own clock: ramp, step, sine, triangle, or a file of points."""
+"""Commands of the virtual bench and of a twin on its own clock: ramp, step, sine, triangle, or a file of points.
+
+A YAML file (``ema-twin plan`` writes one) holds a command and for how long it is worth recording.
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import yaml
 
+from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
 _SHAPES = {
@@ -20,8 +25,14 @@ _SHAPES = {
 }
 FORMS = (
     "ramp:RAD_PER_S, sine:RAD:HZ, triangle:RAD_PER_S:HALF_PERIOD_S, step:RAD:HALF_PERIOD_S, prefix speed- for a speed "
-    "command, or a CSV file of time [s], value [rad]"
+    "command, a CSV file of time [s], value [rad], or a YAML file that plan wrote"
 )
+_WORDS = {
+    "ramp": "a ramp of {0:g} {unit}/s",
+    "sine": "a sine of ±{0:g} {unit} at {1:g} Hz",
+    "triangle": "a triangle of ±{0:g} {unit}/s that turns every {1:g} s",
+    "step": "steps between 0 and {0:g} {unit} every {1:g} s",
+}
 
 LARGEST = 1e6
 """rad or rad/s of the slow shaft, and Hz or s of a shape: no command is larger."""
@@ -37,6 +48,8 @@ class Command:
     text: str
     speed: bool
     function: Callable[[np.ndarray], np.ndarray]
+    seconds: float | None = None
+    """For how long it is meant to be recorded, where its file says so."""
 
     @property
     def name(self) -> str:
@@ -64,6 +77,8 @@ def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Comma
     speed = kind.startswith("speed-")
     shape = kind.removeprefix("speed-")
     if shape not in _SHAPES:
+        if Path(text).suffix.lower() in (".yaml", ".yml"):
+            return _from_yaml(Path(text), start, phase)
         if Path(text).suffix.lower() == ".csv" or Path(text).exists():
             return Command(text, False, _from_file(Path(text), start))
         raise InputError(f"command '{text}': unknown kind '{kind}'; give {FORMS}")
@@ -98,6 +113,37 @@ def _shape(shape: str, values: list[float], start: float, phase: float) -> Calla
     if shape == "triangle":
         return lambda t: start + triangle(t) - triangle(np.zeros(1))
     return lambda t: start + size * (np.mod(t + shift, 2.0 * half) < half)
+
+
+def in_words(text: str) -> str:
+    """What ``KIND:A[:B]`` is, for people: ``position: a triangle of ±0.04 rad/s that turns every 2 s``."""
+    kind, *numbers = parse_command(text).text.split(":")
+    speed = kind.startswith("speed-")
+    words = _WORDS[kind.removeprefix("speed-")].format(*map(float, numbers), unit="rad/s" if speed else "rad")
+    return f"{'speed' if speed else 'position'} of the output: {words.replace('rad/s/s', 'rad/s²')}"
+
+
+def write_command(text: str, seconds: float, why: str) -> bytes:
+    """The YAML file that ``parse_command`` reads, for a command that is worth ``seconds`` s of recording."""
+    content = {"version": 1, "command": text, "seconds": seconds, "why": why}
+    head = f"# {in_words(text)}\n"
+    return (head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120)).encode()
+
+
+def _from_yaml(path: Path, start: float, phase: float) -> Command:
+    """The command in a YAML file: ``{version: 1, command, seconds, why}``, the last two if need be."""
+    content, _ = read_yaml(path, "give a YAML file that plan wrote, or KIND:A[:B]")
+    check = Checker(path)
+    table = check.mapping(content, "", ("version", "command", "seconds", "why"), ("version", "command"))
+    check.choice(table["version"], "version", (1,))
+    text = check.text(table["command"], "command")
+    if text.partition(":")[0].removeprefix("speed-") not in _SHAPES:
+        raise check.error("command", f"'{text}' is no command", f"give {FORMS.partition(', a CSV')[0]}")
+    seconds = check.number(table["seconds"], "seconds", 0.0) if "seconds" in table else None
+    try:
+        return replace(parse_command(text, start=start, phase=phase), seconds=seconds)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:

@@ -24,10 +24,12 @@ def virtual_bench(
     seed: int | None = 0,
     name: str = "",
     step: float = DEFAULT_STEP,
+    origins: tuple[float, float] = (0.0, 0.0),
 ) -> Recording:
     """A recording of the model driven by a command, with the sensors' noise (``seed`` None: none).
 
-    It starts at rest, with the drive on, and is sampled with the model's trace period.
+    It starts at rest, with the drive on, and is sampled with the model's trace period. ``origins`` [rad] are what the
+    motor's counter and the output's encoder show at the start.
     """
     period = round(model.value("sensors.sample_period") * 1e9)
     count = int(seconds * 1e9 / period + 1e-9) + 1 if math.isfinite(seconds) else 0
@@ -41,7 +43,7 @@ def virtual_bench(
     bench = np.full((count, len(BENCH)), math.nan)
     bench[:, BENCH.index(column)] = wanted * (model.value("machine.gear_ratio") if command.speed else 1.0)
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
-    twin.start({column: bench[0, BENCH.index(column)]}, 0.0, 0.0)
+    twin.start({column: bench[0, BENCH.index(column)]}, *origins)
     rows = twin.follow(stamps, bench)
     refuse_infinite(rows, stamps * 1e-9, f"model {model.name}: on the virtual bench")
     signals = {
@@ -55,8 +57,8 @@ def virtual_bench(
         name=name or command.name,
         stamps=stamps,
         signals=signals,
-        motor_angle_origin=0.0,
-        output_angle_origin=0.0,
+        motor_angle_origin=origins[0],
+        output_angle_origin=origins[1],
         metadata={"source": "virtual bench", "model": model.name, "command": command.text, "seed": str(seed)},
     )
 

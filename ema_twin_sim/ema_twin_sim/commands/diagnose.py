@@ -1,0 +1,121 @@
+"""``ema-twin diagnose``: which effect a model lacks, the likeliest first."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+
+from ..quantities import estimate
+from . import options
+from .discover import show_doubts
+from .output import console, status, warn
+from .wording import effect_words, options_words, verdict_sentence
+
+if TYPE_CHECKING:
+    from ..discovery.diagnose import Diagnosis, Ranked
+
+EXAMPLES = """Examples:
+
+ema-twin diagnose recordings --model polito_bench
+
+ema-twin diagnose run.mcap --model better.yaml --json diagnosis.json --evidence diagnosis.mcap
+
+ema-twin diagnose recordings --model polito_bench --with position_friction.py --without gravity_load"""
+
+_BAR = 20
+
+
+def run(
+    runs: options.Runs,
+    model: options.ModelName,
+    with_files: options.WithFiles = None,
+    without: options.Without = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    evidence: options.Evidence = None,
+    force: options.Force = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Rank the effects that a model may lack: how likely each is, and how much of the error it takes away.
+
+    Several effects that are missing share the probability. Nothing is written but what you ask for: discover writes the
+    model that has them.
+    """
+    from ..effects import find_effect
+    from ..model import load_model
+    from .inputs import input_files, load_runs, refuse_evidence, refuse_existing, refuse_inputs, write_json
+
+    refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence)
+    refuse_evidence(evidence)
+    refuse_existing(force, evidence)
+
+    from ..discovery.diagnose import weigh
+    from ..discovery.discover import discover
+    from ..own_effects import load_effects
+
+    load_effects(with_files or ())
+    barred = [find_effect(id, "--without").id for id in without or ()]
+    before = load_model(model)
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    with status() as progress:
+        found = discover(recordings, before, without=barred, progress=progress)
+        progress("weighing what was found")
+        diagnosis = weigh(found, recordings)
+        if evidence is not None:
+            from ..views.evidence_bag import write_evidence
+
+            progress("writing the evidence")
+            write_evidence(found, recordings, evidence, force=force)
+    effects = [entry.effect for entry in diagnosis.ranking if entry.found]
+    sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on)
+    console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
+    show(diagnosis)
+    for warning in diagnosis.warnings:
+        if all(warning not in recording.warnings for recording in recordings):  # those are told already
+            warn(warning)
+    if json is not None:
+        from ..discovery.evidence import evidence_json
+
+        write_json(json, {**diagnosis.as_json(), "evidence": evidence_json(found)})
+
+
+def show(diagnosis: Diagnosis) -> None:
+    """Print the ranking and what is in doubt."""
+    table = Table(title="\nWhat the model may lack", title_justify="left", pad_edge=False)
+    table.add_column("effect")
+    table.add_column("options")
+    table.add_column("probability")
+    table.add_column("error removed", justify="right")
+    table.add_column("parameters")
+    for entry in diagnosis.ranking:
+        removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
+        style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
+        name, choices = effect_words(entry.effect), options_words(entry.options)
+        table.add_row(name, choices, _bar(entry.probability), removed, _parameters(entry), style=style)
+    table.add_section()
+    for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
+        table.add_row(label, "", _bar(probability), "", "", style="" if probability > 0.0 else "dim")
+    console.print(table)
+    if diagnosis.ranking:
+        sharing = sum(entry.found for entry in diagnosis.ranking) > 1
+        console.print(
+            "Error removed: the share above the sensors' noise, on data that was not fitted to."
+            + (" Effects that are all missing share the probability." if sharing else ""),
+            style="dim",
+            soft_wrap=True,
+        )
+    show_doubts(diagnosis.groups, diagnosis.next_recording)
+
+
+def _bar(probability: float) -> str:
+    return f"{100.0 * probability:3.0f} % {'█' * round(_BAR * probability)}"
+
+
+def _parameters(entry: Ranked) -> str:
+    return ", ".join(
+        f"{name} {estimate(held['value'], held['std'], held['unit'])}"  # type: ignore[arg-type]
+        for name, held in entry.parameters.items()
+    )

@@ -1,0 +1,183 @@
+"""``ema-twin discover``: which effects a model lacks, and the model that has them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from ..quantities import estimate, quantity
+from . import options
+from .output import console, status, warn
+from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
+
+if TYPE_CHECKING:
+    from ..discovery.discover import Discovery, Step
+
+EXAMPLES = """Examples:
+
+ema-twin discover recordings --model polito_bench -o better.yaml
+
+ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.json --evidence found.mcap
+
+ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
+
+
+def run(
+    runs: options.Runs,
+    model: options.ModelName,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write: effects and constants.")
+    ],
+    with_files: options.WithFiles = None,
+    without: options.Without = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    evidence: options.Evidence = None,
+    force: options.Force = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Find the effects that a model lacks, fit them, and write the model that has them.
+
+    Effects are added one after another as long as each is worth its price, and judged on recordings that they were not
+    fitted to. The verdict may be that nothing is missing, or that no effect of the catalogue explains what is left.
+    """
+    from ..effects import find_effect
+    from ..model import load_model, save_model
+    from ..model.model_file import check_model_name
+    from .inputs import input_files, load_runs, refuse_evidence, refuse_existing, refuse_inputs, write_json
+
+    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence)
+    check_model_name(output)
+    refuse_evidence(evidence)
+    refuse_existing(force, output, evidence)
+
+    from ..discovery.discover import discover
+    from ..own_effects import load_effects
+
+    load_effects(with_files or ())
+    barred = [find_effect(id, "--without").id for id in without or ()]
+    before = load_model(model)
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    with status() as progress:
+        found = discover(recordings, before, without=barred, progress=progress)
+        save_model(found.model, output, force=force)
+        if evidence is not None:
+            from ..views.evidence_bag import write_evidence
+
+            progress("writing the evidence")
+            write_evidence(found, recordings, evidence, force=force)
+    show(found)
+    show_doubts(found.groups, found.next_recording)
+    console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
+    for warning in found.warnings:
+        if all(warning not in recording.warnings for recording in recordings):  # those are told already
+            warn(warning)
+    console.print(f"\n{output} is the new model. See how far off it is:", markup=False, soft_wrap=True)
+    again = " ".join(f"--with {file}" for file in with_files or ())
+    given = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0]} …"
+    console.print(f"  ema-twin compare {given} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
+    if evidence is not None:
+        console.print(f"  rerun {evidence}     (what each step left over)", markup=False, soft_wrap=True)
+    if json is not None:
+        from ..discovery.evidence import evidence_json
+
+        write_json(json, {**found.as_json(), "evidence": evidence_json(found)})
+
+
+def show(found: Discovery) -> None:
+    """Print the verdict in one sentence, the steps that led there, and the numbers."""
+    console.print(f"[bold]{verdict_sentence(found.verdict, found.added, found.depends_on)}[/bold]", soft_wrap=True)
+    if found.steps:
+        console.print(_steps(found))
+    if found.parameters:
+        console.print(_parameters(found))
+    moved = _constants(found)
+    if moved.row_count:
+        console.print(moved)
+
+
+def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
+    """Print what the recordings cannot tell apart, and the recording to make next."""
+    if groups:
+        console.print(f"\n{groups_sentence(groups)}", soft_wrap=True)
+    if next_recording:
+        console.print(f"\nRecord next: {next_recording}", markup=False, soft_wrap=True)
+
+
+def _steps(found: Discovery) -> Table:
+    from ..effects import catalogue
+
+    signal = found.unseen.signal.replace("_", " ")
+    table = Table(
+        title=f"\nSteps, judged by the {signal} of recordings that were not fitted to "
+        f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})",
+        title_justify="left",
+        pad_edge=False,
+    )
+    table.add_column("step")
+    table.add_column("what it is", max_width=44)
+    for column in ("RMSE before", "after", "excess removed"):
+        table.add_column(column, justify="right")
+    table.add_column("runner-up")
+    for step in found.steps:
+        if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
+            table.add_row(f"− {effect_words(step.instance)}", step.reason)
+            continue
+        table.add_row(
+            f"+ {effect_words(step.instance)}",
+            escape(catalogue()[step.effect].summary),
+            quantity(step.rmse_before, step.unit),
+            quantity(step.rmse_after, step.unit),
+            "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+            _runner_up(step),
+        )
+    return table
+
+
+def _runner_up(step: Step) -> str:
+    """The best of what was tried in its place, and how much less that explains."""
+    tried: Sequence[Mapping[str, Any]] = step.tried
+    took = next((trial for trial in tried if step.instance in trial["names"]), None)
+    other = next((trial for trial in tried if step.instance not in trial["names"]), None)
+    if took is None or other is None:
+        return "none came near"
+    name = listed(map(effect_words, other["names"]))
+    share = other["gain"] / took["gain"]
+    return f"{name}, not worth its price" if share <= 0.0 else f"{name}, {100.0 * share:.2g} % of the gain"
+
+
+def _parameters(found: Discovery) -> Table:
+    table = Table(title="\nParameters, with standard errors", title_justify="left", pad_edge=False)
+    for column in ("effect", "options", "parameter", "value"):
+        table.add_column(column)
+    for name, entry in found.parameters.items():
+        first = (effect_words(name), options_words(entry["options"]))
+        for parameter, held in entry.items():
+            if parameter not in ("effect", "options"):
+                fitted = "" if held["std"] is not None else " (typical value, not fitted)"
+                table.add_row(*first, parameter, f"{estimate(held['value'], held['std'], held['unit'])}{fitted}")
+                first = ("", "")
+    return table
+
+
+def _constants(found: Discovery) -> Table:
+    """The constants that moved by more than their standard error."""
+    table = Table(title="\nConstants that were refitted", title_justify="left", pad_edge=False)
+    for column in ("part", "constant", "in your model", "refitted", "change"):
+        table.add_column(column)
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    for part, entries in constants.items():
+        for name, held in entries.items():
+            value, nominal, std = held["value"], held["nominal"], held["std"]
+            if abs(value - nominal) > (std or 0.0):
+                change = f"{100.0 * (value / nominal - 1.0):+.1f} %" if nominal else ""
+                numbers = (estimate(nominal, None, held["unit"]), estimate(value, std, held["unit"]))
+                table.add_row(effect_words(part), name.replace("_", " "), *numbers, change)
+    return table

@@ -1,0 +1,201 @@
+"""``ema-twin plan``: the recording to make next."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.table import Table
+
+from . import options
+from .output import console, status, warn
+from .wording import effect_words, listed
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..discovery.bench_limits import Limits
+    from ..discovery.next_command import Proposal
+    from ..discovery.plan import Plan
+    from ..model import Model
+
+EXAMPLES = """Examples:
+
+ema-twin plan bench/*.CSV --model polito_bench
+
+ema-twin plan ramp.mcap --model polito_bench -o next.yaml
+
+ema-twin simulate --command next.yaml --model polito_bench -o next.mcap     (as the virtual bench would answer)
+
+ema-twin plan ramp.mcap --model polito_bench --max-travel 1.5 --max-speed 0.1"""
+
+
+def run(
+    runs: options.Runs,
+    model: options.ModelName,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="COMMAND.yaml", help="Also write the command, for simulate --command."),
+    ] = None,
+    max_speed: Annotated[
+        float | None, typer.Option(min=1e-9, callback=options.finite, help="Limit of the output's speed, rad/s.")
+    ] = None,
+    max_travel: Annotated[
+        float | None,
+        typer.Option(min=1e-9, callback=options.finite, help="Limit of its travel from the start, either way, rad."),
+    ] = None,
+    max_current: Annotated[
+        float | None, typer.Option(min=1e-9, callback=options.finite, help="Limit of the motor's current, A.")
+    ] = None,
+    with_files: options.WithFiles = None,
+    without: options.Without = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    force: options.Force = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Propose the next recording: the command that best tells apart the effects that are still in doubt.
+
+    It stays within what the recordings have driven, unless only more than that decides, which it then says. A limit
+    that is given takes the place of what was driven, and nothing goes beyond.
+    """
+    from ema_bench_replay.errors import InputError
+    from ema_bench_replay.outputs import new_file
+
+    from ..discovery.plan import plan
+    from ..effects import find_effect
+    from ..model import load_model
+    from ..own_effects import load_effects
+    from ..simulation.command import write_command
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
+
+    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
+    if output is not None and output.suffix.lower() not in (".yaml", ".yml"):
+        raise InputError(f"{output}: unknown kind of command file '{output.suffix}'; name it .yaml")
+    refuse_existing(force, output)
+    load_effects(with_files or ())
+    barred = [find_effect(id, "--without").id for id in without or ()]
+    taken = load_model(model)
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    limits = _limits(recordings, taken, max_speed, max_travel, max_current)
+    with status() as progress:
+        found = plan(recordings, taken, without=barred, limits=limits, progress=progress)
+    show(found)
+    if found.proposal is not None:
+        if output is not None:
+            with new_file(output, force=force) as file:
+                file.write(write_command(found.proposal.command, found.proposal.seconds, found.proposal.why))
+        _show_how(found.proposal, model, taken.value("machine.gear_ratio"), output, with_files or ())
+    elif output is not None:
+        console.print(f"\n{output} is not written: there is no command to write.", markup=False, soft_wrap=True)
+    for warning in found.warnings:
+        if all(warning not in recording.warnings for recording in recordings):  # those are told already
+            warn(warning)
+    write_json(json, found.as_json())
+
+
+def _limits(
+    recordings: Sequence[Recording], model: Model, speed: float | None, travel: float | None, current: float | None
+) -> Limits | None:
+    """What the recordings have driven, with the limits that are given in their place; None where none is."""
+    from ..discovery.bench_limits import driven_limits
+    from ..discovery.observation import observe
+
+    if speed is None and travel is None and current is None:
+        return None
+    driven = driven_limits([observe(recording, model) for recording in recordings], model.value("machine.gear_ratio"))
+    return replace(
+        driven,
+        speed=driven.speed if speed is None else speed,
+        lower=driven.lower if travel is None else -travel,
+        upper=driven.upper if travel is None else travel,
+        current=driven.current if current is None else current,
+    )
+
+
+def show(found: Plan) -> None:
+    """Print what is in doubt, the proposal with its runners-up, and what no command can tell."""
+    from ..simulation.command import in_words
+
+    if found.verdict == "unknown":
+        on = f" (it depends on {', '.join(found.depends_on)})" if found.depends_on else ""
+        console.print(f"Something is left over that fits no effect{on}: no plan can be made for that part.\n")
+    if not found.in_doubt:
+        held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else ": nothing is missing"
+        console.print(f"[bold]Nothing is in doubt that another recording would settle{held}.[/bold]", soft_wrap=True)
+        return
+    console.print("[bold]In doubt[/bold]")
+    for doubt in found.in_doubt:
+        console.print(f"  {_spoken(doubt.reason)}", markup=False, soft_wrap=True)
+    proposal = found.proposal
+    if proposal is None:
+        console.print("\n[bold]No command within the limits would decide.[/bold]", soft_wrap=True)
+    else:
+        console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
+        console.print(f"  {in_words(proposal.command)}", markup=False, soft_wrap=True)
+        console.print(f"  {_spoken(proposal.why)}", markup=False, soft_wrap=True)
+        if proposal.beyond:
+            console.print(
+                f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it.",
+                markup=False,
+                soft_wrap=True,
+            )
+        console.print(_commands((proposal, *found.runners_up)))
+    if found.inseparable:
+        apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
+        console.print(f"\nNo command within the limits tells: {apart}.", markup=False, soft_wrap=True)
+        for hint in found.elsewhere():
+            console.print(f"  {hint}", markup=False, soft_wrap=True)
+
+
+def _commands(proposals: Sequence[Proposal]) -> Table:
+    from ..discovery.next_command import DECIDED
+
+    table = Table(
+        title=f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)",
+        title_justify="left",
+        pad_edge=False,
+    )
+    table.add_column("command")
+    table.add_column("seconds", justify="right")
+    for pair in proposals[0].separation:
+        table.add_column(" or ".join(map(_name, pair)), justify="right")
+    for k, proposal in enumerate(proposals):
+        values = (f"{value:.0f}" if value >= 1.0 else "0" for value in proposal.separation.values())
+        table.add_row(proposal.command, f"{proposal.seconds:g}", *values, style="bold" if k == 0 else "")
+    return table
+
+
+def _name(rival: str) -> str:
+    """``sun_runout(kind=conservative)`` as ``sun runout (kind conservative)``."""
+    id, _, kind = rival.partition("(")
+    return f"{effect_words(id)} ({kind.rstrip(')').replace('=', ' ')})" if kind else effect_words(id)
+
+
+def _spoken(text: str) -> str:
+    """A sentence, its effects as one says them."""
+    words = re.sub(r"[a-z]+(_[a-z]+)+(\([^)]*\))?", lambda found: _name(found.group()), text)
+    return f"{words[0].upper()}{words[1:]}."
+
+
+def _show_how(proposal: Proposal, model: str, ratio: float, output: Path | None, with_files: Sequence[Path]) -> None:
+    """Print how to run a command, on the bench and on the virtual one."""
+    given = proposal.command if output is None else str(output)
+    own = "".join(f" --with {file}" for file in with_files)
+    console.print(
+        "\nRun it on the bench, as the setpoint of the output"
+        f" (of the motor: {ratio:g} times that), and give its recording to discover with the others.",
+        soft_wrap=True,
+    )
+    console.print("See before what this model would do:", soft_wrap=True)
+    console.print(
+        f"  ema-twin simulate --model {model} --command {given} --seconds {proposal.seconds:g}{own} -o next.mcap",
+        markup=False,
+        soft_wrap=True,
+    )

@@ -1,0 +1,58 @@
+"""What a search found, in plain words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+_NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
+_DEPENDENCES = {
+    "speed": "the speed",
+    "direction": "the direction of motion",
+    "output_position": "the output's position",
+    "motor_position": "the motor's position",
+    "time": "time",
+    "order": "the motor's angle, repeating with its turns",
+    "load": "the load",
+}
+
+
+def effect_words(id: str) -> str:
+    """An effect's id, or an instance's name, as one says it: ``stribeck_friction`` as ``Stribeck friction``.
+
+    A dependence that is no effect is named ``speed#3``.
+    """
+    dependence, decoy, _ = id.partition("#")
+    if decoy:
+        return f"any dependence on {_DEPENDENCES.get(dependence, dependence)}"
+    return " ".join(_NAMES.get(word, word) for word in id.split("_"))
+
+
+def listed(words: Iterable[str], last: str = "and") -> str:
+    """``a, b and c``."""
+    *first, end = words
+    return f"{', '.join(first)} {last} {end}" if first else end
+
+
+def verdict_sentence(verdict: str, effects: Sequence[str], depends_on: Sequence[str]) -> str:
+    """What the recordings say of a model; ``verdict`` is explained, none or unknown."""
+    lacks = f"Your model lacks {listed(map(effect_words, effects))}" if effects else ""
+    if verdict == "none":
+        return "Nothing is missing that these recordings could show."
+    if verdict == "explained":
+        return f"{lacks}."
+    left = "" if not depends_on else "; what is left depends on " + listed(_DEPENDENCES.get(d, d) for d in depends_on)
+    start = f"{lacks}; and something more" if lacks else "Something"
+    return f"{start} is missing that no effect of the catalogue explains{left}."
+
+
+def options_words(options: Mapping[str, str]) -> str:
+    """``order 24, kind dissipative``."""
+    return ", ".join(f"{name} {choice}" for name, choice in options.items())
+
+
+def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
+    """What cannot be told apart; empty where all can."""
+    if not groups:
+        return ""
+    apart = "; ".join(listed(map(effect_words, group), "or") for group in groups)
+    return f"These recordings cannot tell apart: {apart}."

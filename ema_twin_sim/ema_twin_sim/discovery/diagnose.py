@@ -1,0 +1,292 @@
+"""Diagnose: how likely each effect is the one that a model lacks, and how much of the error it takes away.
+
+Probabilities are from a bootstrap over blocks of time, because what is left over is correlated: how often an effect
+would have won, had the recordings been made of other stretches of the same kind. Where several effects are missing they
+share the probability, each by the logarithm of what the explanation loses without it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
+from ..effects import catalogue
+from ..model import EffectInstance, Model
+from ..simulation.simulate import choose_input, simulate
+from .discover import Discovery, discover
+from .equation import POOL, Equation, Fit, fit
+from .rivals import substitutes
+from .search import CORRELATION, STRUCTURAL, Round, Trial, gain, matters, new_names, price
+from .uncertainty import covariance, held_out
+
+BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
+DRAWS = 400
+RANKED = 8  # entries of a ranking, at most
+SIMULATED = 4  # of them, whose error on unseen data is worked out
+NOISY = 1.1  # noise floors up to which an RMSE is the sensors' noise: there is nothing to remove
+
+Key = tuple[str, tuple[tuple[str, str], ...]]
+
+
+@dataclass(frozen=True)
+class Ranked:
+    """One effect of a ranking.
+
+    ``error_removed`` is the share of the excess error, above the sensors' noise, that it removes on data that it was
+    not fitted to: of the driving current (or unexplained torque) or of the output's position, whichever it explains
+    better; None where it was not worked out. ``found`` tells whether the complete search holds it.
+    """
+
+    effect: str
+    options: Mapping[str, str]
+    probability: float
+    error_removed: float | None
+    parameters: Mapping[str, Mapping[str, object]]  # by name: value, std, unit
+    found: bool
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Which effect a model lacks, the likeliest first; ``as_json`` is what ``diagnose --json`` writes."""
+
+    verdict: str  # an effect's id, none or unknown
+    ranking: tuple[Ranked, ...]
+    none: float  # probability that nothing is missing
+    unknown: float  # probability that something is missing that no effect explains
+    groups: tuple[tuple[str, ...], ...]
+    depends_on: tuple[str, ...]
+    next_recording: str
+    warnings: tuple[str, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """SI units; absent numbers are null."""
+        return {
+            "verdict": self.verdict,
+            "ranking": [
+                {
+                    "effect": entry.effect,
+                    "options": dict(entry.options),
+                    "probability": entry.probability,
+                    "error_removed": entry.error_removed,
+                    "parameters": {name: dict(value) for name, value in entry.parameters.items()},
+                    "found": entry.found,
+                }
+                for entry in self.ranking
+            ],
+            "none": self.none,
+            "unknown": self.unknown,
+            "groups": [list(group) for group in self.groups],
+            "depends_on": list(self.depends_on),
+            "next_recording": self.next_recording,
+            "warnings": list(self.warnings),
+        }
+
+
+def diagnose(
+    recordings: Sequence[Recording],
+    model: Model,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda text: None,
+) -> Diagnosis:
+    """Rank the effects that a model may lack beside recordings of its machine.
+
+    ``without`` takes effects out of the catalogue; ``progress`` is called with what is being done. Raises InputError
+    where the recordings cannot be judged.
+    """
+    found = discover(recordings, model, without=without, progress=progress)
+    progress("weighing what was found")
+    return weigh(found, recordings)
+
+
+@dataclass(frozen=True, eq=False)
+class _Contender:
+    """An effect that may be missing: the fits without it and with it."""
+
+    name: str
+    before: Fit
+    after: Fit
+
+    @property
+    def instance(self) -> EffectInstance:
+        return self.after.hypothesis.instance(self.name)
+
+    @property
+    def key(self) -> Key:
+        return self.instance.effect, tuple(sorted(self.instance.options.items()))
+
+
+def weigh(found: Discovery, recordings: Sequence[Recording]) -> Diagnosis:
+    """The diagnosis that a discovery on these recordings comes to."""
+    eq, best = found.equation, found.search.fit
+    contests = _contests(eq, found)
+    worth = {cause.key: math.log1p(max(gain(eq, cause.before, cause.after), 0.0)) for cause, *_ in contests}
+    unknown = _worth_of_unknown(eq, best, worth.values()) if found.verdict == "unknown" else 0.0
+    total = unknown + sum(worth.values())
+    tried = [contender for turn in found.search.rounds for trial in turn.tried for contender in _added(turn, trial)]
+    mass = dict.fromkeys(worth, 0.0)
+    none = 0.0
+    if total > 0.0:
+        unknown /= total
+        shared = [(worth[contest[0].key] / total, contest) for contest in contests]
+    else:
+        shared = [(1.0, [contender for contender in tried if len(_new(contender)) == 1])]
+    for share, contest in shared:
+        for winner, chance in _chances(eq, contest):
+            if winner is None:
+                none += share * chance
+            else:
+                mass[winner.key] = mass.get(winner.key, 0.0) + share * chance
+    contenders = {contender.key: contender for contender in reversed([c for _, each in shared for c in each] + tried)}
+    for contender in tried:
+        mass.setdefault(contender.key, 0.0)
+    order = sorted(mass, key=lambda key: -mass[key])[:RANKED]
+    removed = _removed(eq, recordings, [contenders[key] for key in order[:SIMULATED]])
+    ranking = tuple(_ranked(eq, contenders[key], mass[key], removed.get(key), key in worth) for key in order)
+    verdict = ranking[0].effect if found.verdict == "explained" else found.verdict
+    alone = ("one recording: errors removed are of the data that was fitted to; give several",)
+    return Diagnosis(
+        verdict,
+        ranking,
+        none,
+        unknown,
+        found.groups,
+        found.depends_on,
+        found.next_recording,
+        (*found.warnings, *(alone if len(recordings) == 1 else ())),
+    )
+
+
+def _contests(eq: Equation, found: Discovery) -> list[list[_Contender]]:
+    """For each effect that the complete search holds: itself, and what could stand in its place."""
+    best = found.search.fit
+    contests: dict[Key, list[_Contender]] = {}
+    for name, instance in best.hypothesis.added.items():
+        bare = fit(eq, best.hypothesis.without(name), 4, known=best)
+        contest = [_Contender(name, bare, best)]
+        turn = next((turn for turn in found.search.taken if name in turn.added), None)
+        if turn is not None and instance.effect not in STRUCTURAL:
+            rivals = substitutes(eq, best, name, turn)
+            contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
+        contests.setdefault(contest[0].key, contest)
+    return list(contests.values())
+
+
+def _worth_of_unknown(eq: Equation, best: Fit, others: Iterable[float]) -> float:
+    """What an unexplained rest counts: as much as its dependence explains, and no less than any effect beside it."""
+    bare = best
+    for name in best.hypothesis.decoys:
+        bare = fit(eq, bare.hypothesis.without_decoy(name), 4, known=bare)
+    return max((math.log1p(max(gain(eq, bare, best), 0.0)), 1.0, *others))
+
+
+def _added(turn: Round, trial: Trial) -> list[_Contender]:
+    """The effects that a trial adds; none where it adds a decoy."""
+    return [_Contender(n, turn.before, trial.fit) for n in trial.names if n in trial.fit.hypothesis.added]
+
+
+def _new(contender: _Contender) -> tuple[str, ...]:
+    return new_names(contender.before, contender.after)
+
+
+def _chances(eq: Equation, contest: Sequence[_Contender]) -> list[tuple[_Contender | None, float]]:
+    """How often (0 to 1) each contender gains most, and none gains anything, over draws of blocks."""
+    entries = [contender for contender in contest if matters(eq, contender.before, contender.after)]
+    if not entries:
+        return [(None, 1.0)]
+    blocks = _blocks(eq)
+    count = int(blocks.max()) + 1
+    drawn = np.random.default_rng(0).multinomial(count, np.full(count, 1.0 / count), DRAWS)
+    table = np.zeros((DRAWS, len(entries) + 1))
+    for column, contender in enumerate(entries):
+        before, after = contender.before, contender.after
+        temperature = CORRELATION * max(1.0, min(before.misfit, after.misfit) / eq.rows)
+        fall = (_costs(eq, before, blocks) - _costs(eq, after, blocks)) / temperature
+        table[:, column] = drawn @ fall - (price(after) - price(before))
+    wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS
+    return [(entry, float(share)) for entry, share in zip([*entries, None], wins, strict=True) if share > 0.0]
+
+
+def _blocks(eq: Equation) -> np.ndarray:
+    """The block (m,) of time that each row belongs to; torque and encoder rows of a moment share one."""
+    found = np.zeros(eq.rows, int)
+    first = 0
+    for o, torque, encoder in zip(eq.observations, eq.torque_parts, eq.encoder_parts, strict=True):
+        time = o.motion[:, 0] - o.motion[0, 0]
+        found[torque] = first + (time[o.rows] / BLOCK).astype(int)
+        found[encoder] = first + (time[o.encoder_rows] / BLOCK).astype(int)
+        first += int(time[-1] / BLOCK) + 1
+    return found
+
+
+def _costs(eq: Equation, f: Fit, blocks: np.ndarray) -> np.ndarray:
+    """Robust misfit (b,) of each block."""
+    return np.bincount(blocks, eq.reach**2 * np.log1p((f.raw / eq.reach) ** 2))
+
+
+def _ranked(eq: Equation, contender: _Contender, probability: float, removed: float | None, found: bool) -> Ranked:
+    f, instance = contender.after, contender.instance
+    spread = np.sqrt(np.diag(covariance(eq, f)))
+    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    parameters = {
+        p.name: {
+            "value": instance.parameters[p.name],
+            "std": sure.get(f"effects.{contender.name}.{p.name}"),
+            "unit": p.unit,
+        }
+        for p in catalogue()[instance.effect].parameters
+    }
+    return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)
+
+
+def _removed(eq: Equation, recordings: Sequence[Recording], contenders: Sequence[_Contender]) -> dict[Key, float]:
+    """The share of the excess error that each contender removes where it was not fitted to."""
+    fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
+    sources = [choose_input(recording) for recording in recordings]
+    jobs = []
+    for key, f in fits.items():
+        numbers = held_out(eq, f) if len(recordings) > 1 else [f.hypothesis.values]
+        models = [f.hypothesis.at(values).model() for values in numbers]
+        jobs += [(key, *job) for job in zip(recordings, sources, models, strict=True)]
+
+    def error(job: tuple[int, Recording, str, Model]) -> RunningComparison | None:
+        _, recording, source, model = job
+        compared = RunningComparison(model, source, period=recording.sample_period)
+        try:
+            compared.add_rows(recording.signals, simulate(model, recording, source).signals)
+        except InputError:  # such numbers make no motion: this contender is not worked out
+            return None
+        return compared
+
+    errors: dict[int, RunningComparison | None] = {}
+    for (key, recording, _, model), compared in zip(jobs, POOL.map(error, jobs), strict=True):
+        driving = sources[0] if len(set(sources)) == 1 else "current"
+        pooled = errors.setdefault(key, RunningComparison(model, driving, period=recording.sample_period))
+        if compared is None or pooled is None:
+            errors[key] = None
+        else:
+            pooled.include(compared)
+    found = {}
+    for contender in contenders:
+        before, after = errors[id(contender.before)], errors[id(contender.after)]
+        if before is not None and after is not None:
+            found[contender.key] = _share(before.result(), after.result(), before.source)
+    return found
+
+
+def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], source: str) -> float:
+    """The largest share of a signal's excess error that went away; 0 where no error is above the noise."""
+    telling = ("unexplained_torque",) if source == "current" else ("current", "output_position")
+    shares = [
+        excess_removed(before[name], after[name])
+        for name in telling
+        if name in before and before[name]["rmse"] > NOISY * before[name]["noise_floor"]
+    ]
+    return max((share for share in shares if share is not None), default=0.0)

@@ -1,0 +1,332 @@
+"""Evidence: what a person looks at to believe a verdict. Named series with units, ready to be plotted.
+
+Each step of a discovery is shown by what the torque balance and the encoders leave over before it, after it, and with
+the runner-up in its place, against every quantity that an effect may depend on. Where the search ended, the step that
+it refused stands in the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
+from .decoys import dependence
+from .discover import Discovery
+from .equation import Equation, Fit
+from .search import Round, Trial, new_names
+
+BINS = 24
+FEWEST = 5  # rows of a bin that has a median
+BANDS = 150  # of an order spectrum
+NEAR = 0.03  # orders that are taken to be a named one
+NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # against these, bins are narrow about zero
+MOVING = 0.3  # rad/s of the fast shaft: below it a direction means little
+ORDER_NAMES: Mapping[float, str] = {
+    0.25: "carrier",
+    0.7258: "damaged tooth, output ring",
+    0.75: "planet",
+    1.0: "sun (motor shaft)",
+    2.25: "damaged tooth, sun",
+    4.0: "electrical, current offset",
+    8.0: "electrical, gain imbalance",
+    15.0: "second mesh",
+    15.75: "first mesh",
+    24.0: "electrical, sixth harmonic; cogging",
+    45.0: "second mesh, third harmonic",
+}
+
+Kind = Literal["torque", "encoder_difference"]
+_UNITS: dict[Kind, str] = {"torque": "N m", "encoder_difference": "rad"}
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """The fits that a step compares, under the names that its curves bear."""
+
+    title: str  # what was added, or would have been
+    taken: bool  # False: the search refused it, and ended
+    runner_up: str  # what would have come next; empty where nothing else was tried
+    fits: Mapping[str, Fit]  # before, after, runner_up
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Medians and quartiles (b,) of what is left over, in bins of a quantity."""
+
+    name: str  # before, after or runner_up
+    direction: str  # forward, backward or both
+    x: np.ndarray
+    median: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What is left over against one quantity; ``share`` is the part of the step's change that it explains."""
+
+    kind: Kind
+    against: str
+    unit: str
+    order: float | None  # of an angle that is folded
+    share: float
+    curves: tuple[Curve, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Amplitudes [N m] of the left-over torque over orders; the largest of each of a number of bands."""
+
+    friction: bool  # the torque is counted as opposing the motion
+    orders: np.ndarray
+    amplitudes: Mapping[str, np.ndarray]
+    named: tuple[tuple[float, str, Mapping[str, float]], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class StepEvidence:
+    """All views of one step, the one that tells most first."""
+
+    compared: Compared
+    views: tuple[View, ...]
+    spectrum: Spectrum | None
+
+
+def evidence_json(found: Discovery) -> dict[str, object]:
+    """The plot data behind a discovery, for ``--json``: at most some 200 points a curve, five digits each."""
+    unseen = found.unseen
+    return {
+        "steps": [_step_as_json(step) for step in step_evidence(found)],
+        "rmse": {
+            "signal": unseen.signal,
+            "unit": unseen.unit,
+            "noise_floor": unseen.noise_floor,
+            "recordings": {name: _digits(values) for name, values in unseen.recordings},
+        },
+        "tried": [
+            {
+                "names": [" and ".join(trial.names) for trial in turn.tried],
+                "gain": _digits([t.gain for t in turn.tried]),
+            }
+            for turn in found.search.rounds
+        ],
+    }
+
+
+def step_evidence(found: Discovery) -> tuple[StepEvidence, ...]:
+    """The views of every step."""
+    return tuple(_evidence_of(found.equation, compared) for compared in compared_fits(found))
+
+
+def compared_fits(found: Discovery) -> list[Compared]:
+    """The fits that each step of a discovery compares; at its end, those that the last refused step does."""
+    steps = []
+    for turn in found.search.taken:
+        names = new_names(turn.before, turn.after)
+        if names:  # else what was added was needless at once
+            steps.append(_compared(turn, names, turn.after, taken=True))
+    last = found.search.rounds[-1]
+    if not last.added and last.tried:
+        steps.append(_compared(last, last.tried[0].names, last.tried[0].fit, taken=False))
+    return steps
+
+
+def _compared(turn: Round, names: Sequence[str], after: Fit, *, taken: bool) -> Compared:
+    fits = {"before": turn.before, "after": after}
+    rival = _runner_up(turn, names)
+    if rival is not None:
+        fits["runner_up"] = rival.fit
+    return Compared(_title(names), taken, _title(rival.names) if rival else "", fits)
+
+
+def _title(names: Sequence[str]) -> str:
+    """The names of effects, and what decoys among them stand for."""
+    decoys = [f"dependence on {dependence(name)}" for name in names if "#" in name]
+    return " and ".join([*(name for name in names if "#" not in name), *dict.fromkeys(decoys)])
+
+
+def _runner_up(turn: Round, names: Sequence[str]) -> Trial | None:
+    """The best trial without what was added."""
+    return next((trial for trial in turn.tried if not set(trial.names) & set(names)), None)
+
+
+@dataclass(frozen=True, eq=False)
+class _Torques:
+    """The rows of torque: what is left over by each fit, and where the machine stood."""
+
+    left: Mapping[str, np.ndarray]  # N m (m,)
+    speed: np.ndarray
+    motor_angle: np.ndarray
+    output_angle: np.ndarray
+    time: np.ndarray
+    transmitted: np.ndarray
+    change: Periodicity | None  # of what the step changed
+
+
+def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
+    residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
+    torques = _torques(eq, compared.fits["after"], residuals)
+    views = _torque_views(torques)
+    if eq.rows > eq.size:
+        views += _encoder_views(eq, residuals)
+    moved = (residuals["before"] - residuals["after"]) ** 2
+    main = "encoder_difference" if moved[eq.size :].sum() > moved[: eq.size].sum() else "torque"
+    views.sort(key=lambda view: (view.kind != main, -view.share))
+    return StepEvidence(compared, tuple(views), _spectrum(eq, torques))
+
+
+def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
+    motions = [o.motion[o.rows] for o in eq.observations]
+    at = np.concatenate(motions)
+    origins = np.concatenate([[(o.motor_origin, o.output_origin)] * len(o.rows) for o in eq.observations])
+    column = REQUIRED.index("transmitted")
+    every = zip(eq.observations, after.predicted.required, strict=True)
+    left = {name: r[: eq.size] * eq.noise for name, r in residuals.items()}
+    speed, angle = at[:, SPEED], at[:, MOTOR_ANGLE] + origins[:, 0]
+    change = _periodicity(eq, left["before"] - left["after"], speed, angle)
+    output = at[:, OUTPUT_ANGLE] + origins[:, 1]
+    transmitted = np.concatenate([required[o.rows, column] for o, required in every])
+    return _Torques(left, speed, angle, output, at[:, TIME], transmitted, change)
+
+
+def _periodicity(eq: Equation, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray) -> Periodicity | None:
+    """The strongest order of a torque (m,), where the machine moves."""
+    moving = np.abs(speed) > MOVING
+    return find_order(
+        [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in eq.torque_parts]
+    )
+
+
+def _torque_views(at: _Torques) -> list[View]:
+    views = [
+        _view("torque", "speed", "rad/s", at.speed, at.left),
+        _view("torque", "output_position", "rad", at.output_angle, at.left, at.speed),
+        _view("torque", "time", "s", at.time, at.left, at.speed),
+        _view("torque", "transmitted_torque", "N m", at.transmitted, at.left),
+    ]
+    if at.change is not None:
+        folded = np.mod(at.change.order * at.motor_angle, 2.0 * np.pi)
+        views.append(_view("torque", "motor_angle", "rad", folded, at.left, at.speed, order=at.change.order))
+    return views
+
+
+def _encoder_views(eq: Equation, residuals: Mapping[str, np.ndarray]) -> list[View]:
+    left = {name: r[eq.size :] * eq.encoder_noise for name, r in residuals.items()}
+    motion = np.concatenate([o.motion[o.encoder_rows] for o in eq.observations])
+    origins = np.concatenate([np.full(len(o.encoder_rows), o.output_origin) for o in eq.observations])
+    speed = motion[:, SPEED]
+    return [
+        _view("encoder_difference", "speed", "rad/s", speed, left),
+        _view("encoder_difference", "output_position", "rad", motion[:, OUTPUT_ANGLE] + origins, left, speed),
+        _view("encoder_difference", "time", "s", motion[:, TIME], left, speed),
+        _view("encoder_difference", "acceleration", "rad/s^2", motion[:, ACCELERATION], left),
+    ]
+
+
+def _view(
+    kind: Kind,
+    against: str,
+    unit: str,
+    x: np.ndarray,
+    left: Mapping[str, np.ndarray],
+    speed: np.ndarray | None = None,
+    *,
+    order: float | None = None,
+) -> View:
+    """Curves of what is left over (m,) against ``x`` (m,), for each direction where the ``speed`` (m,) is given."""
+    edges = _edges(x, narrow=against in NARROW_AT_ZERO)
+    if speed is None:
+        directions = {"both": np.ones(len(x), bool)}
+    else:
+        directions = {"forward": speed > MOVING, "backward": speed < -MOVING}
+    curves = []
+    change = left["before"] - left["after"]
+    explained = 0.0
+    for direction, chosen in directions.items():
+        place = np.clip(np.searchsorted(edges, x[chosen], side="right") - 1, 0, BINS - 1)
+        rows = [np.flatnonzero(place == k) for k in range(BINS)]
+        rows = [found for found in rows if len(found) >= FEWEST]
+        explained += sum(len(found) * float(np.mean(change[chosen][found])) ** 2 for found in rows)
+        centres = np.array([np.median(x[chosen][found]) for found in rows])
+        for name, values in left.items():
+            quartiles = np.array([np.quantile(values[chosen][found], (0.25, 0.5, 0.75)) for found in rows])
+            lower, median, upper = quartiles.reshape(-1, 3).T
+            curves.append(Curve(name, direction, centres, median, lower, upper))
+    total = float(change @ change)
+    return View(kind, against, unit, order, explained / total if total > 0.0 else 0.0, tuple(curves))
+
+
+def _edges(x: np.ndarray, *, narrow: bool) -> np.ndarray:
+    """Edges of the bins of a quantity; narrow ones about zero where much happens there."""
+    if len(x) == 0:
+        return np.linspace(0.0, 1.0, BINS + 1)
+    if not narrow:
+        return np.linspace(x.min(), x.max(), BINS + 1)
+    root = np.sqrt(np.abs(x).max()) * np.linspace(-1.0, 1.0, BINS + 1)
+    return root * np.abs(root)
+
+
+def _spectrum(eq: Equation, at: _Torques) -> Spectrum | None:
+    """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed."""
+    friction = at.change is not None and bool(at.change.dissipative)
+    sense = np.sign(at.speed) if friction else np.ones(len(at.speed))
+    lines: dict[str, np.ndarray] = {}
+    for name, torque in at.left.items():
+        # given with the speed's size, it is taken as it comes, in both directions alike
+        found = _periodicity(eq, torque * sense, np.abs(at.speed), at.motor_angle)
+        if found is None:
+            return None
+        lines[name] = found.spectrum
+    bands = np.array_split(np.arange(len(ORDERS)), BANDS)
+    largest = {name: np.array([line[band].max() for band in bands]) for name, line in lines.items()}
+    named = [
+        (order, label, {name: float(line[np.abs(ORDERS - order) <= NEAR].max()) for name, line in lines.items()})
+        for order, label in ORDER_NAMES.items()
+    ]
+    return Spectrum(friction, np.array([ORDERS[band].mean() for band in bands]), largest, tuple(named))
+
+
+def _step_as_json(step: StepEvidence) -> dict[str, object]:
+    compared, spectrum = step.compared, step.spectrum
+    content: dict[str, object] = {
+        "title": compared.title,
+        "taken": compared.taken,
+        "runner_up": compared.runner_up,
+        "views": [
+            {
+                "left_over": view.kind,
+                "unit": _UNITS[view.kind],
+                "against": view.against,
+                "against_unit": view.unit,
+                "order": None if view.order is None else round(view.order, 3),
+                "share": round(view.share, 4),
+                "curves": [
+                    {
+                        "name": curve.name,
+                        "direction": curve.direction,
+                        **{field: _digits(getattr(curve, field)) for field in ("x", "median", "lower", "upper")},
+                    }
+                    for curve in view.curves
+                ],
+            }
+            for view in step.views
+        ],
+    }
+    if spectrum is not None:
+        content["orders"] = {
+            "unit": "N m",
+            "friction": spectrum.friction,
+            "order": _digits(spectrum.orders),
+            "amplitude": {name: _digits(line) for name, line in spectrum.amplitudes.items()},
+            "named": [{"order": order, "name": label, "amplitude": line} for order, label, line in spectrum.named],
+        }
+    return content
+
+
+def _digits(values: Sequence[float] | np.ndarray) -> list[float]:
+    return [float(f"{value:.5g}") for value in values]

@@ -1,0 +1,111 @@
+"""Plan: the next recording, so that it tells the explanations apart that the recordings so far leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from .bench_limits import Limits, driven_limits
+from .discover import discover
+from .doubts import doubts
+from .next_command import DECIDED, Choice, Pair, Proposal, best_command, signals_of
+
+_ELSEWHERE = {
+    "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",
+    "mesh_friction": "friction that follows the load shows when the load on the output is changed",
+    "added_inertia": "an inertia that is known better would tell",
+}
+"""What would help where no command does, by effect."""
+
+
+@dataclass(frozen=True)
+class InDoubt:
+    """Explanations of which the recordings do not tell which is right."""
+
+    rivals: tuple[str, ...]  # the leading one first
+    behind: tuple[float, ...]  # how much each loses by, prices paid, in units of noise; 16 are needed
+    reason: str
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is in doubt, and what to record next; ``as_json`` is what ``plan --json`` writes."""
+
+    verdict: str  # of discover: explained, none or unknown
+    added: tuple[str, ...]
+    in_doubt: tuple[InDoubt, ...]
+    proposal: Proposal | None
+    runners_up: tuple[Proposal, ...]
+    inseparable: tuple[Pair, ...]  # pairs that no command within the limits tells apart
+    limits: Limits
+    depends_on: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def next_recording(self) -> str:
+        """The command in one line; empty where there is none to propose."""
+        if self.proposal is None:
+            return ""
+        return f"{self.proposal.command} for {self.proposal.seconds:g} s: {self.proposal.why}"
+
+    def elsewhere(self) -> tuple[str, ...]:
+        """What would help with the pairs that no command tells apart."""
+        named = dict.fromkeys(name for pair in self.inseparable for name in pair)
+        return tuple(_ELSEWHERE[name] for name in named if name in _ELSEWHERE)
+
+    def as_json(self) -> dict[str, object]:
+        """SI units."""
+        return {
+            "verdict": self.verdict,
+            "added": list(self.added),
+            "in_doubt": [
+                {"rivals": list(d.rivals), "behind": list(d.behind), "reason": d.reason} for d in self.in_doubt
+            ],
+            "proposal": None if self.proposal is None else self.proposal.as_json(),
+            "runners_up": [proposal.as_json() for proposal in self.runners_up],
+            "decided_from": DECIDED,
+            "inseparable": [list(pair) for pair in self.inseparable],
+            "elsewhere": list(self.elsewhere()),
+            "limits": self.limits.as_json(),
+            "depends_on": list(self.depends_on),
+            "next_recording": self.next_recording,
+            "warnings": list(self.warnings),
+        }
+
+
+def plan(
+    recordings: Sequence[Recording],
+    model: Model,
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] = lambda text: None,
+    limits: Limits | None = None,
+) -> Plan:
+    """The recording that would best tell apart what these recordings of a model's machine leave in doubt.
+
+    ``without`` takes effects out of the catalogue; ``limits`` are what the bench may be asked to do: by default what
+    it has done in these recordings, and more only where nothing less decides. ``progress`` is called with what is being
+    done. Raises InputError where the recordings cannot be judged.
+    """
+    found = discover(recordings, model, without=without, progress=progress)
+    progress("asking what is in doubt")
+    eq = found.equation
+    allowed = limits or driven_limits(eq.observations, model.value("machine.gear_ratio"))
+    held = doubts(eq, found.search, found.rivalries, frozenset(without))
+    choice = Choice(None, (), ())
+    if held:
+        choice = best_command(eq, held, signals_of(recordings), limits=limits, progress=progress)
+    return Plan(
+        found.verdict,
+        found.added,
+        tuple(InDoubt(d.names, d.behind, d.reason) for d in held),
+        choice.best,
+        choice.runners_up,
+        choice.inseparable,
+        allowed,
+        found.depends_on,
+        found.warnings,
+    )

@@ -1,0 +1,1 @@
+"""Fitting: the numbers of a given model, with standard errors, from recordings of its machine."""

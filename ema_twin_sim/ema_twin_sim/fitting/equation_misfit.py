@@ -1,0 +1,121 @@
+"""The misfit of the method ``equation``: the torque that the measured motion needs and the encoders' difference."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..discovery.equation import Equation
+from ..discovery.hypothesis import LAG, LAG_PRIOR, Free, Hypothesis
+from ..discovery.structure import NARROW
+from ..model import EffectInstance, Model
+from ..plant.driven_output import RESOLVED
+from ..simulation.assembly import assemble
+from .freedom import Freedom, Number
+
+UNSEEN = {"static_ratio": "it shows at standstill only, which a fit leaves out"}
+"""Parameters that no fit sees, and why."""
+BLIND = ("drive.", "sensors.", "machine.torque_constant")
+"""Beginnings of paths that the equation does not contain."""
+LAG_NUMBER = Number(LAG, (), (), "s", -4e-4, 4e-4, LAG_PRIOR, 1e-5, (0.0, LAG_PRIOR))
+SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
+SIDES_ERROR = 0.01  # relative, measured on the virtual bench, as is the next
+DAMPING_ERROR = 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class ModelHypothesis(Hypothesis):
+    """A hypothesis of discovery whose free numbers are those of a fit: the effects are the model's own."""
+
+    freedom: Freedom
+
+    def model(self) -> Model:
+        """The model that the values make."""
+        return self._model
+
+    @cached_property
+    def _model(self) -> Model:
+        return self.freedom.at(self.values)
+
+    def instance(self, name: str) -> EffectInstance:
+        """An effect at the present values."""
+        return self._model.effects[name]
+
+
+class EquationMisfit:
+    """The equation error over all recordings, in units of noise; the last number is the lag of the current."""
+
+    def __init__(self, equation: Equation, freedom: Freedom) -> None:
+        self.variance = 2.0  # neighbouring rows share half their smoothing
+        self.freedom = Freedom(
+            freedom.model, (*freedom.numbers, LAG_NUMBER), np.append(freedom.start, 0.0), freedom.notes
+        )
+        self.equation = equation
+        self.rows = equation.rows
+        torque, encoder = equation.torque_parts, equation.encoder_parts
+        self.parts: list[tuple[int, slice]] = [
+            *enumerate(torque),
+            *((k, part) for k, part in enumerate(encoder) if part.stop > part.start),
+        ]
+        self._hypothesis = ModelHypothesis(freedom.model, {}, (), self.freedom.start, self.freedom)
+        # an output behind play is thrown about: from the beginning, what is far off must not lead
+        self._most = NARROW if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
+        if math.isfinite(self._most):
+            equation.reach = np.full(self.rows, self._most)
+
+    def residual(self, values: np.ndarray) -> np.ndarray:
+        """Measured minus predicted (m,) at these values (k,)."""
+        with np.errstate(all="ignore"):  # a spring that no step resolves: its cost is no number, and it is refused
+            return self.equation.residual(self.equation.predict(self._at(values)))
+
+    def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weighted slopes of the prediction (m, k) per unit of each number."""
+        here = self._at(values)
+        with np.errstate(all="ignore"):
+            return np.nan_to_num(
+                self.equation.jacobian(here, self.equation.predict(here), weights), posinf=0.0, neginf=0.0
+            )
+
+    def systematic(self, values: np.ndarray) -> np.ndarray:
+        """Behind play or a spring the output's motion is not measured, and samples do not resolve its contact.
+
+        A stiffer contact is taken as a softer one, whose give looks like play; and what is known of the output, and of
+        how its ringing dies, is known through a motor speed that is sampled and smoothed.
+        """
+        found = np.zeros(len(values))
+        plant = assemble(self.freedom.at(values)).plant[0]
+        if plant["two_inertia"] == 0.0:
+            return found
+        softest = plant["output_inertia"] * RESOLVED**2
+        for k, number in enumerate(self.freedom.numbers):
+            if number.path == "effects.backlash.width" and plant["contact_stiffness"] > softest:
+                found[k] = 2.0 * plant["output_dry"] / softest / plant["gear_ratio"]
+            elif number.path.startswith(SIDED):
+                found[k] = SIDES_ERROR * values[k]
+            elif number.path == "effects.shaft_compliance.damping":
+                found[k] = DAMPING_ERROR * values[k]
+        return found
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Square roots (m,) of what each row counts: outliers less and less."""
+        return self.equation.weights(residual)
+
+    def cost(self, residual: np.ndarray) -> float:
+        """Cauchy's sum."""
+        with np.errstate(all="ignore"):
+            return self.equation.misfit(residual)
+
+    def reweigh(self, residual: np.ndarray) -> bool:
+        """Let outliers begin where the bulk of each part ends; whether that changed much."""
+        return self.equation.reweigh(residual, self._most)
+
+    def _at(self, values: np.ndarray) -> ModelHypothesis:
+        free = tuple(
+            # the shortcut for what one effect adds alone does not know of numbers that move together
+            Free(n.path if len(n.paths) < 2 else f"tied.{n.path}", n.lower, n.upper, n.step * n.slope(value))
+            for n, value in zip(self.freedom.numbers, values, strict=True)
+        )
+        return replace(self._hypothesis, free=free, values=values)

@@ -1,0 +1,200 @@
+"""What a fit has to say of its numbers: on a bound, without effect, inseparable, absurd."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects import catalogue
+from ..model import Model
+from .absurd import Circumstances, absurdities
+from .equation_misfit import BLIND, LAG, UNSEEN
+from .freedom import Number, split
+from .solver import Solution
+from .uncertainty import Uncertainty
+
+AT_BOUND = 0.05  # standard errors within which a number is on its bound
+SEEN = 2.0  # standard deviations by which a typical change of a number must show
+NEEDED = 2.0  # standard errors by which a size must differ from none
+ALIKE = 0.95  # correlation from which on two numbers cannot be told apart
+PART = 0.3  # of a direction of unit length, from which on a number is part of it
+LOOSE = 0.2  # of its size: where both are known better than that, a correlation does no harm
+TOLERANCES = 3.0  # by which a constant may be off before the model file is doubted
+
+SHOWN_BY = {
+    "viscous_friction": "motion at several speeds",
+    "coulomb_friction": "slow motion in both directions",
+    "stribeck_friction": "slow ramps, down to a tenth of the speeds of these",
+    "asymmetric_friction": "motion in both directions",
+    "presliding_friction": "many slow reversals, such as a triangle of small travel",
+    "quadratic_drag": "fast motion",
+    "shear_thinning": "ramps from slow to fast",
+    "thermal_friction": "a cold start, and several time constants of fast motion",
+    "mesh_friction": "motion under load: a spring, a weight, hard acceleration",
+    "sun_runout": "slow motion over several motor turns, in both directions",
+    "mesh_ripple": "slow motion over several motor turns",
+    "tooth_fault": "slow motion over several passes of the tooth",
+    "cogging": "slow motion over a motor turn",
+    "torque_ripple": "slow motion under load",
+    "current_offset": "slow motion over several motor turns",
+    "torque_constant_error": "hard acceleration of a known inertia",
+    "added_inertia": "hard acceleration: steps, fast sines",
+    "constant_load": "motion in both directions",
+    "gravity_load": "travel over a large part of an output turn",
+    "spring_load": "travel as large as the machine allows, in both directions",
+    "backlash": "reversals, with the output encoder recorded",
+    "shaft_compliance": "steps or fast sines, with the output encoder recorded",
+    "encoder_delay": "fast motion, with the output encoder recorded",
+    "encoder_eccentricity": "travel over a large part of an output turn, with the output encoder recorded",
+}
+"""The motion that shows each effect."""
+ANY = "motion over all speeds, positions and directions that it may depend on"
+INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """A warning: its kind, the instance (of a constant: its part) and the parameter that it is about."""
+
+    kind: str  # on_bound, no_effect, inseparable, absurd; recording: of a damaged recording
+    instance: str
+    parameter: str
+    message: str
+
+
+def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: Circumstances) -> list[Finding]:
+    """All findings on a solution, in the order of its numbers."""
+    found = []
+    groups = _groups(solution, sure)
+    alike = {k for group in groups for k in group}
+    numbers = solution.freedom.numbers
+    for k, number in enumerate(numbers):
+        if number.path == LAG:
+            continue
+        value = float(solution.values[k])
+        std = float(sure.std[k]) * number.slope(value)
+        bound = _bound(number, value, std)
+        if bound:
+            found.append(_finding("on_bound", number, f"ends on its {bound} bound, {_written(value, number.unit)}"))
+        shown = float(np.linalg.norm(solution.slopes[:, k]))
+        reason = _unseen(number, shown, fitted, method)
+        if reason is None and k not in alike:
+            reason = _needless(number, value, std, fitted)
+        if reason:
+            found.append(_finding("no_effect", number, reason))
+        if not number.path.startswith("effects."):
+            off = abs(value / number.prior[0] - 1.0)
+            tolerance = fitted.constants[number.path].tolerance
+            if off > TOLERANCES * tolerance:
+                text = (
+                    f"ends {100.0 * off:.0f} % off its nominal value, {off / tolerance:.0f} times its tolerance: is "
+                    "the model that of this machine, or does an effect stand in its place?"
+                )
+                found.append(_finding("absurd", number, text))
+    for group in groups:
+        names = " and ".join(short(numbers[k].path) for k in group)
+        text = f"{names} cannot be told apart by these recordings: what one gains the others lose; hold one (--fix)"
+        found += [Finding("inseparable", *place(numbers[k].path), text) for k in group]
+    for name, instance in fitted.effects.items():
+        if instance.enabled:
+            units: Mapping[str, str] = {p.name: p.unit for p in catalogue()[instance.effect].parameters}
+            for parameter, reason in absurdities(instance.effect, instance.parameters, units, c):
+                value = instance.parameters[parameter]
+                if solution.freedom.index(f"effects.{name}.{parameter}") is not None:
+                    message = f"{name}.{parameter} = {_written(value, units[parameter])}: {reason}"
+                    found.append(Finding("absurd", name, parameter, message))
+    return found
+
+
+def place(path: str) -> tuple[str, str]:
+    """(instance, parameter) of an effect's path, (part, name) of a constant's."""
+    part, name, parameter = split(path)
+    return (name, parameter) if part == "effects" else (part, name)
+
+
+def short(path: str) -> str:
+    """The path as a reader wants it, ``backlash.width``."""
+    return ".".join(place(path))
+
+
+def _finding(kind: str, number: Number, text: str) -> Finding:
+    instance, parameter = place(number.path)
+    return Finding(kind, instance, parameter, f"{short(number.path)} {text}")
+
+
+def _bound(number: Number, value: float, std: float) -> str | None:
+    """The bound that a number has run against, if any."""
+    for bound, side in ((number.lower, "lower"), (number.upper, "upper")):
+        if abs(value - bound) <= AT_BOUND * std:
+            return side
+    return None
+
+
+def _unseen(number: Number, shown: float, model: Model, method: str) -> str | None:
+    """Why these recordings do not show a number, and what would; ``shown`` are standard deviations per unit of it."""
+    change = 1.0 if number.periodic else (math.log(2.0) if number.log else number.scale)
+    if shown * change >= SEEN:
+        return None
+    part, name, parameter = split(number.path)
+    if part != "effects":
+        if method == "equation" and number.path.startswith(BLIND):
+            return "does not stand in the equation: fit with --method simulation"
+        remedy = f"record {INERTIA_SHOWN_BY}" if "inertia" in name else "leave it as it is"
+        return f"changes nothing that these recordings show; {remedy}"
+    if parameter in UNSEEN:
+        return "shows at standstill only, which a fit leaves out; read it off the break-away of a slow start"
+    effect = catalogue()[model.effects[name].effect]
+    size = effect.parameters[0]
+    small = f" while {size.name} is so small" if parameter != size.name and size.neutral is not None else ""
+    return f"changes nothing that these recordings show{small}; record {SHOWN_BY.get(effect.id, ANY)}"
+
+
+def _needless(number: Number, value: float, std: float, model: Model) -> str | None:
+    """Why a size is no more than none; None where it is, or where the model file knows of it."""
+    part, name, parameter = split(number.path)
+    if part != "effects" or number.known:
+        return None
+    effect = catalogue()[model.effects[name].effect]
+    size = effect.parameters[0]
+    if parameter != size.name or size.neutral is None or abs(value - size.neutral) >= NEEDED * std:
+        return None
+    return (
+        f"= {_written(value, number.unit)} ± {_written(std, number.unit)} is no more than its standard error: these "
+        f"recordings do not need it; record {SHOWN_BY.get(effect.id, ANY)}, or remove {name}"
+    )
+
+
+def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
+    """Numbers that these recordings cannot tell apart, in groups of two or more.
+
+    Some combination of a group is hardly known: a direction of the correlations that is nearly flat. Of two numbers it
+    is so where they correlate by more than ``ALIKE``.
+    """
+    numbers = solution.freedom.numbers
+    loose = [
+        float(sure.std[k]) * n.slope(float(v)) > LOOSE * _size(n, float(v))
+        for k, (n, v) in enumerate(zip(numbers, solution.values, strict=True))
+    ]
+    named = [k for k, n in enumerate(numbers) if n.path != LAG]
+    sizes, directions = np.linalg.eigh(sure.correlation[np.ix_(named, named)])
+    groups: list[set[int]] = []
+    for size, direction in zip(sizes, directions.T, strict=True):
+        if size > 1.0 - ALIKE:
+            break  # they come in rising order
+        group = {named[k] for k in np.flatnonzero(np.abs(direction) > PART)}
+        if any(loose[k] for k in group):
+            apart = [other for other in groups if not other & group]
+            groups = [*apart, group.union(*(other for other in groups if other & group))]
+    return [sorted(group) for group in groups if len(group) > 1]
+
+
+def _size(number: Number, value: float) -> float:
+    """What a standard error is compared with: an angle with a radian, what has a typical size with that."""
+    return 1.0 if number.periodic else (abs(value) if number.log else number.scale)
+
+
+def _written(value: float, unit: str) -> str:
+    return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -1,0 +1,225 @@
+"""Fit: the numbers of a given model from recordings of its machine, with standard errors and what to make of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..discovery.equation import Equation
+from ..discovery.observation import observe_all
+from ..effects import catalogue
+from ..model import Model
+from ..model.constants import CONSTANTS
+from ..simulation.simulate import choose_input
+from .absurd import circumstances
+from .equation_misfit import LAG, UNSEEN, EquationMisfit
+from .findings import Finding, find
+from .freedom import Freedom, choose_numbers
+from .misfit import Misfit
+from .simulation_misfit import SimulationMisfit
+from .solver import FINAL, ROUGH, Solution, solve
+from .starts import explored, structural_starts
+from .uncertainty import Uncertainty, solved, uncertainty, weigh
+from .unseen import Errors, judge
+
+METHODS = ("equation", "simulation")
+CONTRADICTED = 3.0  # standard deviations of a prior beyond which the recordings have it wrong
+TOO_MUCH = 3.0  # times the noise that is left where a model is right
+MUCH = 1.5  # change of what rows are worth after which a fit is made again
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """A fitted model and what is known of its numbers; ``as_json`` is what ``fit --json`` writes.
+
+    ``parameters`` are by instance, ``constants`` by part, each number as ``{value, std, unit}`` in SI units, ``std``
+    None where it was held. ``before`` and ``after`` are errors per signal on what was not fitted to, as ``judged_on``
+    tells. ``correlations`` (k, k) belong to ``paths`` (k,).
+    """
+
+    model: Model
+    method: str
+    input: str
+    parameters: dict[str, dict[str, Any]]
+    constants: dict[str, dict[str, dict[str, Any]]]
+    before: Errors
+    after: Errors
+    judged_on: str
+    paths: tuple[str, ...]
+    correlations: tuple[tuple[float, ...], ...]
+    warnings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """SI units; numbers that were held have no standard error."""
+        return {
+            "model": self.model.name,
+            "method": self.method,
+            "input": self.input,
+            "parameters": self.parameters,
+            "constants": self.constants,
+            "rmse": {
+                signal: {
+                    "before": error["rmse"],
+                    "after": self.after[signal]["rmse"],
+                    "noise_floor": error["noise_floor"],
+                    "unit": error["unit"],
+                    "driven": error["driven"],
+                }
+                for signal, error in self.before.items()
+            },
+            "judged_on": self.judged_on,
+            "correlations": {"paths": list(self.paths), "matrix": [list(row) for row in self.correlations]},
+            "warnings": [vars(warning) for warning in self.warnings],
+            "notes": list(self.notes),
+        }
+
+
+def fit_model(
+    recordings: Sequence[Recording],
+    model: Model,
+    *,
+    method: str | None = None,
+    free: Sequence[str] = (),
+    fix: Sequence[str] = (),
+    source: str | None = None,
+    progress: Progress = lambda text: None,
+) -> FitResult:
+    """Fit a model's numbers to recordings.
+
+    ``method`` is ``equation`` (the torque that the measured motion needs) or ``simulation`` (the closed loop beside the
+    recording); by default the simulation, but the equation where the current drives the twin. ``free`` and ``fix`` name
+    paths (``effects.backlash.width``, ``machine.motor_inertia``) or what paths begin with; by default the parameters of
+    all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
+    what is being done. Raises InputError where the recordings cannot be fitted to.
+    """
+    sources = [choose_input(recording, source) for recording in recordings]
+    method = method or ("equation" if "current" in sources else "simulation")
+    if method not in METHODS:
+        raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
+    freedom = choose_numbers(model, free, fix, UNSEEN)
+    misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
+    progress("judging on what was not fitted to")
+    before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)
+    sure = uncertainty(misfit, solution)
+    fitted = _named_sources(freedom.at(solution.values[: len(freedom.numbers)]), model)
+    findings = find(solution, sure, fitted, method, circumstances(recordings, fitted))
+    findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
+    shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
+    notes = list(freedom.notes)
+    left = math.sqrt(solution.misfit / misfit.rows)
+    if left > TOO_MUCH:
+        notes.append(f"what is left is {left:.0f} times the noise: the model lacks something, or does not fit at all")
+    for k in loosened:
+        number = solution.freedom.numbers[k]
+        notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
+    return FitResult(
+        fitted,
+        method,
+        sources[0] if len(set(sources)) == 1 else "mixed",
+        _parameters(fitted, solution, sure),
+        _constants(model, fitted, solution, sure),
+        before,
+        after,
+        judged_on,
+        tuple(solution.freedom.numbers[k].path for k in shown),
+        tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
+        tuple(findings),
+        tuple(notes),
+    )
+
+
+def _named_sources(fitted: Model, nominal: Model) -> Model:
+    """The fitted model, its constants saying so where they moved."""
+    constants = dict(fitted.constants)
+    for path, held in constants.items():
+        if held.value != nominal.value(path):
+            constants[path] = replace(held, source=f"fitted; {nominal.value(path):g} before")
+    return replace(fitted, constants=constants)
+
+
+def _solution(
+    recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: Freedom, progress: Progress
+) -> tuple[Misfit, Solution, list[int]]:
+    """The misfit, its best solution, and the numbers whose priors the recordings contradict.
+
+    A simulation begins where the equation ends, which is fast and sees further.
+    """
+    progress("reading the motion")
+    observations = observe_all(list(recordings), freedom.model)
+    equation = Equation(observations)
+    starts = structural_starts(equation, freedom, progress)
+    equated = EquationMisfit(equation, freedom)
+    solution = explored(equated, starts[0], FINAL if method == "equation" else ROUGH, progress)
+    misfit: Misfit = equated
+    if method == "simulation":
+        progress("simulating")
+        simulated = SimulationMisfit(recordings, observations, freedom, sources)
+        starts += [solution.values[: len(freedom.numbers)], freedom.start]
+        start = min(starts, key=lambda values: simulated.cost(simulated.residual(values)))
+        simulated.doubt(start)
+        simulated.reweigh(simulated.residual(start))
+        solution = solve(simulated, start, progress=progress)
+        misfit = simulated
+    if weigh(misfit, solution) > MUCH:
+        solution = solve(misfit, solution.values, progress=progress)
+    loosened = _contradicted(misfit, solution)
+    if loosened:
+        misfit.freedom = misfit.freedom.with_priors_loose(loosened)
+        solution = solve(misfit, solution.values, progress=progress)
+    values = solution.values.copy()
+    for k, number in enumerate(misfit.freedom.numbers):
+        if number.periodic:
+            values[k] = math.remainder(values[k], 2.0 * math.pi)
+    return misfit, replace(solution, values=values), loosened
+
+
+def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
+    """The numbers that these recordings put elsewhere than the model file, surely."""
+    sure = uncertainty(misfit, solution)
+    found = []
+    for k, (number, x) in enumerate(zip(solution.freedom.numbers, solved(solution), strict=True)):
+        mean, std = number.inward_prior
+        if number.known and abs(x - mean) > CONTRADICTED * max(std, float(sure.std[k])):
+            found.append(k)
+    return found
+
+
+def _spread(path: str, solution: Solution, sure: Uncertainty) -> float | None:
+    """The standard error of what stands at a path; None where it was held."""
+    k = solution.freedom.index(path)
+    if k is None:
+        return None
+    number = solution.freedom.numbers[k]
+    share = number.shares[number.paths.index(path)]
+    return float(sure.std[k]) * number.slope(float(solution.values[k])) * abs(share)
+
+
+def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for name, instance in fitted.effects.items():
+        if not instance.enabled:
+            continue
+        found[name] = {"effect": instance.effect, "options": dict(instance.options)}
+        for p in catalogue()[instance.effect].parameters:
+            value = instance.parameters[p.name]
+            std = _spread(f"effects.{name}.{p.name}", solution, sure)
+            found[name][p.name] = {"value": value, "std": std, "unit": p.unit}
+    return found
+
+
+def _constants(model: Model, fitted: Model, solution: Solution, sure: Uncertainty) -> dict[str, dict[str, dict]]:
+    found: dict[str, dict[str, dict]] = {}
+    for path, constant in CONSTANTS.items():
+        if solution.freedom.index(path) is not None:
+            value = fitted.value(path)
+            entry = {"value": value, "std": _spread(path, solution, sure), "unit": constant.unit}
+            found.setdefault(constant.part, {})[constant.name] = {**entry, "nominal": model.value(path)}
+    return found

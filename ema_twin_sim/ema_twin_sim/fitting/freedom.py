@@ -1,0 +1,285 @@
+"""What a fit may move: the free numbers of a model, each with bounds, a finite-difference step and prior knowledge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+from ..effects import catalogue
+from ..model import Model
+from ..model.constants import CONSTANTS
+from ..model.model import nearest
+
+INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
+FRICTION = ("viscous_friction", "coulomb_friction")
+FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
+SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
+WEAK = 3.0  # times its typical size that a number wanders where the recordings say nothing of it
+WEAK_ANGLE = 10.0  # rad
+PARTING = ("backlash", "shaft_compliance")
+WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
+STEP = 2e-3  # finite differences, of a number's typical size
+STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
+SPAN = 0.1  # of its bounds that is typical of a number which may be anywhere in them
+OFF_BOUND = 0.2  # of the way to its typical value, where a number would start on its bound
+
+
+@dataclass(frozen=True)
+class Number:
+    """One free number. Several numbers of a model may move with it, in proportion: ``shares`` per unit of the first.
+
+    It is solved for as it is, or as its logarithm where ``log``; ``step`` is the finite difference of what is solved
+    for. ``prior`` is its mean and standard deviation, ``known`` whether that is knowledge of the machine and not only
+    what keeps a number from running away; ``scale`` is its typical size.
+    """
+
+    path: str
+    paths: tuple[str, ...]
+    shares: tuple[float, ...]
+    unit: str
+    lower: float
+    upper: float
+    scale: float
+    step: float
+    prior: tuple[float, float]
+    known: bool = False
+    log: bool = False
+    periodic: bool = False
+
+    def inward(self, value: float) -> float:
+        """The value as it is solved for."""
+        return math.log(max(value, 1e-300)) if self.log else value
+
+    def outward(self, solved: float) -> float:
+        """The value from what was solved."""
+        return math.exp(solved) if self.log else solved
+
+    def slope(self, value: float) -> float:
+        """Change of the value per change of what is solved for."""
+        return value if self.log else 1.0
+
+    @property
+    def inward_prior(self) -> tuple[float, float]:
+        """Mean and standard deviation of what is solved for."""
+        mean, std = self.prior
+        return (self.inward(mean), std / mean) if self.log else self.prior
+
+
+@dataclass(frozen=True, eq=False)
+class Freedom:
+    """A model and what of it is free. ``notes`` are sentences on what was tied, held or moved beforehand."""
+
+    model: Model
+    numbers: tuple[Number, ...]
+    start: np.ndarray  # (k,)
+    notes: tuple[str, ...]
+
+    def at(self, values: np.ndarray) -> Model:
+        """The model with these values (k,)."""
+        constants = dict(self.model.constants)
+        changed: dict[str, dict[str, float]] = {}
+        for number, value in zip(self.numbers, values, strict=True):
+            for path, share in zip(number.paths, number.shares, strict=True):
+                part, name, parameter = split(path)
+                if part == "effects":
+                    changed.setdefault(name, {})[parameter] = float(value) * share
+                else:
+                    constants[path] = replace(constants[path], value=float(value) * share)
+        effects = dict(self.model.effects)
+        for name, parameters in changed.items():
+            effects[name] = replace(effects[name], parameters={**effects[name].parameters, **parameters})
+        return replace(self.model, constants=constants, effects=effects)
+
+    def index(self, path: str) -> int | None:
+        """The place of the number that moves this path; None where it is held."""
+        return next((k for k, number in enumerate(self.numbers) if path in number.paths), None)
+
+    def with_priors_loose(self, which: Sequence[int]) -> Freedom:
+        """With the priors of these numbers let go."""
+        numbers = [
+            replace(n, prior=(n.prior[0], _weak(n.scale, n.periodic)), known=False) if k in which else n
+            for k, n in enumerate(self.numbers)
+        ]
+        return replace(self, numbers=tuple(numbers))
+
+
+def split(path: str) -> tuple[str, str, str]:
+    """(``effects``, instance, parameter) or (part, name, "")."""
+    part, name, parameter = [*path.split("."), "", ""][:3]
+    return part, name, parameter
+
+
+def all_paths(model: Model) -> tuple[str, ...]:
+    """The paths of everything in a model that could be fitted."""
+    effects = (
+        f"effects.{name}.{parameter.name}"
+        for name, instance in model.effects.items()
+        if instance.enabled
+        for parameter in catalogue()[instance.effect].parameters
+    )
+    return (*effects, *model.constants)
+
+
+def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str], unseen: Mapping[str, str]) -> Freedom:
+    """What of a model is free: its effects' parameters and its inertias, what ``free`` names more, less ``fix``.
+
+    Both name paths or what paths begin with (``effects.backlash``). ``unseen`` maps names of parameters that no method
+    sees to the reason; these are held unless named. Raises InputError where a path is unknown or exact.
+    """
+    known = all_paths(model)
+    freed, fixed = (_named(model, known, given, option) for given, option in ((free, "--free"), (fix, "--fix")))
+    for path in freed:
+        if path in fixed:
+            raise InputError(f"{path}: is named by --free and by --fix; leave one out")
+    parted = model.kinds["transmission"] == "two_inertia" or any(
+        instance.enabled and instance.effect in PARTING for instance in model.effects.values()
+    )
+    effects = [path for path in known if path.startswith("effects.") and path not in fixed]
+    held = [path for path in effects if split(path)[2] in unseen and path not in freed]
+    by_default = [path for path in effects if path not in held and path not in freed]
+    notes = [f"{name} is held: {unseen[name]}" for name in dict.fromkeys(split(path)[2] for path in held)]
+    numbers = []
+    for group in _tied(model, by_default, parted):
+        numbers.append(_parameter(model, group, parted, asked=False))
+        # a part that is a hundred times smaller than the other is no news
+        if len(group) > 1 and min(_value(model, path) for path in group[1:]) > 0.01 * _value(model, group[0]):
+            names = " and ".join(split(path)[1] for path in group)
+            notes.append(f"{split(group[0])[2]} of {names}: only the sum shows, both were scaled by one factor")
+    numbers += [_parameter(model, (path,), parted, asked=True) for path in effects if path in freed]
+    numbers += [_constant(model, group) for group in _inertias(model, (*fixed, *freed), parted)]
+    numbers += [_constant(model, (path,)) for path in freed if not path.startswith("effects.")]
+    if not numbers:
+        raise InputError(f"model {model.name}: nothing is free to be fitted; name fewer paths with --fix")
+    values = np.array([_value(model, number.path) for number in numbers])
+    for k, number in enumerate(numbers):
+        away = next((bound for bound in (number.lower, number.upper) if values[k] == bound), None)
+        if away is not None:
+            inward = number.scale if away == number.lower else -number.scale
+            values[k] = min(max(away + OFF_BOUND * inward, number.lower), number.upper)
+            notes.append(f"{number.path} stood on its bound, where a fit sees no way off: it started at {values[k]:g}")
+    return Freedom(model, tuple(numbers), values, tuple(notes))
+
+
+def waves(freedom: Freedom) -> list[tuple[int, int]]:
+    """Places of the sizes and angles of waves: of effects that have one of each and grow from zero."""
+    found = []
+    for name, instance in freedom.model.effects.items():
+        size, *others = catalogue()[instance.effect].parameters
+        angles = [p.name for p in others if p.periodic]
+        if size.neutral == 0.0 and len(angles) == 1:
+            places = [freedom.index(f"effects.{name}.{parameter}") for parameter in (size.name, angles[0])]
+            if places[0] is not None and places[1] is not None:
+                found.append((places[0], places[1]))
+    return found
+
+
+def _named(model: Model, known: Sequence[str], given: Sequence[str], option: str) -> list[str]:
+    found: dict[str, None] = {}
+    for text in given:
+        here = [path for path in known if path == text or path.startswith(f"{text}.")]
+        if not here or text in ("effects", *(c.part for c in CONSTANTS.values())):
+            raise InputError(f"{option} {text}: model {model.name} has no such number; {nearest(text, tuple(known))}")
+        found.update(dict.fromkeys(here))
+    return list(found)
+
+
+def _tied(model: Model, paths: Sequence[str], parted: bool) -> list[tuple[str, ...]]:
+    """Paths in groups that move as one: friction of both sides, where its sides cannot be told apart."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for path in paths:
+        _, name, parameter = split(path)
+        instance = model.effects[name]
+        alone = instance.effect not in FRICTION or _doubled(model, name) or _value(model, path) <= 0.0
+        apart = parted and instance.effect == "coulomb_friction" and parameter == "torque"
+        groups.setdefault((path,) if alone or apart else (instance.effect, parameter), []).append(path)
+    return [tuple(group) for group in groups.values()]
+
+
+def _doubled(model: Model, name: str) -> bool:
+    """Whether an effect is there again, on the same side: then which has which part of it is anybody's guess."""
+    one = model.effects[name]
+    alike = [i for i in model.effects.values() if i.enabled and (i.effect, i.options) == (one.effect, one.options)]
+    return len(alike) > 1
+
+
+def _inertias(model: Model, named: Sequence[str], parted: bool) -> list[tuple[str, ...]]:
+    """The inertias that are free by default, in groups that move as one."""
+    free = [p for p in INERTIAS if p not in named and model.value(p) > 0.0 and model.constants[p].tolerance > 0.0]
+    motor, output = (tuple(p for p in free if (p == INERTIAS[2]) == is_output) for is_output in (False, True))
+    groups = [motor, output] if parted else [motor + output]
+    return [group for group in groups if group]
+
+
+def _value(model: Model, path: str) -> float:
+    part, name, parameter = split(path)
+    return model.effects[name].parameters[parameter] if part == "effects" else model.value(path)
+
+
+def _weak(scale: float, periodic: bool) -> float:
+    return WEAK_ANGLE if periodic else WEAK * scale
+
+
+def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> Number:
+    _, name, parameter = split(paths[0])
+    instance = model.effects[name]
+    effect = catalogue()[instance.effect]
+    p = next(p for p in effect.parameters if p.name == parameter)
+    value = _value(model, paths[0])
+    neutral = p.neutral if p is effect.parameters[0] and p.neutral is not None else 0.0
+    scale = max(abs(value - neutral), abs(p.default - neutral))
+    if p.periodic or scale == 0.0:  # an angle; or a place, which has no size of its own
+        scale = 1.0 if p.periodic else SPAN * (p.upper - p.lower)
+    log = p.lower > 0.0 and p.upper >= WIDE * p.lower
+    lower, upper = p.lower, p.upper
+    if p.periodic:
+        lower, upper = -math.inf, math.inf
+    size = p is effect.parameters[0]
+    known = size and not asked and instance.effect in FRICTION and value > 0.0 and not _doubled(model, name)
+    side = parted and instance.effect == "coulomb_friction" and instance.options["side"] == "output"
+    prior = (SIDES_PRIOR if side else FRICTION_PRIOR) * value if known else _weak(scale, p.periodic)
+    return Number(
+        paths[0],
+        paths,
+        tuple(_value(model, path) / value if len(paths) > 1 else 1.0 for path in paths),
+        p.unit,
+        lower,
+        upper,
+        scale,
+        STRUCTURAL_STEP * (1.0 if log else scale) if p.neutral is None or log else STEP * scale,
+        (value, prior),
+        known=known,
+        log=log,
+        periodic=p.periodic,
+    )
+
+
+def _constant(model: Model, paths: tuple[str, ...]) -> Number:
+    constant = CONSTANTS[paths[0]]
+    held = model.constants[paths[0]]
+    tolerance = max(model.constants[path].tolerance for path in paths)
+    if tolerance == 0.0:
+        raise InputError(
+            f"--free {paths[0]}: its tolerance in model {model.name} is 0, so it is exact; give it a tolerance there"
+        )
+    if held.value == 0.0:
+        raise InputError(
+            f"--free {paths[0]}: is 0 in model {model.name}, and no factor moves it; give it a value there"
+        )
+    return Number(
+        paths[0],
+        paths,
+        tuple(model.value(path) / held.value for path in paths),
+        constant.unit,
+        constant.lower,
+        constant.upper,
+        abs(held.value),
+        STEP * (1.0 if constant.lower > 0.0 else abs(held.value)),
+        (held.value, tolerance * abs(held.value)),
+        known=True,
+        log=constant.lower > 0.0,
+    )

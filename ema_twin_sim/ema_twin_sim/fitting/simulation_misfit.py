@@ -1,0 +1,271 @@
+"""The misfit of the method ``simulation``: the closed loop beside each recording, all its undriven signals together.
+
+Each signal counts in units of its sensor's noise, or of what no values of the numbers get rid of, where that is more.
+Positions integrate: an offset that the first sample's noise leaves is taken out, and of the motor's what a setpoint
+recorded a little off or a little late does to it. Where the machine stands, and until its speed loop has forgotten it,
+no row counts (dry friction at rest depends on what nobody measured), unless the model has a bristle, which knows. Where
+an impact shakes it, twin and machine need not agree sample by sample: there rows count less.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ema_bench_replay.recording import Recording
+
+from ..comparison.noise import noise_floors
+from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation
+from ..model import Model
+from ..plant.measured_motion import ACCELERATION, SPEED, TIME
+from ..simulation.simulate import simulate
+from ..simulation.twin import DEFAULT_STEP
+from .freedom import Freedom
+
+POOL = ThreadPoolExecutor(os.cpu_count())
+OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
+LINGER = 0.06  # s around standstill in which rows do not count
+LEAP = 5.0  # steps of a finite difference over which leaps are looked for
+LEAPS = 3  # times that they are looked for
+COARSE = 5e-5  # s, the step of integration where only differences count
+MOST_ROWS = 600_000  # rows beyond which samples are passed over
+FINE = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
+UNMEASURED = 1e-4  # of a signal's size: the noise of one whose noise the model calls zero
+DIFFERENCE = "encoder_difference"
+"""The output encoder minus the motor counter over the gear ratio: it does not integrate."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """One signal of one recording: samples (n,), measured (n,) and its noise, trust (n,), what is taken out (n, k)."""
+
+    recording: int
+    signal: str
+    samples: np.ndarray
+    measured: np.ndarray
+    noise: float
+    trust: np.ndarray
+    drift: np.ndarray
+
+
+class SimulationMisfit:
+    """The closed-loop error over all recordings, in units of noise.
+
+    ``observations`` are of the same recordings, ``sources`` what drives each twin.
+    """
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        observations: Sequence[Observation],
+        freedom: Freedom,
+        sources: Sequence[str],
+    ) -> None:
+        self.variance = 1.0
+        self.freedom = freedom
+        self._recordings = tuple(recordings)
+        self._sources = tuple(sources)
+        every = max(1, math.ceil(4 * sum(len(recording) for recording in recordings) / MOST_ROWS))
+        self._parts = [
+            part
+            for k, given in enumerate(zip(recordings, observations, sources, strict=True))
+            for part in _parts(k, *given, freedom.model, every)
+        ]
+        edges = np.cumsum([0, *(len(part.samples) for part in self._parts)])
+        self._slices = [slice(int(a), int(b)) for a, b in pairwise(edges)]
+        self.parts: list[tuple[int, slice]] = [
+            (part.recording, rows) for part, rows in zip(self._parts, self._slices, strict=True)
+        ]
+        self.rows = int(edges[-1])
+        self._spread = np.ones(len(self._parts))
+        self._trust = np.concatenate([part.trust for part in self._parts])
+        self._predicted: tuple[np.ndarray, np.ndarray] | None = None
+        self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
+        self._run(freedom.start, 0, DEFAULT_STEP)  # an effect compiles here, and not in several threads at once
+
+    def doubt(self, values: np.ndarray) -> None:
+        """Count those rows less at which a small change of the numbers acts by leaps: an impact or a break-away, sooner
+        or later. No straight line describes them, neither in a step of the fit nor in a standard error.
+        """
+        numbers = self.freedom.numbers
+        lower, upper = np.array([n.lower for n in numbers]), np.array([n.upper for n in numbers])
+        size = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)]) * LEAP
+        random = np.random.default_rng(0)  # all numbers at once, each up or down: few runs find the leaps of all
+        moved = []
+        for _ in range(LEAPS):
+            step = size * random.choice([-1.0, 1.0], len(size))
+            step[(values - np.abs(step) < lower) | (values + np.abs(step) > upper)] = 0.0
+            moved += [values + step, values - step]
+        here, *there = self._predict_all([values, *moved], COARSE)
+        noise = np.concatenate([np.full(len(part.samples), part.noise) for part in self._parts])
+        leaps = np.zeros(self.rows)
+        for up, down in zip(there[::2], there[1::2], strict=True):
+            leaps += ((up + down - 2.0 * here) / noise) ** 2
+        self._trust = np.concatenate([part.trust for part in self._parts]) / np.sqrt(1.0 + leaps)
+
+    def residual(self, values: np.ndarray) -> np.ndarray:
+        """Measured minus predicted (m,) at these values (k,)."""
+        predicted = self._predict(values)
+        rows = np.empty(self.rows)
+        for part, here, spread in zip(self._parts, self._slices, self._spread, strict=True):
+            left = (part.measured - predicted[here]) / (part.noise * spread)
+            if part.drift.shape[1]:
+                left -= np.median(left)
+                for _ in range(2):
+                    left = _without(left, part.drift, part.trust / np.sqrt(1.0 + (left / OUTLIER) ** 2))
+            rows[here] = left
+        return rows
+
+    def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weighted slopes of the prediction (m, k) per unit of each number."""
+        slopes = np.empty((self.rows, len(values)))
+        for k, change in enumerate(self._changes(values)):
+            for part, rows, spread in zip(self._parts, self._slices, self._spread, strict=True):
+                column = _without(change[rows] / (part.noise * spread), part.drift, weights[rows])
+                slopes[rows, k] = column * weights[rows]
+        return slopes
+
+    def _changes(self, values: np.ndarray) -> list[np.ndarray]:
+        """What the prediction (m,) changes by per unit of each number; the last answer is kept."""
+        if self._changed is None or not np.array_equal(self._changed[0], values):
+            steps = np.array([n.step * n.slope(v) for n, v in zip(self.freedom.numbers, values, strict=True)])
+            upper = np.array([number.upper for number in self.freedom.numbers])
+            steps = np.where(values + steps <= upper, steps, -steps)
+            here, *there = self._predict_all([values, *(values + np.diag(steps))], COARSE)
+            changes = [(after - here) / step for after, step in zip(there, steps, strict=True)]
+            self._changed = (values.copy(), changes)
+        return self._changed[1]
+
+    def _predict(self, values: np.ndarray) -> np.ndarray:
+        """The twins' signals (m,); the last answer is kept."""
+        if self._predicted is None or not np.array_equal(self._predicted[0], values):
+            self._predicted = (values.copy(), self._predict_all([values], DEFAULT_STEP)[0])
+        return self._predicted[1]
+
+    def _predict_all(self, points: Sequence[np.ndarray], step: float) -> list[np.ndarray]:
+        count = len(self._recordings)
+        jobs = [(point, k) for point in points for k in range(count)]
+        runs = list(POOL.map(lambda job: self._run(job[0], job[1], step), jobs))
+        return [np.concatenate(runs[k : k + count]) for k in range(0, len(runs), count)]
+
+    def systematic(self, values: np.ndarray) -> np.ndarray:
+        """Nothing: a simulation is what its model says."""
+        return np.zeros(len(values))
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Square roots (m,) of what each row counts: outliers less and less."""
+        return self._trust / np.sqrt(1.0 + (residual / OUTLIER) ** 2)
+
+    def cost(self, residual: np.ndarray) -> float:
+        """Cauchy's sum."""
+        return float(OUTLIER**2 * (self._trust**2 @ np.log1p((residual / OUTLIER) ** 2)))
+
+    def reweigh(self, residual: np.ndarray) -> bool:
+        """Let each part count by how well it can be met at all; whether that changed much."""
+        before = self._spread.copy()
+        for k, (part, here) in enumerate(zip(self._parts, self._slices, strict=True)):
+            trusted = part.trust > 0.5
+            if trusted.any():
+                bulk = 1.4826 * float(np.median(np.abs(residual[here][trusted])))
+                self._spread[k] = max(1.0, before[k] * bulk)
+        return bool((np.abs(np.log(self._spread / before)) > 0.1).any())
+
+    def _run(self, values: np.ndarray, k: int, step: float) -> np.ndarray:
+        """The twin's signals beside one recording, its parts one after the other."""
+        model = self.freedom.at(values)
+        ratio = model.value("machine.gear_ratio")
+        for side in ("motor", "output"):
+            model = model.with_value(f"sensors.{side}_encoder_counts", FINE)
+        twin = dict(simulate(model, self._recordings[k], self._sources[k], step=step).signals)
+        twin[DIFFERENCE] = twin["output_position"] - twin["motor_position"] / ratio
+        return np.concatenate([twin[part.signal][part.samples] for part in self._parts if part.recording == k])
+
+
+def _parts(
+    k: int, recording: Recording, observation: Observation, source: str, model: Model, every: int
+) -> list[_Part]:
+    """What of one recording is judged: under the current the motion, under the setpoint the current too."""
+    seen = dict(recording.signals)
+    floors = noise_floors(model, has_speed=recording.has("speed"), period=recording.sample_period)
+    one = {
+        side: math.sqrt(model.value(f"sensors.{side}_encoder_noise") ** 2 + 1.0 / 12.0)
+        * (2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts"))
+        for side in ("motor", "output")
+    }
+    ratio = model.value("machine.gear_ratio")
+    noise = {"current": floors["current"], "speed": floors["speed"], "motor_position": one["motor"]}
+    if recording.has("output_position"):
+        seen[DIFFERENCE] = seen["output_position"] - seen["motor_position"] / ratio
+        noise[DIFFERENCE] = math.hypot(one["output"], one["motor"] / ratio)
+    if source == "current":
+        del noise["current"]
+        if recording.has("speed"):
+            del noise["motor_position"]  # it holds nothing more, and drifts
+    motion, calm, settled = _observed(recording, observation, model)
+    flat = np.ones(len(recording))
+    found = []
+    for signal, floor in noise.items():
+        if signal not in seen:
+            continue
+        measured = seen[signal]
+        good = np.isfinite(measured)
+        good[0] = False  # both start from the first sample
+        good &= np.arange(len(recording)) % every == 0
+        samples = np.flatnonzero(good)
+        drifts = {"motor_position": [flat, recording.time, motion], DIFFERENCE: [flat]}.get(signal, [])
+        trust = calm * settled if signal == DIFFERENCE else calm
+        size = float(np.sqrt(np.mean(measured[samples] ** 2))) if len(samples) else 0.0
+        found.append(
+            _Part(
+                k,
+                signal,
+                samples,
+                measured[samples],
+                max(floor, UNMEASURED * size, 1e-12),
+                trust[samples],
+                np.array(drifts).reshape(len(drifts), -1).T[samples] if drifts else np.empty((len(samples), 0)),
+            )
+        )
+    return found
+
+
+def _observed(
+    recording: Recording, observation: Observation, model: Model
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
+    motion, period = observation.motion, observation.period
+    hardness = np.abs(motion[:, ACCELERATION])
+
+    def hardest(before: float) -> np.ndarray:
+        left, right = round(before / period), round(2.0 * WIDTH / period)
+        return maximum_filter1d(hardness, left + right + 1, origin=(left - right) // 2)
+
+    counts = 1.0 / np.sqrt(1.0 + (hardest(SHAKEN) / HARD) ** 2)
+    bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
+    if not bristled:
+        still = np.abs(motion[:, SPEED]) < STANDSTILL
+        counts[maximum_filter1d(still.astype(np.int8), 2 * round(LINGER / period) + 1) > 0] = 0.0
+    settled = (hardest(THROWN) <= CHAOTIC).astype(float)
+    # an observation is on an even grid; a recording may not be
+    speed, counts, settled = (
+        np.interp(recording.time, motion[:, TIME], values) for values in (motion[:, SPEED], counts, settled)
+    )
+    return speed, counts, settled
+
+
+def _without(rows: np.ndarray, drift: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Rows (n,) less the drift (n, k) that they hold, by weighted least squares."""
+    if not drift.shape[1]:
+        return rows
+    weighted = drift * (weights**2)[:, None]
+    normal = weighted.T @ drift
+    size = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    normal = normal / np.outer(size, size) + 1e-9 * np.eye(len(size))  # at constant speed, drifts are alike
+    return rows - drift @ (np.linalg.solve(normal, (rows @ weighted) / size) / size)

@@ -1,0 +1,123 @@
+"""Levenberg-Marquardt with bounds, priors and outliers that count less: the values at which a misfit is smallest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+from .freedom import Freedom
+from .misfit import Misfit
+
+ITERATIONS = 15  # steps before the parts are weighed anew
+TRIES = 6  # damped steps before a fit gives up
+ENOUGH = 0.1  # fall of the cost, in units of noise, below which nothing more is to be gained
+FINAL, ROUGH = 1e-4, 3e-3  # the same, as a share of the cost: of a result, and of a start for another method
+STEEPEST = 1e100  # slopes beyond are a spring's that no step resolves
+PASSES = 3  # times that they are
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The best values (k,), the weighted residual (m,) and its weighted slopes (m, k) to what is solved for.
+
+    ``cost`` is in units of ``misfit.variance`` and includes the priors; ``misfit`` is neither.
+    """
+
+    freedom: Freedom
+    values: np.ndarray
+    residual: np.ndarray
+    slopes: np.ndarray
+    misfit: float
+    cost: float
+    ended: bool  # no further step would gain anything
+
+
+def solve(
+    misfit: Misfit,
+    start: np.ndarray,
+    *,
+    enough: float = FINAL,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Solution:
+    """Values with the smallest misfit near ``start`` (k,), its parts weighed anew while that changes much."""
+    for _ in range(PASSES):
+        solution = _descend(misfit, start, ITERATIONS, enough, progress)
+        start = solution.values
+        if not misfit.reweigh(misfit.residual(start)) and solution.ended:
+            break
+    return solution
+
+
+def refine(misfit: Misfit, start: np.ndarray, iterations: int) -> Solution:
+    """A few steps from ``start`` with the parts weighed as they are, so that costs can be compared."""
+    return _descend(misfit, start, iterations, ROUGH, lambda text: None)
+
+
+def priors(freedom: Freedom, solved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(residuals (k,), inverse standard deviations (k,)) of the priors."""
+    means, stds = np.array([number.inward_prior for number in freedom.numbers]).T
+    return (means - solved) / stds, 1.0 / stds
+
+
+def _descend(
+    misfit: Misfit, start: np.ndarray, iterations: int, enough: float, progress: Callable[[str], None]
+) -> Solution:
+    numbers = misfit.freedom.numbers
+    lower, upper = (
+        np.array([n.inward(bound) if math.isfinite(bound) else bound for n, bound in zip(numbers, bounds, strict=True)])
+        for bounds in ([n.lower for n in numbers], [n.upper for n in numbers])
+    )
+
+    def out(solved: np.ndarray) -> np.ndarray:
+        return np.array([n.outward(v) for n, v in zip(numbers, solved, strict=True)])
+
+    x = np.clip([n.inward(v) for n, v in zip(numbers, start, strict=True)], lower, upper)
+    values = out(x)
+    raw = misfit.residual(values)
+    known, inverse = priors(misfit.freedom, x)
+    plain = misfit.cost(raw)
+    cost = plain / misfit.variance + float(known @ known)
+    damping = 0.0
+    ended = False
+    for turn in range(iterations + 1):
+        weights = misfit.weights(raw)
+        per = np.array([n.slope(v) for n, v in zip(numbers, values, strict=True)])
+        slopes = np.clip(misfit.slopes(values, weights) * per, -STEEPEST, STEEPEST)
+        residual = raw * weights
+        if ended or turn == iterations:
+            break
+        progress(f"misfit {math.sqrt(plain / misfit.rows):.3g} times the noise")
+        curvature = slopes.T @ slopes / misfit.variance + np.diag(inverse**2)
+        downhill = slopes.T @ residual / misfit.variance + inverse * known
+        # numbers held on a bound that they push against
+        loose = np.flatnonzero(~(((x <= lower) & (downhill < 0.0)) | ((x >= upper) & (downhill > 0.0))))
+        scale = np.sqrt(np.diag(curvature)[loose])
+        normal = curvature[np.ix_(loose, loose)] / np.outer(scale, scale)
+        for _ in range(TRIES):
+            step = np.zeros(len(x))
+            lhs = normal + (damping + 1e-12) * np.eye(len(loose))
+            step[loose] = np.linalg.solve(lhs, downhill[loose] / scale) / scale
+            trial = np.clip(x + step, lower, upper)
+            try:
+                trial_raw = misfit.residual(out(trial))
+                trial_known, _ = priors(misfit.freedom, trial)
+                trial_plain = misfit.cost(trial_raw)
+                trial_cost = trial_plain / misfit.variance + float(trial_known @ trial_known)
+            except InputError:  # no model can be made of these values, or it loses its way
+                trial_cost = math.inf
+            if trial_cost < cost:
+                break
+            damping = max(10.0 * damping, 1e-3)
+        else:
+            ended = True
+            break
+        fall = cost - trial_cost
+        x, values, raw, known, plain, cost = trial, out(trial), trial_raw, trial_known, trial_plain, trial_cost
+        damping = 0.1 * damping if damping > 1e-5 else 0.0
+        ended = fall < ENOUGH + enough * cost
+    return Solution(misfit.freedom, values, residual, slopes, plain, cost, ended)

@@ -1,0 +1,120 @@
+"""Where a fit begins: several starts where one might end in the wrong valley."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ..discovery.equation import Equation
+from ..discovery.structure import DAMPING, NARROW, STIFFNESS, WIDE, WIDTHS, excerpt
+from ..effects import catalogue
+from .equation_misfit import EquationMisfit
+from .freedom import PARTING, Freedom, split, waves
+from .solver import Solution, refine, solve
+
+FINALISTS = 4
+STEPS = 8  # of a finalist
+TRIED = 2  # steps that a fit from another start takes before it is judged
+GOOD = 1.2  # misfit per row at which no other start is tried where each costs seconds
+
+Progress = Callable[[str], None]
+
+
+def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) -> list[np.ndarray]:
+    """Values (k,) to begin with, best first: of play and springs a grid's best, on the seconds with the most reversals.
+
+    Both ring and bounce, so that from afar a fit ends anywhere. What is given is in the grid.
+    """
+    choices: dict[int, tuple[float, ...]] = {}
+    for k, number in enumerate(freedom.numbers):
+        part, name, parameter = split(number.path)
+        if part == "effects" and freedom.model.effects[name].effect in PARTING:
+            grid = {"stiffness": STIFFNESS, "damping": DAMPING, "width": _widths(equation)}[parameter]
+            choices[k] = (float(freedom.start[k]), *grid)
+    part_of = excerpt(equation) if choices else equation
+    if not choices or part_of.rows == 0:
+        return [freedom.start]
+    progress("trying starts of what parts the encoders")
+    misfit = EquationMisfit(part_of, freedom)
+    part_of.reach = np.full(part_of.rows, WIDE)
+    starts = []
+    for chosen in itertools.product(*choices.values()):
+        values = misfit.freedom.start.copy()
+        values[list(choices)] = chosen
+        starts.append(values)
+    costs = [misfit.cost(misfit.residual(values)) for values in starts]
+    finalists = []
+    for k in np.argsort(costs)[:FINALISTS]:
+        part_of.reach = np.full(part_of.rows, WIDE)
+        wide = refine(misfit, starts[int(k)], STEPS)
+        part_of.reach = np.full(part_of.rows, NARROW)
+        finalists.append(refine(misfit, wide.values, STEPS))
+    finalists.sort(key=lambda solution: solution.cost)
+    return [solution.values[: len(freedom.numbers)] for solution in finalists]
+
+
+def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress: Progress) -> Solution:
+    """The best solution from ``start`` (k,) and from the starts that the catalogue names."""
+    best = solve(misfit, wave_start(misfit, np.append(start, 0.0)), enough=enough, progress=progress)
+    model = misfit.freedom.model
+    parted = any(instance.enabled and instance.effect in PARTING for instance in model.effects.values())
+    if parted and best.misfit < GOOD * misfit.rows:
+        return best
+    better = best = refine(misfit, best.values, 0)
+    for k, number in enumerate(misfit.freedom.numbers):
+        part, name, parameter = split(number.path)
+        if part != "effects" or model.effects[name].effect in PARTING:
+            continue
+        effect = catalogue()[model.effects[name].effect]
+        starts = next(p.starts for p in effect.parameters if p.name == parameter)
+        if len(starts) < 2:
+            continue
+        progress(f"trying other starts of {name}.{parameter}")
+        own = [j for j, other in enumerate(misfit.freedom.numbers) if split(other.path)[:2] == (part, name)]
+        for value in starts:
+            trial = better.values.copy()
+            trial[own] = misfit.freedom.start[own]  # a size that has shrunk to nothing would hide where it belongs
+            trial[k] = value
+            found = refine(misfit, trial, TRIED)
+            if found.cost < better.cost:
+                better = found
+    return best if better is best else solve(misfit, better.values, enough=enough, progress=progress)
+
+
+def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
+    """The values (k,) with the waves' sizes and angles by linear regression; ``start`` where that is no better.
+
+    A wave of the wrong angle shrinks to nothing before it turns, and then sees no way to turn.
+    """
+    found = waves(misfit.freedom)
+    if not found:
+        return start
+    rest = start.copy()
+    rest[[size for size, _ in found]] = 0.0
+    left = misfit.residual(rest)
+    weights = misfit.weights(left)
+    others = [k for k in range(len(start)) if k not in {place for pair in found for place in pair}]
+    columns = [misfit.slopes(rest, weights)[:, others]]
+    for size, angle in found:
+        for turned in (0.0, 0.5 * math.pi):
+            one = rest.copy()
+            one[size] = misfit.freedom.numbers[size].scale
+            one[angle] = turned
+            columns.append(((left - misfit.residual(one)) / one[size] * weights)[:, None])
+    parts, *_ = np.linalg.lstsq(np.concatenate(columns, axis=1), left * weights, rcond=1e-9)
+    better = rest
+    for (size, angle), (plain, quarter) in zip(found, parts[len(others) :].reshape(-1, 2), strict=True):
+        better[size] = min(math.hypot(plain, quarter), misfit.freedom.numbers[size].upper)
+        better[angle] = math.atan2(quarter, plain)
+    return better if misfit.cost(misfit.residual(better)) < misfit.cost(misfit.residual(start)) else start
+
+
+def _widths(equation: Equation) -> tuple[float, ...]:
+    """Widths of play [rad] that the encoders' parting at reversals suggests."""
+    parts = [part for part in equation.encoder_parts if part.stop > part.start]
+    rows = [equation.encoder[part.start - equation.size : part.stop - equation.size] for part in parts]
+    spread = max((float(np.ptp(np.quantile(row, (0.02, 0.98)))) for row in rows), default=0.0)
+    return tuple(spread * share for share in WIDTHS) if spread > 0.0 else ()

@@ -1,0 +1,86 @@
+"""How sure the numbers of a fit are: what noise and priors leave open, and how far the recordings disagree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .misfit import Misfit, blocks
+from .solver import Solution, priors
+
+WORST = 30.0  # times that a row is worth less, at most, by the recordings' disagreement: beyond, straight lines mislead
+
+
+@dataclass(frozen=True, eq=False)
+class Uncertainty:
+    """Of what was solved for (k numbers): standard errors (k,) and correlations (k, k)."""
+
+    std: np.ndarray
+    correlation: np.ndarray
+
+
+def weigh(misfit: Misfit, solution: Solution) -> float:
+    """Set what a row's variance is from what is left over and from how far the recordings disagree; by what factor.
+
+    White least squares is far too sure of itself, because what is left over is not white: leaving out one recording (or
+    one stretch) after the other, linearised, shows how far the numbers really move. Where that is more than rows and
+    priors explain, each row is worth less.
+    """
+    before = misfit.variance
+    misfit.variance *= max(1.0, solution.misfit / misfit.rows)
+    curvature = np.linalg.inv(_posterior(misfit, solution))
+    away = _moves(misfit, solution)
+    count = len(away)
+    distance = (count - 1) / count * float(np.einsum("bi,ij,bj->", away, curvature, away))
+    misfit.variance *= min(max(1.0, distance / min(away.shape[1], count - 1)), WORST)
+    return misfit.variance / before
+
+
+def uncertainty(misfit: Misfit, solution: Solution) -> Uncertainty:
+    """Standard errors: the larger of what curvature and priors tell and of what the recordings show (Tukey's
+    jackknife), and what the method itself may be wrong by.
+    """
+    posterior = _posterior(misfit, solution)
+    away = _moves(misfit, solution)
+    jackknife = (len(away) - 1) / len(away) * np.sum(away**2, axis=0)
+    own = np.sqrt(np.diag(posterior))
+    per = np.array([n.slope(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
+    std = np.hypot(np.maximum(own, np.sqrt(jackknife)), misfit.systematic(solution.values) / per)
+    return Uncertainty(std, posterior / np.outer(own, own))
+
+
+def left_out(misfit: Misfit, solution: Solution, which: np.ndarray) -> np.ndarray:
+    """What is solved for (b, k), to first order, without each of the blocks ``which`` (m,) that is not negative."""
+    x = solved(solution)
+    _, inverse = priors(solution.freedom, x)
+    information = solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2)
+    found = []
+    for k in np.unique(which[which >= 0]):
+        rows = which == k
+        slopes, residual = solution.slopes[rows], solution.residual[rows]
+        less = _inverse(information - slopes.T @ slopes / misfit.variance)
+        found.append(x - less @ (slopes.T @ residual) / misfit.variance)
+    return np.array(found)
+
+
+def solved(solution: Solution) -> np.ndarray:
+    """What was solved for (k,): the values, some as logarithms."""
+    return np.array([n.inward(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
+
+
+def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
+    """How far each block, left out, moves what is solved for from the mean of all such moves (b, k)."""
+    away = left_out(misfit, solution, blocks(misfit))
+    return away - away.mean(axis=0)
+
+
+def _posterior(misfit: Misfit, solution: Solution) -> np.ndarray:
+    """Covariance (k, k) by curvature and priors."""
+    _, inverse = priors(solution.freedom, solved(solution))
+    return _inverse(solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2))
+
+
+def _inverse(a: np.ndarray) -> np.ndarray:
+    size = np.sqrt(np.maximum(np.diag(a), 1e-300))
+    return np.linalg.inv(a / np.outer(size, size) + 1e-12 * np.eye(len(a))) / np.outer(size, size)

@@ -1,0 +1,63 @@
+"""The errors before and after a fit, on what it was not fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..comparison.compare import MIXED
+from ..comparison.running_comparison import RunningComparison, SignalError
+from ..model import Model
+from ..simulation.simulate import simulate
+from .freedom import Freedom
+from .misfit import Misfit
+from .solver import Solution
+from .uncertainty import left_out
+
+LAST = 2.0 / 3.0  # of a lone recording, after which it is kept for judging
+
+Errors = dict[str, SignalError]
+
+
+def judge(
+    recordings: Sequence[Recording], sources: Sequence[str], misfit: Misfit, solution: Solution, freedom: Freedom
+) -> tuple[Errors, Errors, str]:
+    """(errors before, errors after, what they were judged on): each recording with the numbers of the others."""
+    if len(recordings) > 1:
+        which = np.empty(misfit.rows, int)
+        for recording, part in misfit.parts:
+            which[part] = recording
+        first = [0] * len(recordings)
+        said = "each recording with numbers fitted to the others"
+    else:
+        which = np.full(misfit.rows, -1)
+        for _, part in misfit.parts:
+            which[part.start + int(LAST * (part.stop - part.start)) : part.stop] = 0
+        first = [int(LAST * len(recordings[0]))]
+        said = "the last third with numbers fitted to the rest"
+    numbers = freedom.numbers
+    lower, upper = ([n.lower for n in numbers], [n.upper for n in numbers])
+    models = [
+        freedom.at(np.clip([n.outward(x) for n, x in zip(numbers, found, strict=False)], lower, upper))
+        for found in left_out(misfit, solution, which)
+    ]
+    before = _errors(recordings, sources, [freedom.model] * len(recordings), first)
+    return before, _errors(recordings, sources, models, first), said
+
+
+def _errors(
+    recordings: Sequence[Recording], sources: Sequence[str], models: Sequence[Model], first: Sequence[int]
+) -> Errors:
+    with ThreadPoolExecutor() as pool:
+        twins = list(pool.map(simulate, models, recordings, sources))
+    together = sources[0] if len(set(sources)) == 1 else MIXED
+    pooled = RunningComparison(models[0], together)
+    for recording, source, model, twin, start in zip(recordings, sources, models, twins, first, strict=True):
+        one = RunningComparison(model, source, period=recording.sample_period)
+        one.add_rows(*({name: v[start:] for name, v in r.signals.items()} for r in (recording, twin)))
+        pooled.include(one)
+    return pooled.result()
