@@ -15,6 +15,7 @@ VERBS = (
     "compare",
     "diagnose",
     "discover",
+    "plan",
     "live",
     "simulate",
     "add",

@@ -134,9 +134,7 @@ def show(found: Plan) -> None:
     for doubt in found.in_doubt:
         console.print(f"  {_spoken(doubt.reason)}", markup=False, soft_wrap=True)
     proposal = found.proposal
-    if proposal is None:
-        console.print("\n[bold]No command within the limits would decide.[/bold]", soft_wrap=True)
-    else:
+    if proposal is not None:
         console.print(f"\n[bold]Record next: {proposal.command}[/bold] for {proposal.seconds:g} s", soft_wrap=True)
         console.print(f"  {in_words(proposal.command)}", markup=False, soft_wrap=True)
         console.print(f"  {_spoken(proposal.why)}", markup=False, soft_wrap=True)
@@ -146,7 +144,8 @@ def show(found: Plan) -> None:
                 markup=False,
                 soft_wrap=True,
             )
-        console.print(_commands((proposal, *found.runners_up)))
+        if proposal.separation:
+            console.print(_commands((proposal, *found.runners_up)))
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
         console.print(f"\nNo command within the limits tells: {apart}.", markup=False, soft_wrap=True)

@@ -135,7 +135,8 @@ class Equation:
 
     def misfit(self, residual: np.ndarray) -> float:
         """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
-        return float(self.reach**2 @ np.log1p((residual / self.reach) ** 2))
+        with np.errstate(over="ignore"):  # what has blown up costs infinitely much
+            return float(self.reach**2 @ np.log1p((residual / self.reach) ** 2))
 
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""

@@ -303,7 +303,8 @@ def best_command(
     inseparable = tuple(pair for pair in field.pairs if pair not in separable)
     if not ranked or max(ranked[0].separation.values()) < DECIDED:
         return Choice(None if field.reversed else _there_and_back(field, allowed), (), tuple(field.pairs))
-    chosen = [ranked[0], *(e for e in _varied(ranked) if e.trial.kind != ranked[0].trial.kind)]
+    telling = [e for e in _varied(ranked) if max(e.separation.values()) >= DECIDED]
+    chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
     proposals = [
         Proposal(
             e.trial.command,

@@ -64,8 +64,9 @@ class Observation:
 
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` to before ``last``; times stay as they are."""
-        rows = (self.rows >= first) & (self.rows < last)
-        encoder = (self.encoder_rows >= first) & (self.encoder_rows < last)
+        reach = len(self.kernel) // 2  # a row looks so far to both sides
+        rows = (self.rows >= first + reach) & (self.rows < last - reach)
+        encoder = (self.encoder_rows >= first + reach) & (self.encoder_rows < last - reach)
         return replace(
             self,
             motion=np.ascontiguousarray(self.motion[first:last]),

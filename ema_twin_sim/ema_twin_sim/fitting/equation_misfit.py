@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,6 +16,7 @@ from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from .freedom import Freedom, Number
+from .misfit import counter_noise
 
 UNSEEN = {"static_ratio": "it shows at standstill only, which a fit leaves out"}
 """Parameters that no fit sees, and why."""
@@ -78,6 +80,14 @@ class EquationMisfit:
             return np.nan_to_num(
                 self.equation.jacobian(here, self.equation.predict(here), weights), posinf=0.0, neginf=0.0
             )
+
+    def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
+        shift = counter_noise(self.freedom.model)["motor"]
+        moved = copy(self.equation)
+        moved.observations = tuple(replace(o, motor_origin=o.motor_origin + shift) for o in self.equation.observations)
+        here, there = (equation.predict(self._at(values)).rows for equation in (self.equation, moved))
+        return self.equation.centred(there - here, weights) * weights
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
         """Behind play or a spring the output's motion is not measured, and samples do not resolve its contact.

@@ -95,7 +95,8 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
                 )
                 found.append(_finding("absurd", number, text))
     for group in groups:
-        names = " and ".join(short(numbers[k].path) for k in group)
+        *first, last = (short(numbers[k].path) for k in group)
+        names = f"{', '.join(first)} and {last}"
         text = f"{names} cannot be told apart by these recordings: what one gains the others lose; hold one (--fix)"
         found += [Finding("inseparable", *place(numbers[k].path), text) for k in group]
     for name, instance in fitted.effects.items():

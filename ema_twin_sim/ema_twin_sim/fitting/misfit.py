@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
 
+from ..model import Model
 from .freedom import Freedom
 
 PIECES = 6
@@ -30,6 +32,10 @@ class Misfit(Protocol):
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted slopes of the prediction (m, k) per unit of each number."""
+        ...
+
+    def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
         ...
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
@@ -58,3 +64,12 @@ def blocks(misfit: Misfit) -> np.ndarray:
         count = part.stop - part.start
         found[part] = recording * pieces + (np.arange(count) * pieces) // max(count, 1)
     return found
+
+
+def counter_noise(model: Model) -> dict[str, float]:
+    """Noise and quantisation of one sample of the ``motor`` and ``output`` counters [rad of their own shafts]."""
+    return {
+        side: math.sqrt(model.value(f"sensors.{side}_encoder_noise") ** 2 + 1.0 / 12.0)
+        * (2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts"))
+        for side in ("motor", "output")
+    }

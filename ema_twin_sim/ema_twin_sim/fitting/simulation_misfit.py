@@ -13,7 +13,7 @@ import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -28,6 +28,7 @@ from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.simulate import simulate
 from ..simulation.twin import DEFAULT_STEP
 from .freedom import Freedom
+from .misfit import counter_noise
 
 POOL = ThreadPoolExecutor(os.cpu_count())
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
@@ -125,21 +126,31 @@ class SimulationMisfit:
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted slopes of the prediction (m, k) per unit of each number."""
-        slopes = np.empty((self.rows, len(values)))
-        for k, change in enumerate(self._changes(values)):
-            for part, rows, spread in zip(self._parts, self._slices, self._spread, strict=True):
-                column = _without(change[rows] / (part.noise * spread), part.drift, weights[rows])
-                slopes[rows, k] = column * weights[rows]
-        return slopes
+        return np.stack([self._settled(change, weights) for change in self._changes(values)], 1)
+
+    def _settled(self, change: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """A change of the prediction (m,), in units of noise and weighted, less what is taken out of a residual."""
+        rows = np.empty(self.rows)
+        for part, here, spread in zip(self._parts, self._slices, self._spread, strict=True):
+            rows[here] = _without(change[here] / (part.noise * spread), part.drift, weights[here]) * weights[here]
+        return rows
 
     def _changes(self, values: np.ndarray) -> list[np.ndarray]:
-        """What the prediction (m,) changes by per unit of each number; the last answer is kept."""
+        """What the prediction (m,) changes by per unit of each number, to both sides; the last answer is kept.
+
+        To one side only, the kinks of friction and play would tilt every step, and no fit would come to rest.
+        """
         if self._changed is None or not np.array_equal(self._changed[0], values):
-            steps = np.array([n.step * n.slope(v) for n, v in zip(self.freedom.numbers, values, strict=True)])
-            upper = np.array([number.upper for number in self.freedom.numbers])
-            steps = np.where(values + steps <= upper, steps, -steps)
-            here, *there = self._predict_all([values, *(values + np.diag(steps))], COARSE)
-            changes = [(after - here) / step for after, step in zip(there, steps, strict=True)]
+            numbers = self.freedom.numbers
+            lower, upper = np.array([n.lower for n in numbers]), np.array([n.upper for n in numbers])
+            steps = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)])
+            down, up = np.minimum(steps, values - lower), np.minimum(steps, upper - values)
+            points = [*(values + np.diag(up)), *(values - np.diag(down))]
+            there = self._predict_all(points, COARSE)
+            changes = [
+                (above - below) / width
+                for above, below, width in zip(there[: len(steps)], there[len(steps) :], up + down, strict=True)
+            ]
             self._changed = (values.copy(), changes)
         return self._changed[1]
 
@@ -149,11 +160,16 @@ class SimulationMisfit:
             self._predicted = (values.copy(), self._predict_all([values], DEFAULT_STEP)[0])
         return self._predicted[1]
 
-    def _predict_all(self, points: Sequence[np.ndarray], step: float) -> list[np.ndarray]:
+    def _predict_all(self, points: Sequence[np.ndarray], step: float, shift: float = 0.0) -> list[np.ndarray]:
         count = len(self._recordings)
         jobs = [(point, k) for point in points for k in range(count)]
-        runs = list(POOL.map(lambda job: self._run(job[0], job[1], step), jobs))
+        runs = list(POOL.map(lambda job: self._run(job[0], job[1], step, shift), jobs))
         return [np.concatenate(runs[k : k + count]) for k in range(0, len(runs), count)]
+
+    def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
+        there = self._predict_all([values], DEFAULT_STEP, counter_noise(self.freedom.model)["motor"])[0]
+        return self._settled(there - self._predict(values), weights)
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
         """Nothing: a simulation is what its model says."""
@@ -177,13 +193,15 @@ class SimulationMisfit:
                 self._spread[k] = max(1.0, before[k] * bulk)
         return bool((np.abs(np.log(self._spread / before)) > 0.1).any())
 
-    def _run(self, values: np.ndarray, k: int, step: float) -> np.ndarray:
-        """The twin's signals beside one recording, its parts one after the other."""
+    def _run(self, values: np.ndarray, k: int, step: float, shift: float = 0.0) -> np.ndarray:
+        """The twin's signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""
         model = self.freedom.at(values)
         ratio = model.value("machine.gear_ratio")
         for side in ("motor", "output"):
             model = model.with_value(f"sensors.{side}_encoder_counts", FINE)
-        twin = dict(simulate(model, self._recordings[k], self._sources[k], step=step).signals)
+        recording = self._recordings[k]
+        recording = replace(recording, motor_angle_origin=recording.motor_angle_origin + shift)
+        twin = dict(simulate(model, recording, self._sources[k], step=step).signals)
         twin[DIFFERENCE] = twin["output_position"] - twin["motor_position"] / ratio
         return np.concatenate([twin[part.signal][part.samples] for part in self._parts if part.recording == k])
 
@@ -194,11 +212,7 @@ def _parts(
     """What of one recording is judged: under the current the motion, under the setpoint the current too."""
     seen = dict(recording.signals)
     floors = noise_floors(model, has_speed=recording.has("speed"), period=recording.sample_period)
-    one = {
-        side: math.sqrt(model.value(f"sensors.{side}_encoder_noise") ** 2 + 1.0 / 12.0)
-        * (2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts"))
-        for side in ("motor", "output")
-    }
+    one = counter_noise(model)
     ratio = model.value("machine.gear_ratio")
     noise = {"current": floors["current"], "speed": floors["speed"], "motor_position": one["motor"]}
     if recording.has("output_position"):

@@ -39,15 +39,28 @@ def weigh(misfit: Misfit, solution: Solution) -> float:
 
 def uncertainty(misfit: Misfit, solution: Solution) -> Uncertainty:
     """Standard errors: the larger of what curvature and priors tell and of what the recordings show (Tukey's
-    jackknife), and what the method itself may be wrong by.
+    jackknife); with it, what each counter's zero leaves open, and what the method itself may be wrong by.
     """
     posterior = _posterior(misfit, solution)
     away = _moves(misfit, solution)
     jackknife = (len(away) - 1) / len(away) * np.sum(away**2, axis=0)
+    zeros = _zeros(misfit, solution) @ posterior / misfit.variance
     own = np.sqrt(np.diag(posterior))
     per = np.array([n.slope(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
-    std = np.hypot(np.maximum(own, np.sqrt(jackknife)), misfit.systematic(solution.values) / per)
+    method = misfit.systematic(solution.values) / per
+    std = np.sqrt(np.maximum(own**2, jackknife) + np.sum(zeros**2, axis=0) + method**2)
     return Uncertainty(std, posterior / np.outer(own, own))
+
+
+def _zeros(misfit: Misfit, solution: Solution) -> np.ndarray:
+    """The pull (b, k) of each recording's zero: positions count from one noisy sample, and so do angles of effects."""
+    weights = misfit.weights(misfit.residual(solution.values))
+    shift = misfit.zero_shift(solution.values, weights)
+    recordings = 1 + max(recording for recording, _ in misfit.parts)
+    pulls = np.zeros((recordings, len(solution.values)))
+    for recording, part in misfit.parts:
+        pulls[recording] += solution.slopes[part].T @ shift[part]
+    return pulls
 
 
 def left_out(misfit: Misfit, solution: Solution, which: np.ndarray) -> np.ndarray:
