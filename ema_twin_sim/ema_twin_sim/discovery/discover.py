@@ -19,6 +19,7 @@ from .contradictions import contradictions
 from .decoys import add_decoys, dependence
 from .equation import Equation, Fit, fit
 from .hypothesis import INERTIAS, null_hypothesis
+from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
 from .search import Round, Search, left_over, search
@@ -136,7 +137,7 @@ def discover(
         MappingProxyType(_constants(best, spread)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
-        "",
+        suggest(eq, found, rivals, recordings, barred),
         _why(verdict, found, depends_on),
         (*(warning for recording in recordings for warning in recording.warnings), *contradictions(eq, best)),
         unseen,

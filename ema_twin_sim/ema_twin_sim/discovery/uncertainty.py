@@ -50,12 +50,14 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
     information = f.jacobian.T @ f.jacobian
     lower = np.array([free.lower for free in f.hypothesis.free])
     upper = np.array([free.upper for free in f.hypothesis.free])
+    # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
+    moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
     for t, e in zip(eq.torque_parts, eq.encoder_parts, strict=True):
         rows = np.r_[t, e]
         j, r = f.jacobian[rows], f.residual[rows]
         left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
-        step = -left @ (j.T @ r) / scale
+        step = -left @ (j.T @ r) / scale * moving
         others = np.ones(eq.rows, bool)
         others[rows] = False
         # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by

@@ -33,7 +33,7 @@ def weigh(misfit: Misfit, solution: Solution) -> float:
     away = _moves(misfit, solution)
     count = len(away)
     distance = (count - 1) / count * float(np.einsum("bi,ij,bj->", away, curvature, away))
-    misfit.variance *= min(max(1.0, distance / min(away.shape[1], count - 1)), WORST)
+    misfit.variance *= min(max(1.0, distance / away.shape[1]), WORST)
     return misfit.variance / before
 
 
