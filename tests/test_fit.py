@@ -1,0 +1,461 @@
+"""Fit: numbers that are known are found again, with standard errors that are true, and warnings that are deserved."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import ema_twin_sim
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.observation import observe_all
+from ema_twin_sim.effects import catalogue
+from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
+from ema_twin_sim.fitting.equation_misfit import UNSEEN, EquationMisfit
+from ema_twin_sim.fitting.findings import SHOWN_BY
+from ema_twin_sim.fitting.fit import METHODS, fit_model
+from ema_twin_sim.fitting.freedom import choose_numbers
+from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
+from ema_twin_sim.model import load_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.test_command_line import MODEL, done, refused
+
+SLOW = ("ramp:0.03", "sine:0.05:0.25", "triangle:0.04:2")
+FAST = ("ramp:0.2", "sine:0.3:0.25", "triangle:0.1:1")
+
+
+def bench(model, commands, seconds=6.0, seed=0):
+    return [virtual_bench(model, parse_command(c), seconds, seed=100 * seed + k) for k, c in enumerate(commands)]
+
+
+def with_effects(model, effects, typical=False):
+    for id, parameters in effects.items():
+        model = model.with_effect(id, {} if typical else parameters)
+    return model
+
+
+def estimates(result):
+    """(path, value, standard error) of every number that was fitted."""
+    for name, entry in result.parameters.items():
+        for parameter, held in entry.items():
+            if parameter not in ("effect", "options") and held["std"] is not None:
+                yield f"effects.{name}.{parameter}", held["value"], held["std"]
+    for part, entries in result.constants.items():
+        for name, held in entries.items():
+            yield f"{part}.{name}", held["value"], held["std"]
+
+
+def true_value(model, path):
+    if path.startswith("effects."):
+        _, name, parameter = path.split(".")
+        return model.effects[name].parameters[parameter]
+    return model.value(path)
+
+
+def check_recovered(result, true, share=0.05, sigmas=3.5):
+    for path, value, std in estimates(result):
+        right = true_value(true, path)
+        assert abs(value - right) < sigmas * std, (path, value, std, right)
+        assert abs(value - right) < share * max(abs(right), 0.1), (path, value, right)
+
+
+def warned(result, kind):
+    return {(w.instance, w.parameter) for w in result.warnings if w.kind == kind}
+
+
+# known numbers are found again ---------------------------------------------------------------------------------------
+
+RIGID = {
+    "stribeck_friction": {"torque": 0.08, "speed": 2.0},
+    "sun_runout": {"torque": 0.03, "phase": 1.2},
+    "constant_load": {"torque": 0.02},
+}
+SENSORS = {
+    "encoder_delay": {"delay": 0.004},
+    "encoder_eccentricity": {"amplitude": 0.001, "phase": 0.5},
+    "thermal_friction": {"fraction": 0.3, "time_constant": 3.0},
+}
+LOADS = {
+    "asymmetric_friction": {"fraction": -0.2},
+    "quadratic_drag": {"coefficient": 3e-4},
+    "spring_load": {"stiffness": 0.1},
+    "tooth_fault": {"torque": 0.05, "position": 2.0},
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("effects", "commands"), [(RIGID, SLOW), (SENSORS, FAST), (LOADS, FAST)])
+def test_several_effects_at_once_from_typical_values(stock, effects, commands, method):
+    true = with_effects(stock, effects)
+    result = fit_model(bench(true, commands, 8.0), with_effects(stock, effects, typical=True), method=method)
+    check_recovered(result, true)
+    assert not result.warnings
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_play_and_what_ripples_behind_it(stock, method):
+    hidden = {"backlash": {"width": 0.004}, "cogging": {"torque": 0.02, "phase": -2.0}}
+    true = with_effects(stock, hidden)
+    result = fit_model(bench(true, SLOW, 8.0), with_effects(stock, hidden, typical=True), method=method)
+    check_recovered(result, true)
+
+
+def test_a_spring_from_a_start_that_is_far_off(stock):
+    true = with_effects(stock, {"shaft_compliance": {"stiffness": 25.0, "damping": 0.02}})
+    commands = ("ramp:0.03", "sine:0.05:0.5", "triangle:0.04:1")
+    result = fit_model(bench(true, commands, 8.0), with_effects(stock, {"shaft_compliance": {"stiffness": 100.0}}))
+    check_recovered(result, true, share=0.1)
+
+
+def test_a_bristle(stock):
+    hidden = {"presliding_friction": {"stiffness": 3.0, "damping": 0.02}}
+    true = with_effects(stock, hidden)
+    result = fit_model(bench(true, SLOW), with_effects(stock, hidden, typical=True))
+    check_recovered(result, true, share=0.1)
+
+
+def test_both_methods_agree(stock):
+    true = with_effects(stock, RIGID)
+    recordings = bench(true, SLOW, 8.0)
+    start = with_effects(stock, RIGID, typical=True)
+    first, second = (fit_model(recordings, start, method=method) for method in METHODS)
+    for (path, a, a_std), (_, b, b_std) in zip(estimates(first), estimates(second), strict=True):
+        assert abs(a - b) < 3.0 * math.hypot(a_std, b_std), path
+
+
+def test_the_recordings_of_the_project(traces):
+    """Of another program's bench, with backlash of 4 mrad and Stribeck friction of 0.08 N m at 2 rad/s."""
+    start = load_model("polito_bench").with_effect("backlash").with_effect("stribeck_friction")
+    result = fit_model([load(path).between(0.0, 10.0) for path in traces], start)
+    assert result.parameters["backlash"]["width"]["value"] == pytest.approx(0.004, rel=0.01)
+    assert result.parameters["stribeck_friction"]["torque"]["value"] == pytest.approx(0.08, rel=0.05)
+    assert result.parameters["stribeck_friction"]["speed"]["value"] == pytest.approx(2.0, rel=0.15)
+    for signal in ("current", "output_position"):
+        assert result.after[signal]["rmse"] < 0.3 * result.before[signal]["rmse"]
+
+
+def test_under_the_current_the_equation_is_the_method(stock):
+    hidden = {"gravity_load": {"torque": 0.05, "angle": 0.7}}
+    true = with_effects(stock, hidden)
+    measured = ("current", "motor_position", "output_position")
+    recordings = [
+        replace(r, signals={n: r.signals[n] for n in measured}) for r in bench(true, ("triangle:0.3:2", "ramp:0.2"))
+    ]
+    result = fit_model(recordings, with_effects(stock, hidden, typical=True))
+    assert (result.method, result.input) == ("equation", "current")
+    check_recovered(result, true, share=0.1)
+    assert result.after["unexplained_torque"]["rmse"] < 0.5 * result.before["unexplained_torque"]["rmse"]
+
+
+def test_a_simulation_under_the_current(stock):
+    hidden = {"sun_runout": {"torque": 0.03, "phase": 1.0}}
+    true = with_effects(stock, hidden)
+    start = with_effects(stock, hidden, typical=True)
+    result = fit_model(bench(true, SLOW), start, method="simulation", source="current")
+    assert result.parameters["sun_runout"]["torque"]["value"] == pytest.approx(0.03, rel=0.03)
+    assert result.before["current"]["driven"]
+
+
+def test_constants_by_name(stock):
+    true = stock.with_value("sensors.speed_smoothing", 4.3e-3).with_value("machine.torque_constant", 1.87)
+    free = ["sensors.speed_smoothing", "machine.torque_constant"]
+    result = fit_model(bench(true, SLOW), stock, free=free)
+    check_recovered(result, true)
+    assert result.constants["sensors"]["speed_smoothing"]["value"] == pytest.approx(4.3e-3, rel=0.01)
+    assert result.constants["machine"]["torque_constant"]["nominal"] == 1.91
+
+
+def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
+    """One that is silently not applied would look like a perfect fit of nothing."""
+    # a load that varies, fast and slow, over a large part of a turn
+    loaded = stock.with_effect("spring_load", {"stiffness": 0.1})
+    recordings = bench(loaded, ("sine:1:0.3", "triangle:0.1:1", "triangle:0.02:1"), 4.0)
+    observations = observe_all(recordings, loaded)
+    for id, effect in catalogue().items():
+        model = loaded.with_effect(id)
+        freedom = choose_numbers(model, [f"effects.{list(model.effects)[-1]}"], [], {})
+        misfits = (
+            EquationMisfit(Equation(observations), freedom),
+            SimulationMisfit(recordings, observations, freedom, ["setpoint"] * len(recordings)),
+        )
+        for misfit in misfits:
+            start = misfit.freedom.start
+            slopes = misfit.slopes(start, misfit.weights(misfit.residual(start)))
+            for parameter in effect.parameters:
+                if parameter.name in UNSEEN:
+                    continue
+                place = misfit.freedom.index(f"effects.{list(model.effects)[-1]}.{parameter.name}")
+                number = misfit.freedom.numbers[place]
+                shown = np.linalg.norm(slopes[:, place]) * number.slope(start[place])
+                assert shown * (1.0 if number.log else number.scale) > 2.0, (id, parameter.name, type(misfit))
+
+
+# what a fit starts from ----------------------------------------------------------------------------------------------
+
+
+def test_a_start_on_a_bound_is_moved_off_it_and_said(stock):
+    true = stock.with_effect("stribeck_friction")
+    start = stock.with_effect("stribeck_friction", {"torque": 0.0})
+    result = fit_model(bench(true, SLOW), start, method="equation")
+    assert any("stribeck_friction.torque stood on its bound" in note for note in result.notes)
+    check_recovered(result, true, share=0.15)
+
+
+def test_a_wave_that_starts_upside_down(stock):
+    true = stock.with_effect("cogging", {"torque": 0.02, "phase": 2.0})
+    start = stock.with_effect("cogging", {"torque": 0.02, "phase": 2.0 - math.pi})
+    check_recovered(fit_model(bench(true, SLOW), start, method="equation"), true)
+
+
+def test_what_is_fixed_stays_and_has_no_standard_error(stock):
+    start = stock.with_effect("stribeck_friction", {"torque": 0.03})
+    recordings = bench(stock.with_effect("stribeck_friction"), SLOW[1:])
+    fix = ["effects.stribeck_friction.torque", "machine.output_inertia"]
+    result = fit_model(recordings, start, method="equation", fix=fix)
+    assert result.parameters["stribeck_friction"]["torque"] == {"value": 0.03, "std": None, "unit": "N m"}
+    assert result.parameters["stribeck_friction"]["speed"]["std"] > 0.0
+    assert "output_inertia" not in result.constants["machine"]
+    whole = fit_model(recordings, start, method="equation", fix=["effects.stribeck_friction"])
+    assert whole.parameters["stribeck_friction"]["speed"]["std"] is None
+
+
+def test_effects_that_are_switched_off_stay_out(stock):
+    start = stock.with_effect("stribeck_friction").with_enabled("stribeck_friction", False)
+    result = fit_model(bench(stock, SLOW[1:]), start, method="equation")
+    assert "stribeck_friction" not in result.parameters
+    assert not result.model.effects["stribeck_friction"].enabled
+
+
+def test_friction_of_both_sides_is_scaled_together_where_only_its_sum_shows(stock):
+    true = stock.with_value("effects.coulomb_friction.torque", 0.08)
+    result = fit_model(bench(true, SLOW), stock, method="equation")
+    motor, output = (result.parameters[f"coulomb_friction{n}"]["torque"]["value"] for n in ("", "_2"))
+    assert motor + output == pytest.approx(0.08 + 0.045, rel=0.02)
+    assert motor / output == pytest.approx(0.0676 / 0.045)
+    assert any("only the sum shows" in note for note in result.notes)
+
+
+def test_what_no_recording_shows_stays_within_its_tolerance(stock):
+    steady = [r.between(2.0, None) for r in bench(stock, ("speed-step:0.05:100", "speed-step:0.1:100"))]
+    held = fit_model(steady, stock, method="equation").constants["machine"]["output_inertia"]
+    assert held["value"] == pytest.approx(held["nominal"], rel=0.1)
+    assert held["std"] == pytest.approx(0.05 * held["nominal"], rel=0.3)
+
+
+def test_a_nominal_value_that_the_recordings_contradict_is_let_go(stock):
+    true = stock.with_value("effects.viscous_friction.coefficient", 0.04)
+    result = fit_model(bench(true, SLOW), stock, method="equation")
+    assert result.parameters["viscous_friction"]["coefficient"]["value"] == pytest.approx(0.04, rel=0.01)
+
+
+# standard errors -----------------------------------------------------------------------------------------------------
+
+
+def test_standard_errors_are_the_scatter_over_the_noise(stock):
+    true = with_effects(stock, SENSORS)
+    start = with_effects(stock, SENSORS, typical=True)
+    commands = (*FAST, "ramp:0.1", "sine:0.2:0.5", "triangle:0.2:1")
+    found = [list(estimates(fit_model(bench(true, commands, 5.0, s), start, method="equation"))) for s in range(8)]
+    values = np.array([[value for _, value, _ in one] for one in found])
+    reported = np.median([[std for _, _, std in one] for one in found], axis=0)
+    ratios = values.std(axis=0, ddof=1) / reported
+    assert 0.5 < np.median(ratios) < 1.5, ratios
+    assert (ratios > 0.2).all() and (ratios < 2.0).all(), ratios
+    right = np.array([true_value(true, path) for path, _, _ in found[0]])
+    assert np.abs((values - right) / reported).max() < 4.0
+
+
+def test_what_was_not_fitted_to_judges(stock):
+    hidden = {"sun_runout": {"torque": 0.03, "phase": 1.0}}
+    recordings = bench(with_effects(stock, hidden), SLOW)
+    start = with_effects(stock, hidden, typical=True)
+    several, one = (fit_model(given, start, method="equation") for given in (recordings, recordings[2:]))
+    assert several.judged_on == "each recording with numbers fitted to the others"
+    assert one.judged_on == "the last third with numbers fitted to the rest"
+    for result in (several, one):
+        assert result.after["current"]["rmse"] < 0.5 * result.before["current"]["rmse"]
+        assert result.after["current"]["rmse"] < 1.5 * result.before["current"]["noise_floor"]
+
+
+# warnings ------------------------------------------------------------------------------------------------------------
+
+
+def test_on_bound(stock):
+    """Friction that bends down with speed is no drag: the coefficient would be negative."""
+    start = stock.with_effect("quadratic_drag")
+    result = fit_model(bench(stock.with_effect("shear_thinning"), FAST), start, method="equation")
+    assert ("quadratic_drag", "coefficient") in warned(result, "on_bound")
+    assert result.model.effects["quadratic_drag"].parameters["coefficient"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_no_effect_where_the_signal_is_missing(stock):
+    recordings = [
+        replace(r, signals={n: v for n, v in r.signals.items() if n != "output_position"}) for r in bench(stock, SLOW)
+    ]
+    result = fit_model(recordings, stock.with_effect("encoder_delay"), method="equation")
+    assert warned(result, "no_effect") == {("encoder_delay", "delay")}
+    message = next(w.message for w in result.warnings if w.kind == "no_effect")
+    assert "with the output encoder recorded" in message
+
+
+def test_no_effect_of_what_is_not_there(stock):
+    result = fit_model(bench(stock, SLOW), stock.with_effect("sun_runout"))
+    assert ("sun_runout", "torque") in warned(result, "no_effect")
+
+
+def test_no_effect_of_what_a_method_does_not_contain(stock):
+    free = ["effects.coulomb_friction.static_ratio", "drive.current_lag"]
+    result = fit_model(bench(stock, SLOW[1:]), stock, method="equation", free=free)
+    assert warned(result, "no_effect") == {("coulomb_friction", "static_ratio"), ("drive", "current_lag")}
+    assert result.constants["drive"]["current_lag"]["value"] == pytest.approx(5e-4)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_inseparable_in_one_direction(stock, method):
+    true = stock.with_effect("constant_load")
+    start = true.with_effect("asymmetric_friction", {"fraction": 0.05})
+    result = fit_model(bench(true, ("ramp:0.03", "ramp:0.1")), start, method=method)
+    assert {("constant_load", "torque"), ("asymmetric_friction", "fraction")} <= warned(result, "inseparable")
+    message = next(w.message for w in result.warnings if w.kind == "inseparable")
+    assert "constant_load.torque" in message and "asymmetric_friction.fraction" in message
+
+
+def test_inseparable_twins(stock):
+    start = stock.with_effect("coulomb_friction", {"torque": 0.02})
+    result = fit_model(bench(stock, SLOW), start, method="equation")
+    assert warned(result, "inseparable") == {("coulomb_friction", "torque"), ("coulomb_friction_3", "torque")}
+    paths = (
+        result.paths.index("effects.coulomb_friction.torque"),
+        result.paths.index("effects.coulomb_friction_3.torque"),
+    )
+    assert result.correlations[paths[0]][paths[1]] < -0.95
+
+
+def test_absurd_where_an_encoder_that_is_late_is_taken_for_a_shaft_that_gives_way(stock):
+    true = stock.with_effect("encoder_delay", {"delay": 0.004})
+    recordings = bench(true, ("sine:0.05:1", "triangle:0.1:1"))
+    result = fit_model(recordings, stock.with_effect("shaft_compliance"), method="equation")
+    assert ("shaft_compliance", "damping") in warned(result, "absurd")
+
+
+def test_absurd_constants(stock):
+    true = stock.with_value("machine.output_inertia", 2e-3)
+    result = fit_model(bench(true, ("sine:0.02:1", "triangle:0.1:1")), stock, method="equation")
+    assert ("machine", "motor_inertia") in warned(result, "absurd")
+    total = sum(held["value"] for held in result.constants["machine"].values())
+    assert total == pytest.approx(2e-3 + 7.7e-4 + 1.75e-6, rel=0.03)
+
+
+def test_absurd_where_the_recordings_are_too_short(stock):
+    true = stock.with_effect("thermal_friction", {"fraction": 0.9, "time_constant": 100.0})
+    result = fit_model(bench(true, ("ramp:0.2", "triangle:0.1:1")), stock.with_effect("thermal_friction"))
+    assert ("thermal_friction", "time_constant") in warned(result, "absurd")
+
+
+def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
+    recordings = bench(stock, FAST[1:], 5.0)
+    for id, effect in catalogue().items():
+        model = stock.with_effect(id)
+        units = {p.name: p.unit for p in effect.parameters}
+        assert absurdities(id, effect.default_parameters(), units, circumstances(recordings, model)) == [], id
+        assert id in SHOWN_BY
+    for rule in RULES:
+        assert rule.parameter in catalogue()[rule.effect].default_parameters()
+
+
+# what is refused -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"method": "magic"}, ("magic", "equation or simulation")),
+        ({"source": "voltage"}, ("voltage", "setpoint or current")),
+        ({"free": ["machine.motor_inertai"]}, ("--free machine.motor_inertai", "machine.motor_inertia")),
+        ({"fix": ["effects.backlash"]}, ("--fix effects.backlash", "no such number")),
+        ({"fix": ["effects"]}, ("--fix effects",)),
+        ({"free": ["machine.gear_ratio"]}, ("machine.gear_ratio", "exact")),
+        ({"free": ["machine.motor_inertia"], "fix": ["machine.motor_inertia"]}, ("--free and by --fix",)),
+    ],
+)
+def test_refused_options(stock, options, words):
+    with pytest.raises(InputError) as refusal:
+        fit_model(bench(stock, SLOW[1:2], 1.0), stock, **options)
+    for word in words:
+        assert word in str(refusal.value)
+
+
+def test_refused_where_nothing_is_free(stock):
+    fix = [f"effects.{name}" for name in stock.effects] + ["machine.motor_inertia", "machine.gearbox_inertia"]
+    with pytest.raises(InputError, match="nothing is free"):
+        fit_model(bench(stock, SLOW[1:2], 1.0), stock, fix=[*fix, "machine.output_inertia"])
+
+
+def test_refused_recordings(stock):
+    still = virtual_bench(stock, parse_command("ramp:0"), 3.0)
+    moving = bench(stock, SLOW[:1], 2.0)[0]
+    blind = replace(moving, signals={n: v for n, v in moving.signals.items() if n != "motor_position"})
+    short = moving.between(0.0, 0.02)
+    for recording, word in ((still, "motion"), (blind, "motor_position"), (short, "0.02 s")):
+        for method in METHODS:
+            with pytest.raises(InputError, match=word):
+                fit_model([recording], stock, method=method)
+    with pytest.raises(InputError, match="no recording"):
+        fit_model([], stock)
+
+
+# the command ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory, traces):
+    """One run of the command: its folder, what it printed, and its errors."""
+    folder = tmp_path_factory.mktemp("fit")
+    done("add", "stribeck_friction", *MODEL, "-o", folder / "start.yaml")
+    outputs = ("-o", folder / "new.yaml", "--json", folder / "fit.json")
+    start = ("--model", folder / "start.yaml")
+    result = done("fit", *traces, *start, "--method", "equation", "--to", 8, *outputs)
+    return folder, result.stdout, result.stderr
+
+
+def test_the_command_prints_numbers_with_units_and_standard_errors(fitted):
+    folder, printed, errors = fitted
+    for words in ("Parameters, with standard errors", " ± ", "rad/s", "noise floor", "held", str(folder / "new.yaml")):
+        assert words in printed
+    assert "nan" not in printed.lower() and "Traceback" not in errors
+
+
+def test_the_command_writes_what_the_design_lists(fitted):
+    content = json.loads((fitted[0] / "fit.json").read_text())
+    assert content["method"] == "equation"
+    entry = content["parameters"]["stribeck_friction"]
+    assert entry["effect"] == "stribeck_friction" and entry["options"] == {}
+    assert entry["speed"]["unit"] == "rad/s" and entry["speed"]["std"] > 0.0
+    assert set(content["constants"]["machine"]["motor_inertia"]) == {"value", "std", "unit", "nominal"}
+    for warning in content["warnings"]:
+        assert set(warning) == {"kind", "instance", "parameter", "message"}
+    assert len(content["correlations"]["matrix"]) == len(content["correlations"]["paths"])
+    assert content["rmse"]["current"]["after"] < content["rmse"]["current"]["before"]
+    written = load_model(fitted[0] / "new.yaml")
+    assert written.effects["stribeck_friction"].parameters["speed"] == entry["speed"]["value"]
+    inertia = written.constants["machine.motor_inertia"]
+    assert inertia.value == content["constants"]["machine"]["motor_inertia"]["value"]
+    assert inertia.source == "fitted; 0.00077 before"
+
+
+def test_the_command_refuses(fitted, traces, tmp_path):
+    folder = fitted[0]
+    start = ("--model", folder / "start.yaml")
+    refused("fit", traces[0], *start, "-o", folder / "new.yaml", naming=("exists already", "--force"))
+    refused("fit", traces[0], *start, "-o", folder / "start.yaml", "--force", naming=("is an input",))
+    refused("fit", traces[0], *start, "-o", tmp_path / "new.txt", naming=("named .yaml",))
+    refused("fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--fix", "effects.nothing", naming=("no such number",))
+    assert not list(tmp_path.iterdir())
+
+
+def test_from_python():
+    assert ema_twin_sim.fit is fit_model
