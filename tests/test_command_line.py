@@ -15,6 +15,7 @@ VERBS = (
     "compare",
     "diagnose",
     "discover",
+    "fit",
     "plan",
     "live",
     "simulate",

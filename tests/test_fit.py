@@ -138,6 +138,29 @@ def test_the_recordings_of_the_project(traces):
         assert result.after[signal]["rmse"] < 0.3 * result.before[signal]["rmse"]
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_recording_that_stands_still_does_no_harm(stock, method):
+    true = stock.with_effect("constant_load", {"torque": 0.02})
+    recordings = [*bench(true, SLOW[1:]), *bench(true, ("ramp:0",), 2.0)]
+    result = fit_model(recordings, stock.with_effect("constant_load"), method=method)
+    assert result.parameters["constant_load"]["torque"]["value"] == pytest.approx(0.02, rel=0.05)
+
+
+def test_samples_without_a_value_and_spikes_do_no_harm(stock):
+    true = stock.with_effect("constant_load", {"torque": 0.02})
+    recordings = []
+    for recording in bench(true, SLOW[1:]):
+        current, output = (recording.signals[name].copy() for name in ("current", "output_position"))
+        current[500:510] = np.nan
+        output[1000] += 1.0
+        recordings.append(
+            replace(recording, signals={**recording.signals, "current": current, "output_position": output})
+        )
+    for method in METHODS:
+        result = fit_model(recordings, stock.with_effect("constant_load"), method=method)
+        assert result.parameters["constant_load"]["torque"]["value"] == pytest.approx(0.02, rel=0.05)
+
+
 def test_under_the_current_the_equation_is_the_method(stock):
     hidden = {"gravity_load": {"torque": 0.05, "angle": 0.7}}
     true = with_effects(stock, hidden)

@@ -233,9 +233,11 @@ def _parts(
         good[0] = False  # both start from the first sample
         good &= np.arange(len(recording)) % every == 0
         samples = np.flatnonzero(good)
+        if not len(samples):
+            continue
         drifts = {"motor_position": [flat, recording.time, motion], DIFFERENCE: [flat]}.get(signal, [])
         trust = calm * settled if signal == DIFFERENCE else calm
-        size = float(np.sqrt(np.mean(measured[samples] ** 2))) if len(samples) else 0.0
+        size = float(np.sqrt(np.mean(measured[samples] ** 2)))
         found.append(
             _Part(
                 k,

@@ -63,13 +63,15 @@ def _zeros(misfit: Misfit, solution: Solution) -> np.ndarray:
     return pulls
 
 
-def left_out(misfit: Misfit, solution: Solution, which: np.ndarray) -> np.ndarray:
-    """What is solved for (b, k), to first order, without each of the blocks ``which`` (m,) that is not negative."""
+def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) -> np.ndarray:
+    """What is solved for (b, k), to first order, without each of ``count`` blocks; ``which`` (m,) are the rows' blocks,
+    negative where a row stays in.
+    """
     x = solved(solution)
     _, inverse = priors(solution.freedom, x)
     information = solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2)
     found = []
-    for k in np.unique(which[which >= 0]):
+    for k in range(count):
         rows = which == k
         slopes, residual = solution.slopes[rows], solution.residual[rows]
         less = _inverse(information - slopes.T @ slopes / misfit.variance)
@@ -84,7 +86,8 @@ def solved(solution: Solution) -> np.ndarray:
 
 def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
     """How far each block, left out, moves what is solved for from the mean of all such moves (b, k)."""
-    away = left_out(misfit, solution, blocks(misfit))
+    which = blocks(misfit)
+    away = left_out(misfit, solution, which, int(which.max()) + 1)
     return away - away.mean(axis=0)
 
 

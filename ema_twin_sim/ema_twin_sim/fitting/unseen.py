@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import MIXED
@@ -43,20 +44,32 @@ def judge(
     lower, upper = ([n.lower for n in numbers], [n.upper for n in numbers])
     models = [
         freedom.at(np.clip([n.outward(x) for n, x in zip(numbers, found, strict=False)], lower, upper))
-        for found in left_out(misfit, solution, which)
+        for found in left_out(misfit, solution, which, len(recordings))
     ]
-    before = _errors(recordings, sources, [freedom.model] * len(recordings), first)
-    return before, _errors(recordings, sources, models, first), said
+    given = [freedom.model] * len(recordings)
+    return _errors(recordings, sources, given, given, first), _errors(recordings, sources, models, given, first), said
 
 
 def _errors(
-    recordings: Sequence[Recording], sources: Sequence[str], models: Sequence[Model], first: Sequence[int]
+    recordings: Sequence[Recording],
+    sources: Sequence[str],
+    models: Sequence[Model],
+    given: Sequence[Model],
+    first: Sequence[int],
 ) -> Errors:
+    """The errors of models, from sample ``first`` of each recording; of those given where one can not be run."""
+
+    def twin_of(recording: Recording, source: str, model: Model, instead: Model) -> Recording:
+        try:
+            return simulate(model, recording, source)
+        except InputError:  # a number that only this recording knows may be anything without it
+            return simulate(instead, recording, source)
+
     with ThreadPoolExecutor() as pool:
-        twins = list(pool.map(simulate, models, recordings, sources))
+        twins = list(pool.map(twin_of, recordings, sources, models, given))
     together = sources[0] if len(set(sources)) == 1 else MIXED
-    pooled = RunningComparison(models[0], together)
-    for recording, source, model, twin, start in zip(recordings, sources, models, twins, first, strict=True):
+    pooled = RunningComparison(given[0], together)
+    for recording, source, model, twin, start in zip(recordings, sources, given, twins, first, strict=True):
         one = RunningComparison(model, source, period=recording.sample_period)
         one.add_rows(*({name: v[start:] for name, v in r.signals.items()} for r in (recording, twin)))
         pooled.include(one)
