@@ -200,7 +200,7 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
     observations = observe_all(recordings, loaded)
     for id, effect in catalogue().items():
         model = loaded.with_effect(id)
-        freedom = choose_numbers(model, [f"effects.{list(model.effects)[-1]}"], [], {})
+        freedom = choose_numbers(model, [f"effects.{list(model.effects)[-1]}"], [])
         misfits = (
             EquationMisfit(Equation(observations), freedom),
             SimulationMisfit(recordings, observations, freedom, ["setpoint"] * len(recordings)),

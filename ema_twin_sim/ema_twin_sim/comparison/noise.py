@@ -24,20 +24,29 @@ def noise_floors(model: Model, *, has_speed: bool = True, period: float | None =
     """
     current = model.value("sensors.current_noise")
     speed = model.value("sensors.speed_noise")
-    counts = {side: 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts") for side in ("motor", "output")}
-    white = {side: model.value(f"sensors.{side}_encoder_noise") for side in counts}
-    counter = {side: math.sqrt(2.0 * white[side] ** 2 + 3.0 / 12.0) * counts[side] for side in counts}
+    one = {side: counter_noise(model, side) for side in ("motor", "output")}
+    counter = {side: math.hypot(math.sqrt(2.0) * one[side], _count(model, side) / math.sqrt(12.0)) for side in one}
     integrator = current * model.value("machine.torque_constant")
     lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
-    one = math.sqrt(white["motor"] ** 2 + 1.0 / 12.0) * counts["motor"]
     period = period or model.value("sensors.sample_period")
     return {
         "current": current,
         "speed": speed,
         "motor_position": math.hypot(counter["motor"], lag),
         "output_position": math.hypot(counter["output"], lag / model.value("machine.gear_ratio")),
-        "unexplained_torque": _balance_noise(model, current, speed if has_speed else one, has_speed, period),
+        "unexplained_torque": _balance_noise(model, current, speed if has_speed else one["motor"], has_speed, period),
     }
+
+
+def counter_noise(model: Model, side: str) -> float:
+    """Standard deviation of one sample of the ``motor`` or ``output`` counter [rad of its own shaft]: its noise and its
+    quantisation.
+    """
+    return _count(model, side) * math.hypot(model.value(f"sensors.{side}_encoder_noise"), math.sqrt(1.0 / 12.0))
+
+
+def _count(model: Model, side: str) -> float:
+    return 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts")
 
 
 def _balance_noise(model: Model, current: float, motion: float, has_speed: bool, period: float) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import Model
-from ..plant.measured_motion import MOTION
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
 from .observation import Observation
 
 _SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation is not the bench to the last digit
@@ -74,9 +74,9 @@ class Limits:
 def reached(o: Observation, ratio: float) -> Limits:
     """What a recording reached."""
     motion = o.motion
-    output = motion[:, MOTION.index("output_angle")]
+    output = motion[:, OUTPUT_ANGLE]
     speed, acceleration, current = (
-        float(np.abs(motion[:, MOTION.index(name)]).max()) for name in ("speed", "acceleration", "current")
+        float(np.abs(motion[:, column]).max()) for column in (SPEED, ACCELERATION, MOTOR_CURRENT)
     )
     return Limits(speed / ratio, acceleration / ratio, float(output.min()), float(output.max()), current)
 

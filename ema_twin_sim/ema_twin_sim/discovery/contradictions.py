@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from .equation import Equation, Fit
-from .uncertainty import CORRELATION
 
 GROUPS = {"inertia": ("scale.inertia",), "friction": ("scale.viscous_friction", "scale.coulomb_friction")}
 WIDE = 0.5  # standard deviation within which one recording alone may put a share
@@ -24,7 +23,7 @@ def contradictions(eq: Equation, f: Fit) -> tuple[str, ...]:
     groups = {name: columns for name, columns in groups.items() if columns}
     if len(eq.observations) < 2 or not groups:
         return ()
-    scale = CORRELATION * max(1.0, f.misfit / eq.rows)
+    scale = eq.temperature(f.misfit)
     moves, errors = [], []
     for part in eq.torque_parts:
         slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
 from .equation import Equation, Fit
 from .smoothing import smooth_at
 
 ORDERS = np.arange(0.1, 60.0, 0.03)
-NAMED = (1.0, 4.0, 0.75, 2.25, 0.7258, 15.0, 15.75, 24.0, 45.0)
 
 
 def add_decoys(eq: Equation) -> None:
@@ -44,22 +44,22 @@ def _rows(eq: Equation, columns: list[np.ndarray]) -> np.ndarray:
 
 
 def _by_speed(eq: Equation) -> dict[str, np.ndarray]:
-    speeds = np.concatenate([np.abs(o.motion[o.rows, 2]) for o in eq.observations])
+    speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in eq.observations])
     knots = np.unique(np.quantile(speeds, np.linspace(0, 1, 9)))
     if len(knots) < 3:
         return {}
-    hats = [_hats(np.abs(o.motion[:, 2]), knots) for o in eq.observations]
-    sense = [np.sign(o.motion[:, 2])[:, None] for o in eq.observations]
+    hats = [_hats(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
     return {"speed": _rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]), "direction": _rows(eq, hats)}
 
 
 def _by_position(eq: Equation) -> dict[str, np.ndarray]:
-    angles = [o.output_origin + o.motion[:, 5] for o in eq.observations]
+    angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in eq.observations]
     span = max(a.max() for a in angles) - min(a.min() for a in angles)
     if span <= 0.0:
         return {}
     found = {}
-    sense = [np.sign(o.motion[:, 2])[:, None] for o in eq.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
     for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
         found[f"output_position#{k}"] = _rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])
@@ -71,9 +71,9 @@ def _by_position(eq: Equation) -> dict[str, np.ndarray]:
 def _by_time(eq: Equation) -> dict[str, np.ndarray]:
     found = {}
     for k, chosen in enumerate(eq.observations):
-        knots = np.linspace(0.0, chosen.motion[-1, 0], max(3, round(chosen.motion[-1, 0] / 2.5)))
+        knots = np.linspace(0.0, chosen.motion[-1, TIME], max(3, round(chosen.motion[-1, TIME] / 2.5)))
         hats = [
-            _hats(o.motion[:, 0], knots) * np.sign(o.motion[:, 2])[:, None] * float(o is chosen)
+            _hats(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
             for o in eq.observations
         ]
         found[f"time#{k}"] = _rows(eq, hats)
@@ -86,10 +86,10 @@ def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
     for kind in ("torque", "friction"):
         power = np.zeros(len(ORDERS))
         for o, part in zip(eq.observations, eq.torque_parts, strict=True):
-            angle = o.motor_origin + o.motion[o.rows, 1]
+            angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
             if np.ptp(angle) < 2.0 * np.pi:
                 continue
-            r = f.residual[part] * (np.sign(o.motion[o.rows, 2]) if kind == "friction" else 1.0)
+            r = f.residual[part] * (np.sign(o.motion[o.rows, SPEED]) if kind == "friction" else 1.0)
             step = np.exp(1j * (ORDERS[1] - ORDERS[0]) * angle)
             wave = np.exp(1j * ORDERS[0] * angle) * r
             for k in range(len(ORDERS)):
@@ -100,8 +100,8 @@ def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
         order = float(ORDERS[int(np.argmax(power))])
         columns = []
         for o in eq.observations:
-            angle = order * (o.motor_origin + o.motion[:, 1])
+            angle = order * (o.motor_origin + o.motion[:, MOTOR_ANGLE])
             waves = np.stack([np.sin(angle), np.cos(angle)], 1)
-            columns.append(waves * np.sign(o.motion[:, 2])[:, None] if kind == "friction" else waves)
+            columns.append(waves * np.sign(o.motion[:, SPEED])[:, None] if kind == "friction" else waves)
         found[f"order#{kind}{order:.2f}".replace(".", "_")] = _rows(eq, columns)
     return found

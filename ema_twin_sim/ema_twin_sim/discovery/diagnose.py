@@ -19,12 +19,15 @@ from ema_bench_replay.recording import Recording
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
 from ..model import EffectInstance, Model
+from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover
 from .equation import POOL, Equation, Fit, fit
+from .hypothesis import PARTING
 from .rivals import substitutes
-from .search import CORRELATION, STRUCTURAL, Round, Trial, gain, matters, new_names, price
+from .search import Round, Trial, new_names
 from .uncertainty import covariance, held_out
+from .worth import gain, matters, price
 
 BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
 DRAWS = 400
@@ -172,7 +175,7 @@ def _contests(eq: Equation, found: Discovery) -> list[list[_Contender]]:
         bare = fit(eq, best.hypothesis.without(name), 4, known=best)
         contest = [_Contender(name, bare, best)]
         turn = next((turn for turn in found.search.taken if name in turn.added), None)
-        if turn is not None and instance.effect not in STRUCTURAL:
+        if turn is not None and instance.effect not in PARTING:
             rivals = substitutes(eq, best, name, turn)
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
@@ -207,7 +210,7 @@ def _chances(eq: Equation, contest: Sequence[_Contender]) -> list[tuple[_Contend
     table = np.zeros((DRAWS, len(entries) + 1))
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
-        temperature = CORRELATION * max(1.0, min(before.misfit, after.misfit) / eq.rows)
+        temperature = eq.temperature(min(before.misfit, after.misfit))
         fall = (_costs(eq, before, blocks) - _costs(eq, after, blocks)) / temperature
         table[:, column] = drawn @ fall - (price(after) - price(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS
@@ -219,7 +222,7 @@ def _blocks(eq: Equation) -> np.ndarray:
     found = np.zeros(eq.rows, int)
     first = 0
     for o, torque, encoder in zip(eq.observations, eq.torque_parts, eq.encoder_parts, strict=True):
-        time = o.motion[:, 0] - o.motion[0, 0]
+        time = o.motion[:, TIME] - o.motion[0, TIME]
         found[torque] = first + (time[o.rows] / BLOCK).astype(int)
         found[encoder] = first + (time[o.encoder_rows] / BLOCK).astype(int)
         first += int(time[-1] / BLOCK) + 1
@@ -228,7 +231,7 @@ def _blocks(eq: Equation) -> np.ndarray:
 
 def _costs(eq: Equation, f: Fit, blocks: np.ndarray) -> np.ndarray:
     """Robust misfit (b,) of each block."""
-    return np.bincount(blocks, eq.reach**2 * np.log1p((f.raw / eq.reach) ** 2))
+    return np.bincount(blocks, eq.costs(f.raw))
 
 
 def _ranked(eq: Equation, contender: _Contender, probability: float, removed: float | None, found: bool) -> Ranked:

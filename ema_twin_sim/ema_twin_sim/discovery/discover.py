@@ -22,23 +22,14 @@ from .hypothesis import INERTIAS, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
-from .search import Round, Search, left_over, search
+from .search import Round, Search, search
 from .uncertainty import covariance
 from .unseen import Unseen, judge_unseen
+from .worth import SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
-SHAKY = 3.0  # times that where an output bounces
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 REMAINDER = 0.3  # of what the start model leaves over, there
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A number with its standard error and unit."""
-
-    value: float
-    std: float
-    unit: str
 
 
 @dataclass(frozen=True)
@@ -149,10 +140,9 @@ def discover(
 
 def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     """Whether more is left over than the sensors' noise lets expect."""
-    shaky = f.predicted.plant["two_inertia"][0] != 0.0
     for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
         allowed = UNEXPLAINED * float(np.median(o.torque_noise))
-        if shaky:
+        if f.parted:
             allowed = max(SHAKY * allowed, REMAINDER * before)
         if left > allowed:
             return True

@@ -21,7 +21,9 @@ from .equation import Equation, Fit, fit, prior_rows
 from .hypothesis import PARTING, Hypothesis
 from .observation import STANDSTILL
 from .rivals import Rivalry
-from .search import CORRELATION, ENCODER_ONLY, FLOOR, Search, entrants, gain, judged, screen
+from .screening import screen
+from .search import ENCODER_ONLY, Search, entrants
+from .worth import FLOOR, gain
 
 OPEN = 16.0
 """Price paid, in units of noise (four standard deviations): a rival that loses by less is not yet beaten."""
@@ -82,7 +84,7 @@ def doubts(
             wanted = {*rivalry.group} - {instance.effect}
             if rivalry.behind < OPEN:
                 wanted.add(rivalry.runner_up)
-        if thorough and not parted(best):  # a gearbox takes too long to try everything on
+        if thorough and not best.parted:  # a gearbox takes too long to try everything on
             wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
         doubt = _about(eq, best, name, wanted, without)
         if doubt is not None:
@@ -97,11 +99,6 @@ def doubts(
     return tuple(held)
 
 
-def parted(f: Fit) -> bool:
-    """Whether a fit simulates a gearbox with play or spring."""
-    return bool(f.predicted.plant["two_inertia"][0] != 0.0)
-
-
 def reverses(eq: Equation) -> bool:
     """Whether the recordings show motion in both directions."""
     forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in eq.observations)
@@ -112,12 +109,7 @@ def reverses(eq: Equation) -> bool:
 def information(eq: Equation, f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
-    return f.jacobian.T @ f.jacobian / temperature(eq, f) + pj.T @ pj
-
-
-def temperature(eq: Equation, f: Fit) -> float:
-    """What one row of noise counts: neighbouring rows are correlated, and what is left over makes all count less."""
-    return CORRELATION * max(1.0, f.misfit / judged(eq))
+    return f.jacobian.T @ f.jacobian / eq.temperature(f.misfit) + pj.T @ pj
 
 
 def _about(eq: Equation, best: Fit, name: str, wanted: set[str], without: frozenset[str]) -> Doubt | None:
@@ -192,9 +184,9 @@ def _too_small(eq: Equation, found: Search) -> Doubt | None:
     Beside decoys, or an output that bounces, such a one is what no effect explains.
     """
     best = found.fit
-    if found.rounds[-1].added or best.hypothesis.decoys or parted(best):
+    if found.rounds[-1].added or best.hypothesis.decoys or best.parted:
         return None
-    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / judged(eq)))
+    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / eq.judged))
     for trial in found.rounds[-1].tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:

@@ -13,14 +13,15 @@ import numpy as np
 from ..effects import catalogue
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
-from ..plant.measured_motion import REQUIRED, require, require_of
-from ..simulation.assembly import _address, _slots, assemble
+from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, TIME, require, require_of
+from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import Hypothesis
 from .observation import Observation
 from .smoothing import smooth_at
 
 POOL = ThreadPoolExecutor(2)
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
+CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,10 @@ class Equation:
         self.size = int(edges[-1])
         edges = self.size + np.cumsum([0, *(len(o.encoder_rows) for o in observations)])
         self.encoder_parts = [slice(a, b) for a, b in pairwise(edges)]
+        self.parts = [  # (recording, rows) of all that is measured
+            *enumerate(self.torque_parts),
+            *((k, part) for k, part in enumerate(self.encoder_parts) if part.stop > part.start),
+        ]
         self.measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
         self.rows = len(self.measured)
         self.reach = np.full(self.rows, 1e9)
@@ -69,11 +74,11 @@ class Equation:
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
                 shown = required[:, 1]
-                difference = o.motion[:, 1] / plant["gear_ratio"]
+                difference = o.motion[:, MOTOR_ANGLE] / plant["gear_ratio"]
                 if rigid and plant["encoder_delay"] == 0.0 and plant["eccentricity_amplitude"] == 0.0:
                     return required
                 if plant["encoder_delay"] != 0.0:
-                    time = o.motion[:, 0]
+                    time = o.motion[:, TIME]
                     shown = np.interp(time - plant["encoder_delay"], time, shown)
                 if plant["eccentricity_amplitude"] != 0.0:
                     start = o.output_origin + plant["eccentricity_phase"]
@@ -102,7 +107,7 @@ class Equation:
             return None
         if place == OUTPUT_TORQUE and plant["two_inertia"] != 0.0:
             return None
-        address, slots = _address(effect), np.array(_slots(effect, instance))
+        address, slots = effect_address(effect), np.array(effect_slots(effect, instance))
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
         for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
@@ -135,8 +140,23 @@ class Equation:
 
     def misfit(self, residual: np.ndarray) -> float:
         """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
+        return float(self.costs(residual).sum())
+
+    def costs(self, residual: np.ndarray) -> np.ndarray:
+        """What each row (m,) adds to the misfit."""
         with np.errstate(over="ignore"):  # what has blown up costs infinitely much
-            return float(self.reach**2 @ np.log1p((residual / self.reach) ** 2))
+            return self.reach**2 * np.log1p((residual / self.reach) ** 2)
+
+    @property
+    def judged(self) -> int:
+        """How many rows are judged."""
+        return self.rows if self.use_encoder else self.size
+
+    def temperature(self, misfit: float) -> float:
+        """What a difference of misfits is divided by to count in units of the noise: rows are correlated, and what is
+        left over makes all of them count less.
+        """
+        return CORRELATION * max(1.0, misfit / self.judged)
 
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
@@ -151,7 +171,7 @@ class Equation:
     def reweigh(self, residual: np.ndarray, most: float = math.inf) -> bool:
         """Let outliers begin where the bulk of a residual ends, at ``most`` at the latest; True if that moved much."""
         reach = np.empty(self.rows)
-        for part in (*self.torque_parts, *self.encoder_parts):
+        for _, part in self.parts:
             if part.stop > part.start:
                 reach[part] = min(most, OUTLIER * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
         changed = bool((np.abs(np.log(reach / self.reach)) > 0.1).any())
@@ -209,6 +229,11 @@ class Fit:
     def residual(self) -> np.ndarray:
         """(m,) residual, outliers weighted down."""
         return self.raw * self.weights
+
+    @property
+    def parted(self) -> bool:
+        """Whether a gearbox with play or spring is simulated."""
+        return bool(self.predicted.plant["two_inertia"][0] != 0.0)
 
 
 def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQ
 from .decoys import dependence
 from .discover import Discovery
 from .equation import Equation, Fit
+from .observation import STANDSTILL
 from .search import Round, Trial, new_names
 
 BINS = 24
@@ -25,7 +26,6 @@ FEWEST = 5  # rows of a bin that has a median
 BANDS = 150  # of an order spectrum
 NEAR = 0.03  # orders that are taken to be a named one
 NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # against these, bins are narrow about zero
-MOVING = 0.3  # rad/s of the fast shaft: below it a direction means little
 ORDER_NAMES: Mapping[float, str] = {
     0.25: "carrier",
     0.7258: "damaged tooth, output ring",
@@ -196,7 +196,7 @@ def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _
 
 def _periodicity(eq: Equation, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray) -> Periodicity | None:
     """The strongest order of a torque (m,), where the machine moves."""
-    moving = np.abs(speed) > MOVING
+    moving = np.abs(speed) > STANDSTILL
     return find_order(
         [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in eq.torque_parts]
     )
@@ -243,7 +243,7 @@ def _view(
     if speed is None:
         directions = {"both": np.ones(len(x), bool)}
     else:
-        directions = {"forward": speed > MOVING, "backward": speed < -MOVING}
+        directions = {"forward": speed > STANDSTILL, "backward": speed < -STANDSTILL}
     curves = []
     change = left["before"] - left["after"]
     explained = 0.0

@@ -14,17 +14,23 @@ from ..plant.driven_output import RESOLVED
 
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 LAG = "lag"
-PRIOR = 0.05
+PRIOR = 0.05  # of a constant: what a data sheet may be off by
 SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
-BEYOND = 5.0
-PARTING = ("backlash", "shaft_compliance")
-SIDED = ("scale.output_", "contact.")
-LAG_PRIOR = 2e-4  # s
+BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
+PARTING = ("backlash", "shaft_compliance")  # what lets the two encoders part
+SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
+LAG_PRIOR = 2e-4  # s, as are the next two
+LAG_LIMIT = 4e-4
+LAG_STEP = 1e-5
 
 
 @dataclass(frozen=True)
 class Free:
-    """One free number: ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` or ``lag``."""
+    """One free number.
+
+    ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` (times what the model has), ``contact.PARAMETER`` of the
+    teeth, ``lag``, or ``decoy.NAME.COLUMN``.
+    """
 
     path: str
     lower: float
@@ -117,7 +123,7 @@ class Hypothesis:
         free = list(self.free)
         values = list(self.values)
         for p in effect.parameters:
-            if p.name in ("static_ratio",):
+            if p.at_rest:
                 continue
             start = parameters[p.name]
             size = max(abs(start), abs(p.default), 1e-6)
@@ -192,6 +198,6 @@ def null_hypothesis(model: Model) -> Hypothesis:
     for id in present:
         if id in ("viscous_friction", "coulomb_friction"):
             free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
-    free.append(Free(LAG, -4e-4, 4e-4, 1e-5, (0.0, LAG_PRIOR)))
+    free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_PRIOR)))
     values = [1.0] * (len(free) - 1) + [0.0]
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()

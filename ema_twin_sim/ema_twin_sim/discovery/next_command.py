@@ -23,7 +23,7 @@ from ..simulation.command import parse_command
 from ..simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Trial, command_grid
-from .doubts import NOTHING, Doubt, Rival, doubts, information, reverses, temperature
+from .doubts import NOTHING, Doubt, Rival, doubts, information, reverses
 from .equation import Equation
 from .hypothesis import Hypothesis
 from .observation import STANDSTILL, Observation, observe
@@ -43,7 +43,7 @@ _FEW_FINALISTS = 2
 _STEP = 1.25e-4  # s of integration: a plan needs no more
 _STEPS = 3  # of a rival's fit to what another would show
 _RUNNERS_UP = 3
-_POOL = ThreadPoolExecutor(2)
+_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not equation.POOL, which works for each of the commands
 _NOTED = 0.7  # share of a difference that one part of a recording must hold to be told
 _DENSE = 1.3  # times more difference there than in the recording as a whole
 
@@ -103,7 +103,7 @@ class _Field:
 
     def __init__(self, eq: Equation, held: Sequence[Doubt], signals: frozenset[str]) -> None:
         self.base = held[0].rivals[0].fit.hypothesis.base
-        self.temperature = min(temperature(eq, rival.fit) for doubt in held for rival in doubt.rivals)
+        self.temperature = min(eq.temperature(rival.fit.misfit) for doubt in held for rival in doubt.rivals)
         self.contenders: dict[int, _Contender] = {}
         self.nested: set[Pair] = set()
         self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
@@ -297,7 +297,7 @@ def best_command(
         found += _evaluate_all(field, more, few, found, progress)
     finalists = _varied(_ranked(found, allowed))[: _FEW_FINALISTS if few else _FINALISTS]
     progress("looking closer at the best commands")
-    closer = list(_POOL.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists))
+    closer = list(_SIDE_BY_SIDE.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists))
     ranked = _ranked(closer, allowed)
     separable = {pair for e in (*found, *closer) for pair, value in e.separation.items() if value >= DECIDED}
     inseparable = tuple(pair for pair in field.pairs if pair not in separable)
@@ -337,7 +337,7 @@ def _evaluate_all(
     known = {e.trial for e in before}
     trials = [trial for trial in field.grid(limits, few=few) if trial not in known]
     progress(f"simulating {len(trials)} commands under {len(field.contenders)} rivals")
-    return [e for e in _POOL.map(lambda trial: field.evaluate(trial, limits), trials) if e is not None]
+    return [e for e in _SIDE_BY_SIDE.map(lambda trial: field.evaluate(trial, limits), trials) if e is not None]
 
 
 def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:

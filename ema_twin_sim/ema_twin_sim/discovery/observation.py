@@ -16,8 +16,9 @@ from scipy.ndimage import maximum_filter1d
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..comparison.noise import counter_noise
 from ..model import Model
-from ..plant.measured_motion import MOTION, SPEED
+from ..plant.measured_motion import ACCELERATION, SPEED
 from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
@@ -100,7 +101,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         )
     ratio = model.value("machine.gear_ratio")
     motion, motion_noise = _motion(signals, time, period, width, model)
-    acceleration = motion[:, MOTION.index("acceleration")]
+    acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
     hit = _hardest(acceleration, SHAKEN, 2.0 * width, period)
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
@@ -197,7 +198,7 @@ def _motion(
         angle = smooth(position, gaussian(speed_width, period))
         bend = gaussian(width, period, 2)
         acceleration = smooth(position, bend)
-        noise = _counter_noise(model, "motor") * float(np.linalg.norm(bend))
+        noise = counter_noise(model, "motor") * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
     return np.stack([time, angle, speed, acceleration, signals["current"], output], axis=1), noise
 
@@ -242,17 +243,9 @@ def _white_noise(values: np.ndarray) -> float:
     return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
 
 
-def _counter_noise(model: Model, side: str) -> float:
-    """Standard deviation [rad] of a counter: its noise and its quantisation."""
-    count = 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts")
-    return count * math.hypot(model.value(f"sensors.{side}_encoder_noise"), math.sqrt(1.0 / 12.0))
-
-
 def _encoder_noise(model: Model) -> float:
     """Standard deviation [rad, slow shaft] of the difference of both encoders."""
-    return math.hypot(
-        _counter_noise(model, "output"), _counter_noise(model, "motor") / model.value("machine.gear_ratio")
-    )
+    return math.hypot(counter_noise(model, "output"), counter_noise(model, "motor") / model.value("machine.gear_ratio"))
 
 
 def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:

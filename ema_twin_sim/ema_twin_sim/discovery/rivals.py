@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from .equation import Equation, Fit, fit
-from .search import STRUCTURAL, Round, Search, Trial, gain, new_names, prune, unique
+from .hypothesis import PARTING
+from .search import Round, Search, Trial, new_names, prune
+from .worth import gain, unique
 
 CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
 BETTER = 1.0  # the same: a rival that gains more takes the effect's place
@@ -42,7 +44,7 @@ def rivalries(eq: Equation, found: Search) -> tuple[Rivalry, ...]:
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
-        if turn is None or instance.effect in STRUCTURAL:
+        if turn is None or instance.effect in PARTING:
             continue
         fits = sorted(substitutes(eq, best, name, turn), key=lambda f: -gain(eq, best, f))
         worth = [gain(eq, best, f) for f in fits]

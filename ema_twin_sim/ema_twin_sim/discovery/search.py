@@ -4,166 +4,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects import catalogue
-from .candidates import Candidate, candidates, starts
+from .candidates import candidates
 from .decoys import order_decoys
-from .equation import Equation, Fit, fit, prior_rows
-from .hypothesis import Hypothesis
+from .equation import Equation, Fit, fit
+from .hypothesis import PARTING, Hypothesis
+from .screening import Screened, screen, screen_decoys
 from .structure import NARROW, structural_fits
+from .worth import gain, matters, unique
 
-CORRELATION = 2.0  # neighbouring rows are correlated: what one row is worth less
-COST_EFFECT = 7.0
-COST_PARAMETER = 4.0
-SHAKY = 3.0
-COST_DECOY = 6.0
-DECOY_SHARE = 0.85
-CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
-FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
-SHARE = 0.1  # of the excess that an effect must remove
-ENTRANTS = 8
-ROUNDS = 10
+DECOY_SHARE = 0.85  # of a decoy's gain, from which on an effect goes before it
+ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
+ROUNDS = 10  # at most
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
-STRUCTURAL = ("backlash", "shaft_compliance")
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
-POOL_SCREEN = ThreadPoolExecutor(2)
-
-
-@dataclass(frozen=True, eq=False)
-class Screened:
-    """A candidate's gain in sum of squares by linear regression, and the parameters it begins with."""
-
-    candidate: Candidate
-    start: dict[str, float]
-    gain: float
-    shift: np.ndarray  # (k,) by how much the numbers that were free before give way to it
-
-
-def projector(f: Fit) -> tuple[np.ndarray, np.ndarray]:
-    """(orthonormal basis of what the fit's free numbers can do, residual), priors included."""
-    pr, pj = prior_rows(f.hypothesis)
-    full = np.concatenate([f.jacobian, pj])
-    q, _ = np.linalg.qr(full / np.maximum(np.linalg.norm(full, axis=0), 1e-30))
-    r = np.concatenate([f.residual, pr])
-    return q, r - q @ (q.T @ r)
-
-
-def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
-    """Each candidate's gain, at its best start, best first."""
-    q, r = projector(f)
-    pad = np.zeros(len(r) - len(f.raw))
-    slopes = np.concatenate([f.jacobian, prior_rows(f.hypothesis)[1]])
-
-    def column(c: Candidate, parameters: dict[str, float], per: float) -> np.ndarray:
-        h = f.hypothesis.with_effect(c.effect, c.options, parameters)
-        rows = eq.alone(f.predicted, h.instance(list(h.added)[-1])) if per != 1.0 else None
-        if rows is None:
-            rows = eq.centred(eq.predict(h).rows - f.predicted.rows, f.weights)
-        return np.concatenate([rows * f.weights / per, pad])
-
-    def one(c: Candidate) -> Screened | None:
-        effect = catalogue()[c.effect]
-        size = effect.parameters[0]
-        best: Screened | None = None
-        periodic = [p.name for p in effect.parameters if p.periodic and not p.starts]
-        groups: dict[tuple, list[dict[str, float]]] = {}
-        for s in starts(effect):
-            groups.setdefault(tuple(v for k, v in s.items() if k not in periodic), []).append(s)
-        for group in groups.values():
-            per = 1.0 if size.neutral is None else 1e-2 * max(abs(size.default - size.neutral), 1e-9)
-            given = group if size.neutral is None else [{**s, size.name: size.neutral + per} for s in group]
-            a = np.stack([column(c, s, per) for s in given], 1)
-            if not np.isfinite(a).all():
-                continue
-            raw = a
-            a = a - q @ (q.T @ a)
-            start = dict(group[0])
-            shift = np.zeros(slopes.shape[1])
-            if size.neutral is None:
-                left = r - a[:, 0]
-                gain = float(r @ r - left @ left)
-                norm = float(a[:, 0] @ a[:, 0])
-                along = float(a[:, 0] @ r)
-                if along > 0.0 and norm > 0.0:  # a share of it may fit better than all of it
-                    gain = max(gain, 0.5 * along**2 / norm)
-            else:
-                if np.linalg.norm(a, axis=0).max() < 1e-9:
-                    continue
-                x, *_ = np.linalg.lstsq(a, r, rcond=1e-9)
-                fitted = a @ x
-                if periodic and len(group) == 2:
-                    start[periodic[0]] = math.atan2(x[1], x[0])
-                    value = size.neutral + math.hypot(*x)
-                else:
-                    value = size.neutral + float(x[0])
-                clipped = min(max(value, size.lower), size.upper)
-                if clipped != value:
-                    fitted = fitted * ((clipped - size.neutral) / (value - size.neutral))
-                gain = float(r @ r - (r - fitted) @ (r - fitted))
-                start[size.name] = clipped
-                if clipped == value:
-                    shift = -np.linalg.lstsq(slopes, raw @ x, rcond=1e-9)[0]
-            if best is None or gain > best.gain:
-                best = Screened(c, start, gain, shift)
-        return best
-
-    found = [s for s in POOL_SCREEN.map(one, options) if s is not None]
-    return sorted(found, key=lambda s: -s.gain)
-
-
-def judged(eq: Equation) -> int:
-    """How many rows are judged."""
-    return eq.rows if eq.use_encoder else eq.size
-
-
-def price(f: Fit) -> float:
-    """What a hypothesis costs beside its misfit: priors, effects, parameters."""
-    parameters = sum(fr.path.startswith("effects.") for fr in f.hypothesis.free)
-    decoys = sum(fr.path.startswith("decoy.") for fr in f.hypothesis.free)
-    return f.prior_cost + COST_EFFECT * len(f.hypothesis.added) + COST_PARAMETER * parameters + COST_DECOY * decoys
-
-
-def gain(eq: Equation, before: Fit, after: Fit) -> float:
-    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
-    temperature = CORRELATION * max(1.0, min(before.misfit, after.misfit) / judged(eq))
-    if _parted(before) and _parted(after):
-        temperature *= SHAKY  # beside an output that bounces, more is fitted by chance
-    return (before.misfit - after.misfit) / temperature + price(before) - price(after)
-
-
-def unique(eq: Equation, before: Fit, after: Fit) -> float:
-    """The largest rms, in units of noise, that an effect takes from some recording's rows."""
-    best = 0.0
-    for rows in (*eq.torque_parts, *eq.encoder_parts):
-        if rows.stop - rows.start < 20:
-            continue
-        w = after.weights[rows] ** 2
-        best = max(best, float(w @ (before.raw[rows] ** 2 - after.raw[rows] ** 2)) / (rows.stop - rows.start))
-    return math.sqrt(best)
-
-
-def matters(eq: Equation, before: Fit, after: Fit) -> bool:
-    """Whether a step is large enough to be named."""
-    fall = before.misfit - after.misfit
-    excess = max(before.misfit - judged(eq), 0.0)
-    if before.prior_cost - after.prior_cost > COST_EFFECT + COST_PARAMETER:
-        return True
-    left = math.sqrt(max(1.0, after.misfit / judged(eq)))
-    # an output that bounces is never known as well as one that does not
-    floor = FLOOR * (2.0 if _parted(after) else 1.0)
-    return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
 
 
 def settle(eq: Equation, f: Fit) -> Fit:
     """Fit, take weight from outliers, fit again."""
     for _ in range(4):
-        if not eq.reweigh(f.raw, NARROW if _parted(f) else math.inf):
+        if not eq.reweigh(f.raw, NARROW if f.parted else math.inf):
             break
         f = fit(eq, f.hypothesis)
     return f
@@ -172,21 +37,6 @@ def settle(eq: Equation, f: Fit) -> Fit:
 def parted_encoders(eq: Equation, f: Fit) -> bool:
     """Whether the encoders part by more than their noise."""
     return any(p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > PARTED for p in eq.encoder_parts)
-
-
-def screen_decoys(eq: Equation, f: Fit) -> list[tuple[float, str]]:
-    """(gain in sum of squares, name) of each decoy by linear regression, best first."""
-    q, r = projector(f)
-    found = []
-    for name, columns in eq.decoys.items():
-        if name in f.hypothesis.decoys:
-            continue
-        a = np.concatenate([columns * f.weights[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))])
-        a -= q @ (q.T @ a)
-        u, s, _ = np.linalg.svd(a, full_matrices=False)
-        u = u[:, s > 1e-6 * max(s[0], 1e-12)]
-        found.append((float(np.sum((u.T @ r) ** 2)) - 2.0 * CORRELATION * u.shape[1], name))
-    return sorted(found, reverse=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,7 +92,7 @@ def search(
     """
     current = settle(eq, null)
     rounds: list[Round] = []
-    if parted_encoders(eq, current) and not without >= set(STRUCTURAL):
+    if parted_encoders(eq, current) and not without >= set(PARTING):
         eq.use_encoder = False
         progress("looking at the torque alone")
         current, by_torque = _add_effects(
@@ -266,10 +116,6 @@ def _misleading(null: Fit) -> frozenset[str]:
     """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
     held = {instance.effect for instance in null.hypothesis.base.effects.values()}
     return ENCODER_ONLY | LIKE_STRUCTURE | (held & {"viscous_friction", "coulomb_friction"})
-
-
-def _parted(f: Fit) -> bool:
-    return bool(f.predicted.plant["two_inertia"][0] != 0.0)
 
 
 def _add_effects(
@@ -320,7 +166,7 @@ def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
 
 def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
     """The current hypothesis with each of the most promising effects added."""
-    options = [c for c in candidates(current.hypothesis, without) if c.effect not in STRUCTURAL]
+    options = [c for c in candidates(current.hypothesis, without) if c.effect not in PARTING]
     ranked = screen(eq, current, options)
     picked: list[Screened] = []
     for s in ranked:
@@ -341,20 +187,6 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
     """The effects and decoys that one fit has and another has not."""
     held = {*before.hypothesis.added, *before.hypothesis.decoys}
     return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.decoys) if n not in held)
-
-
-def left_over(eq: Equation, f: Fit) -> list[float]:
-    """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
-    parted = _parted(f)
-    found = []
-    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
-        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]
-        if len(z) < 20:
-            found.append(0.0)
-            continue
-        excess = max(float(np.mean(np.minimum(np.abs(z), CLIP) ** 2)) - 1.0, 0.0)
-        found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
-    return found
 
 
 def prune(eq: Equation, f: Fit) -> Fit:

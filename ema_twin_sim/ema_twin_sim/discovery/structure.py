@@ -12,8 +12,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..plant.measured_motion import SPEED
 from .equation import POOL, Equation, Fit, fit
 from .hypothesis import Hypothesis
+from .observation import STANDSTILL
 
 WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
 NARROW = 10.0  # the same once the starts are left behind
@@ -87,9 +89,9 @@ def excerpt(eq: Equation) -> Equation:
         if not len(o.encoder_rows):
             continue
         length = min(len(o.motion), round(EXCERPT / o.period))
-        speed = o.motion[:, 2]
+        speed = o.motion[:, SPEED]
         turns = np.concatenate([[0.0], np.cumsum(np.diff(np.sign(speed)) != 0)])
-        moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > 0.3)])
+        moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
         count = turns[length - 1 :] - turns[: len(turns) - length + 1]
         share = (moving[length:] - moving[: len(moving) - length]) / length
         count = np.minimum(count, 8)[: len(share)] * share  # chatter at standstill is no reversal

@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .equation import POOL, Equation, Fit, prior_rows
 
-CORRELATION = 2.0  # neighbouring rows are correlated: what one row is worth less
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
 BLOCKS = 6  # fewest blocks of a jackknife; recordings are parted where there are fewer
 
 
-def blocks(eq: Equation) -> np.ndarray:
-    """The block (m,) that each row belongs to: its recording, or a stretch of it where recordings are few."""
-    pieces = -(-BLOCKS // len(eq.observations))
-    found = np.zeros(eq.rows, int)
-    for parts in (eq.torque_parts, eq.encoder_parts):
-        for k, part in enumerate(parts):
-            count = part.stop - part.start
-            found[part] = k * pieces + (np.arange(count) * pieces) // max(count, 1)
+def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
+    """The block (m,) that each row belongs to: its recording, or a stretch of it where recordings are few.
+
+    ``parts`` are a recording and rows of it, evenly spread over its time; together they are all rows.
+    """
+    pieces = -(-BLOCKS // (1 + max(recording for recording, _ in parts)))
+    found = np.zeros(max(part.stop for _, part in parts), int)
+    for recording, part in parts:
+        count = part.stop - part.start
+        found[part] = recording * pieces + (np.arange(count) * pieces) // max(count, 1)
     return found
 
 
@@ -29,15 +32,15 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
     after the other (Tukey's jackknife, linearised) shows how far the numbers really move.
     """
     _, pj = prior_rows(f.hypothesis)
-    scale = CORRELATION * max(1.0, f.misfit / eq.rows)
+    scale = eq.temperature(f.misfit)
     information = f.jacobian.T @ f.jacobian
-    posterior = _inverse(information / scale + pj.T @ pj)
-    which = blocks(eq)
+    posterior = scaled_inverse(information / scale + pj.T @ pj)
+    which = blocks(eq.parts)
     moves = []
     for k in np.unique(which):
         rows = which == k
         j, r = f.jacobian[rows], f.residual[rows]
-        left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
+        left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
         moves.append(-left @ (j.T @ r) / scale)
     away = np.array(moves) - np.mean(moves, axis=0)
     return posterior + (len(away) - 1) / len(away) * away.T @ away
@@ -46,7 +49,7 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
 def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
     """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
     _, pj = prior_rows(f.hypothesis)
-    scale = CORRELATION * max(1.0, f.misfit / eq.rows)
+    scale = eq.temperature(f.misfit)
     information = f.jacobian.T @ f.jacobian
     lower = np.array([free.lower for free in f.hypothesis.free])
     upper = np.array([free.upper for free in f.hypothesis.free])
@@ -56,7 +59,7 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
     for t, e in zip(eq.torque_parts, eq.encoder_parts, strict=True):
         rows = np.r_[t, e]
         j, r = f.jacobian[rows], f.residual[rows]
-        left = _inverse((information - j.T @ j) / scale + pj.T @ pj)
+        left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
         step = -left @ (j.T @ r) / scale * moving
         others = np.ones(eq.rows, bool)
         others[rows] = False
@@ -65,16 +68,16 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
         for share in STEP_SHARES:
             values = np.clip(f.hypothesis.values + share * step, lower, upper)
             trial = f.hypothesis.at(values)
-            residual = eq.residual(eq.predict(trial, POOL))[others]
+            residual = eq.residual(eq.predict(trial, POOL))
             pr, _ = prior_rows(trial)
-            reach = eq.reach[others]
-            cost = float(reach**2 @ np.log1p((residual / reach) ** 2)) / scale + float(pr @ pr)
+            cost = float(eq.costs(residual)[others].sum()) / scale + float(pr @ pr)
             if cost < least:
                 best, least = values, cost
         found.append(best)
     return found
 
 
-def _inverse(a: np.ndarray) -> np.ndarray:
-    d = np.sqrt(np.maximum(np.diag(a), 1e-30))
-    return np.linalg.inv(a / np.outer(d, d) + 1e-9 * np.eye(len(a))) / np.outer(d, d)
+def scaled_inverse(a: np.ndarray, ridge: float = 1e-9) -> np.ndarray:
+    """The inverse of an information matrix (k, k), its rows scaled first; ``ridge`` keeps what nothing holds finite."""
+    d = np.sqrt(np.maximum(np.diag(a), 1e-300))
+    return np.linalg.inv(a / np.outer(d, d) + ridge * np.eye(len(a))) / np.outer(d, d)

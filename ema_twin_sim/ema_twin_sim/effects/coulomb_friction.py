@@ -21,7 +21,7 @@ EFFECT = Effect(
     source="thesis, script Main HF, dynamics.friction (Borello friction block)",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, 100.0, "sliding level, at the fast shaft"),
-        Parameter("static_ratio", "1", 2.0, 1.0, 10.0, "break-away over sliding level", starts=(2.0,)),
+        Parameter("static_ratio", "1", 2.0, 1.0, 10.0, "break-away over sliding level", starts=(2.0,), at_rest=True),
     ),
     options={"side": ("motor", "output")},
     settle=settle,

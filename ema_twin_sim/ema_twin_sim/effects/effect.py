@@ -23,6 +23,7 @@ class Parameter:
     for missing effects begins at each of ``starts`` (none: spread between the bounds); a ``periodic`` parameter is an
     angle. An effect's first parameter is its size; ``neutral`` is the size at which it does nothing and from which it
     grows in proportion (None: it has none, or does not grow in proportion, so that sizes too are tried from starts).
+    What acts ``at_rest`` only does not show in motion, and is not fitted to it.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Parameter:
     starts: tuple[float, ...] = ()
     periodic: bool = False
     neutral: float | None = 0.0
+    at_rest: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,20 +9,18 @@ from functools import cached_property
 
 import numpy as np
 
-from ..discovery.equation import Equation
-from ..discovery.hypothesis import LAG, LAG_PRIOR, Free, Hypothesis
+from ..comparison.noise import counter_noise
+from ..discovery.equation import CORRELATION, Equation
+from ..discovery.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
 from ..discovery.structure import NARROW
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from .freedom import Freedom, Number
-from .misfit import counter_noise
 
-UNSEEN = {"static_ratio": "it shows at standstill only, which a fit leaves out"}
-"""Parameters that no fit sees, and why."""
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""
-LAG_NUMBER = Number(LAG, (), (), "s", -4e-4, 4e-4, LAG_PRIOR, 1e-5, (0.0, LAG_PRIOR))
+LAG_NUMBER = Number(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_PRIOR, LAG_STEP, (0.0, LAG_PRIOR))
 SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
 SIDES_ERROR = 0.01  # relative, measured on the virtual bench, as is the next
 DAMPING_ERROR = 0.4
@@ -51,17 +49,13 @@ class EquationMisfit:
     """The equation error over all recordings, in units of noise; the last number is the lag of the current."""
 
     def __init__(self, equation: Equation, freedom: Freedom) -> None:
-        self.variance = 2.0  # neighbouring rows share half their smoothing
+        self.variance = CORRELATION
         self.freedom = Freedom(
             freedom.model, (*freedom.numbers, LAG_NUMBER), np.append(freedom.start, 0.0), freedom.notes
         )
         self.equation = equation
         self.rows = equation.rows
-        torque, encoder = equation.torque_parts, equation.encoder_parts
-        self.parts: list[tuple[int, slice]] = [
-            *enumerate(torque),
-            *((k, part) for k, part in enumerate(encoder) if part.stop > part.start),
-        ]
+        self.parts = equation.parts
         self._hypothesis = ModelHypothesis(freedom.model, {}, (), self.freedom.start, self.freedom)
         # an output behind play is thrown about: from the beginning, what is far off must not lead
         self._most = NARROW if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
@@ -83,7 +77,7 @@ class EquationMisfit:
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
-        shift = counter_noise(self.freedom.model)["motor"]
+        shift = counter_noise(self.freedom.model, "motor")
         moved = copy(self.equation)
         moved.observations = tuple(replace(o, motor_origin=o.motor_origin + shift) for o in self.equation.observations)
         here, there = (equation.predict(self._at(values)).rows for equation in (self.equation, moved))

@@ -11,7 +11,7 @@ import numpy as np
 from ..effects import catalogue
 from ..model import Model
 from .absurd import Circumstances, absurdities
-from .equation_misfit import BLIND, LAG, UNSEEN
+from .equation_misfit import BLIND, LAG
 from .freedom import Number, split
 from .solver import Solution
 from .uncertainty import Uncertainty
@@ -145,9 +145,9 @@ def _unseen(number: Number, shown: float, model: Model, method: str) -> str | No
             return "does not stand in the equation: fit with --method simulation"
         remedy = f"record {INERTIA_SHOWN_BY}" if "inertia" in name else "leave it as it is"
         return f"changes nothing that these recordings show; {remedy}"
-    if parameter in UNSEEN:
-        return "shows at standstill only, which a fit leaves out; read it off the break-away of a slow start"
     effect = catalogue()[model.effects[name].effect]
+    if any(p.at_rest for p in effect.parameters if p.name == parameter):
+        return "shows at standstill only, which a fit leaves out; read it off the break-away of a slow start"
     size = effect.parameters[0]
     small = f" while {size.name} is so small" if parameter != size.name and size.neutral is not None else ""
     return f"changes nothing that these recordings show{small}; record {SHOWN_BY.get(effect.id, ANY)}"

@@ -17,7 +17,7 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..simulation.simulate import choose_input
 from .absurd import circumstances
-from .equation_misfit import LAG, UNSEEN, EquationMisfit
+from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, find
 from .freedom import Freedom, choose_numbers
 from .misfit import Misfit
@@ -104,7 +104,7 @@ def fit_model(
     method = method or ("equation" if "current" in sources else "simulation")
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
-    freedom = choose_numbers(model, free, fix, UNSEEN)
+    freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")
     before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..effects import catalogue
+from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
@@ -125,11 +125,11 @@ def all_paths(model: Model) -> tuple[str, ...]:
     return (*effects, *model.constants)
 
 
-def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str], unseen: Mapping[str, str]) -> Freedom:
+def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Freedom:
     """What of a model is free: its effects' parameters and its inertias, what ``free`` names more, less ``fix``.
 
-    Both name paths or what paths begin with (``effects.backlash``). ``unseen`` maps names of parameters that no method
-    sees to the reason; these are held unless named. Raises InputError where a path is unknown or exact.
+    Both name paths or what paths begin with (``effects.backlash``). What acts at rest only is held
+    unless named: a fit leaves standstill out. Raises InputError where a path is unknown or exact.
     """
     known = all_paths(model)
     freed, fixed = (_named(model, known, given, option) for given, option in ((free, "--free"), (fix, "--fix")))
@@ -140,9 +140,12 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str], unseen
         instance.enabled and instance.effect in PARTING for instance in model.effects.values()
     )
     effects = [path for path in known if path.startswith("effects.") and path not in fixed]
-    held = [path for path in effects if split(path)[2] in unseen and path not in freed]
+    held = [path for path in effects if _parameter_of(model, path).at_rest and path not in freed]
     by_default = [path for path in effects if path not in held and path not in freed]
-    notes = [f"{name} is held: {unseen[name]}" for name in dict.fromkeys(split(path)[2] for path in held)]
+    notes = [
+        f"{name} is held: it shows at standstill only, which a fit leaves out"
+        for name in dict.fromkeys(split(path)[2] for path in held)
+    ]
     numbers = []
     for group in _tied(model, by_default, parted):
         numbers.append(_parameter(model, group, parted, asked=False))
@@ -163,6 +166,12 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str], unseen
             values[k] = min(max(away + OFF_BOUND * inward, number.lower), number.upper)
             notes.append(f"{number.path} stood on its bound, where a fit sees no way off: it started at {values[k]:g}")
     return Freedom(model, tuple(numbers), values, tuple(notes))
+
+
+def _parameter_of(model: Model, path: str) -> Parameter:
+    """The row of an effect's table that a path names."""
+    _, name, parameter = split(path)
+    return next(p for p in catalogue()[model.effects[name].effect].parameters if p.name == parameter)
 
 
 def waves(freedom: Freedom) -> list[tuple[int, int]]:
@@ -225,10 +234,10 @@ def _weak(scale: float, periodic: bool) -> float:
 
 
 def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> Number:
-    _, name, parameter = split(paths[0])
+    _, name, _ = split(paths[0])
     instance = model.effects[name]
     effect = catalogue()[instance.effect]
-    p = next(p for p in effect.parameters if p.name == parameter)
+    p = _parameter_of(model, paths[0])
     value = _value(model, paths[0])
     neutral = p.neutral if p is effect.parameters[0] and p.neutral is not None else 0.0
     scale = max(abs(value - neutral), abs(p.default - neutral))

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol
 
 import numpy as np
 
-from ..model import Model
 from .freedom import Freedom
-
-PIECES = 6
-"""Fewest blocks of a jackknife; recordings are parted where there are fewer."""
 
 
 class Misfit(Protocol):
@@ -53,23 +48,3 @@ class Misfit(Protocol):
     def reweigh(self, residual: np.ndarray) -> bool:
         """Let each part count by how well it can be met at all; whether that changed much."""
         ...
-
-
-def blocks(misfit: Misfit) -> np.ndarray:
-    """The block (m,) that each row belongs to: its recording, or a stretch of it where recordings are few."""
-    recordings = 1 + max(recording for recording, _ in misfit.parts)
-    pieces = -(-PIECES // recordings)
-    found = np.zeros(misfit.rows, int)
-    for recording, part in misfit.parts:
-        count = part.stop - part.start
-        found[part] = recording * pieces + (np.arange(count) * pieces) // max(count, 1)
-    return found
-
-
-def counter_noise(model: Model) -> dict[str, float]:
-    """Noise and quantisation of one sample of the ``motor`` and ``output`` counters [rad of their own shafts]."""
-    return {
-        side: math.sqrt(model.value(f"sensors.{side}_encoder_noise") ** 2 + 1.0 / 12.0)
-        * (2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts"))
-        for side in ("motor", "output")
-    }

@@ -21,14 +21,13 @@ from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.recording import Recording
 
-from ..comparison.noise import noise_floors
+from ..comparison.noise import counter_noise, noise_floors
 from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.simulate import simulate
 from ..simulation.twin import DEFAULT_STEP
 from .freedom import Freedom
-from .misfit import counter_noise
 
 POOL = ThreadPoolExecutor(os.cpu_count())
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
@@ -168,7 +167,7 @@ class SimulationMisfit:
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
-        there = self._predict_all([values], DEFAULT_STEP, counter_noise(self.freedom.model)["motor"])[0]
+        there = self._predict_all([values], DEFAULT_STEP, counter_noise(self.freedom.model, "motor"))[0]
         return self._settled(there - self._predict(values), weights)
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
@@ -212,7 +211,7 @@ def _parts(
     """What of one recording is judged: under the current the motion, under the setpoint the current too."""
     seen = dict(recording.signals)
     floors = noise_floors(model, has_speed=recording.has("speed"), period=recording.sample_period)
-    one = counter_noise(model)
+    one = {side: counter_noise(model, side) for side in ("motor", "output")}
     ratio = model.value("machine.gear_ratio")
     noise = {"current": floors["current"], "speed": floors["speed"], "motor_position": one["motor"]}
     if recording.has("output_position"):

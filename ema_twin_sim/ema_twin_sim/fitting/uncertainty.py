@@ -6,10 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .misfit import Misfit, blocks
+from ..discovery.uncertainty import blocks, scaled_inverse
+from .misfit import Misfit
 from .solver import Solution, priors
 
 WORST = 30.0  # times that a row is worth less, at most, by the recordings' disagreement: beyond, straight lines mislead
+
+RIDGE = 1e-12  # every number of a fit has a prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +77,7 @@ def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) 
     for k in range(count):
         rows = which == k
         slopes, residual = solution.slopes[rows], solution.residual[rows]
-        less = _inverse(information - slopes.T @ slopes / misfit.variance)
+        less = scaled_inverse(information - slopes.T @ slopes / misfit.variance, RIDGE)
         found.append(x - less @ (slopes.T @ residual) / misfit.variance)
     return np.array(found)
 
@@ -86,7 +89,7 @@ def solved(solution: Solution) -> np.ndarray:
 
 def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
     """How far each block, left out, moves what is solved for from the mean of all such moves (b, k)."""
-    which = blocks(misfit)
+    which = blocks(misfit.parts)
     away = left_out(misfit, solution, which, int(which.max()) + 1)
     return away - away.mean(axis=0)
 
@@ -94,9 +97,4 @@ def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
 def _posterior(misfit: Misfit, solution: Solution) -> np.ndarray:
     """Covariance (k, k) by curvature and priors."""
     _, inverse = priors(solution.freedom, solved(solution))
-    return _inverse(solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2))
-
-
-def _inverse(a: np.ndarray) -> np.ndarray:
-    size = np.sqrt(np.maximum(np.diag(a), 1e-300))
-    return np.linalg.inv(a / np.outer(size, size) + 1e-12 * np.eye(len(a))) / np.outer(size, size)
+    return scaled_inverse(solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2), RIDGE)

@@ -39,6 +39,25 @@ def _sign(speed):
     return (1.0 if speed > 0.0 else -1.0) if size > _LOW_SPEED else speed / _LOW_SPEED
 
 
+@njit(error_model="numpy")
+def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
+    """Where a measured motion ``now`` (a row of it) stands, beside a transmitted torque and a dry level [N m]."""
+    return OperatingPoint(
+        now[TIME],
+        motor_origin + now[MOTOR_ANGLE],
+        now[SPEED],
+        output_origin + now[OUTPUT_ANGLE],
+        now[OUTPUT_ANGLE],
+        now[SPEED] / plant.gear_ratio,
+        now[ACCELERATION],
+        now[MOTOR_CURRENT],
+        plant.torque_constant * now[MOTOR_CURRENT],
+        transmitted,
+        dry,
+        plant.motor_viscous + plant.output_viscous,
+    )
+
+
 @njit(
     void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[:, ::1]),
     cache=True,
@@ -80,20 +99,7 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
         sense = _sign(speed)
         before = max(row - 1, 0)
         interval = motion[row, TIME] - motion[before, TIME]
-        at = OperatingPoint(
-            motion[row, TIME],
-            motor_origin + motion[row, MOTOR_ANGLE],
-            speed,
-            output_origin + motion[row, OUTPUT_ANGLE],
-            motion[row, OUTPUT_ANGLE],
-            speed / ratio,
-            acceleration,
-            motion[row, MOTOR_CURRENT],
-            plant.torque_constant * motion[row, MOTOR_CURRENT],
-            transmitted,
-            total_dry,
-            viscous_total,
-        )
+        at = _operating_point(plant, motion[row], motor_origin, output_origin, transmitted, total_dry)
         torque, dry, load, thinned = evaluate(effects, at)
         if stops:
             angle = motion[row, OUTPUT_ANGLE]
@@ -190,25 +196,11 @@ def require_of(plants, address, place, p, motion, motor_origin, output_origin, r
     Right for a torque, a level or a coefficient of the motor's side while no bristle carries the level; ``p`` (4,).
     """
     plant = plants[0]
-    ratio = plant.gear_ratio
-    viscous_total = plant.motor_viscous + plant.output_viscous
     values = (p[0], p[1], p[2], p[3])
     for row in range(motion.shape[0]):
         speed = motion[row, SPEED]
-        at = OperatingPoint(
-            motion[row, TIME],
-            motor_origin + motion[row, MOTOR_ANGLE],
-            speed,
-            output_origin + motion[row, OUTPUT_ANGLE],
-            motion[row, OUTPUT_ANGLE],
-            speed / ratio,
-            motion[row, ACCELERATION],
-            motion[row, MOTOR_CURRENT],
-            plant.torque_constant * motion[row, MOTOR_CURRENT],
-            required[max(row - 1, 0), 2],
-            required[row, 3],
-            viscous_total,
-        )
+        transmitted = required[max(row - 1, 0), 2]
+        at = _operating_point(plant, motion[row], motor_origin, output_origin, transmitted, required[row, 3])
         value = call_effect(address, at, values)
         sense = _sign(speed)
         if place == DRY_LEVEL:

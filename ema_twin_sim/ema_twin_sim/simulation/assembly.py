@@ -74,7 +74,7 @@ def assemble(model: Model) -> Assembly:
         if effect.settle is not None:
             effect.settle(record, instance.parameters, instance.options)
         else:
-            acting.append((effect.where(instance.options), _address(effect), _slots(effect, instance)))
+            acting.append((effect.where(instance.options), effect_address(effect), effect_slots(effect, instance)))
     _check(model, record)
     acting.sort(key=lambda entry: entry[0] != DRY_LEVEL)
     return Assembly(
@@ -112,7 +112,8 @@ def stiffest_step(plant: np.ndarray) -> float:
     return float(min(by_spring, by_damper))
 
 
-def _slots(effect: Effect, instance: EffectInstance) -> list[float]:
+def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:
+    """The four numbers that a compiled effect is called with: its parameters, then a numeric option, then zeros."""
     values = [instance.parameters[parameter.name] for parameter in effect.parameters]
     if effect.option_value is not None:
         values.append(effect.option_value(instance.options))
@@ -120,6 +121,7 @@ def _slots(effect: Effect, instance: EffectInstance) -> list[float]:
 
 
 @cache
-def _address(effect: Effect) -> int:
+def effect_address(effect: Effect) -> int:
+    """Where the compiled function of an effect that acts is in memory."""
     assert effect.act is not None  # only effects that act have an address
     return compile_effect(effect.act, on_disk=not is_own(effect))

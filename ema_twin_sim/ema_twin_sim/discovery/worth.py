@@ -1,0 +1,74 @@
+"""Worth: what an effect must gain to be named. Every effect and every number that it brings has a price.
+
+Prices are in units of the noise, half of a chi-square: what is not there gains a few by chance, and more where the
+best of many is taken. They were set on benches with nothing hidden, so that none of these is accused.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .equation import Equation, Fit
+
+COST_EFFECT = 7.0
+COST_PARAMETER = 4.0
+COST_DECOY = 6.0  # of each column
+SHAKY = 3.0  # times more is gained by chance beside an output that bounces
+CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
+FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
+SHARE = 0.1  # of the excess that an effect must remove
+FEWEST = 20  # rows of a recording that tell anything
+
+
+def price(f: Fit) -> float:
+    """What a hypothesis costs beside its misfit: priors, effects, parameters."""
+    parameters = sum(fr.path.startswith("effects.") for fr in f.hypothesis.free)
+    decoys = sum(fr.path.startswith("decoy.") for fr in f.hypothesis.free)
+    return f.prior_cost + COST_EFFECT * len(f.hypothesis.added) + COST_PARAMETER * parameters + COST_DECOY * decoys
+
+
+def gain(eq: Equation, before: Fit, after: Fit) -> float:
+    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
+    temperature = eq.temperature(min(before.misfit, after.misfit))
+    if before.parted and after.parted:
+        temperature *= SHAKY  # beside an output that bounces, more is fitted by chance
+    return (before.misfit - after.misfit) / temperature + price(before) - price(after)
+
+
+def unique(eq: Equation, before: Fit, after: Fit) -> float:
+    """The largest rms, in units of noise, that an effect takes from some recording's rows."""
+    best = 0.0
+    for rows in (*eq.torque_parts, *eq.encoder_parts):
+        if rows.stop - rows.start < FEWEST:
+            continue
+        w = after.weights[rows] ** 2
+        best = max(best, float(w @ (before.raw[rows] ** 2 - after.raw[rows] ** 2)) / (rows.stop - rows.start))
+    return math.sqrt(best)
+
+
+def matters(eq: Equation, before: Fit, after: Fit) -> bool:
+    """Whether a step is large enough to be named."""
+    fall = before.misfit - after.misfit
+    excess = max(before.misfit - eq.judged, 0.0)
+    if before.prior_cost - after.prior_cost > COST_EFFECT + COST_PARAMETER:
+        return True
+    left = math.sqrt(max(1.0, after.misfit / eq.judged))
+    # an output that bounces is never known as well as one that does not
+    floor = FLOOR * (2.0 if after.parted else 1.0)
+    return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
+
+
+def left_over(eq: Equation, f: Fit) -> list[float]:
+    """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
+    parted = f.parted
+    found = []
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]
+        if len(z) < FEWEST:
+            found.append(0.0)
+            continue
+        excess = max(float(np.mean(np.minimum(np.abs(z), CLIP) ** 2)) - 1.0, 0.0)
+        found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
+    return found
