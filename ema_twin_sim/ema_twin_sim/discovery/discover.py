@@ -198,22 +198,20 @@ def _constants(f: Fit, spread: np.ndarray) -> dict[str, dict[str, dict[str, obje
     found: dict[str, dict[str, dict[str, object]]] = {}
     for path in INERTIAS:
         part, _, name = path.partition(".")
-        scale = model.value(path) / base.value(path) if base.value(path) else 1.0
-        std = sure["scale.inertia"] * base.value(path)
-        if path == "machine.output_inertia" and "scale.output_inertia" in sure:
-            std = math.hypot(std, sure["scale.output_inertia"] * base.value(path) * scale)
-        entry = {"value": model.value(path), "std": std, "unit": CONSTANTS[path].unit, "nominal": base.value(path)}
-        found.setdefault(part, {})[name] = entry
+        std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
+        found.setdefault(part, {})[name] = _refitted(model.value(path), base.value(path), std, CONSTANTS[path].unit)
     for name, instance in base.effects.items():
-        path = f"scale.{instance.effect}"
-        if path not in sure:
-            continue
-        p = catalogue()[instance.effect].parameters[0]
-        nominal = instance.parameters[p.name]
-        value = model.effects[name].parameters[p.name]
-        std = sure[path] * nominal
-        found.setdefault(name, {})[p.name] = {"value": value, "std": std, "unit": p.unit, "nominal": nominal}
+        output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
+        path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
+        if path in sure:
+            p = catalogue()[instance.effect].parameters[0]
+            value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
+            found.setdefault(name, {})[p.name] = _refitted(value, nominal, sure[path], p.unit)
     return found
+
+
+def _refitted(value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
+    return {"value": value, "std": relative_std * nominal, "unit": unit, "nominal": nominal}
 
 
 def _why(verdict: str, found: Search, depends_on: tuple[str, ...]) -> str:

@@ -13,13 +13,14 @@ import numpy as np
 from ..effects import catalogue
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
-from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, TIME, require, require_of
+from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, TIME, require, require_of
 from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import Hypothesis
 from .observation import Observation
 from .smoothing import smooth_at
 
 POOL = ThreadPoolExecutor(2)
+NOWHERE = np.empty(0)
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
@@ -31,6 +32,15 @@ class Prediction:
     rows: np.ndarray
     plant: np.ndarray
     required: tuple[np.ndarray, ...]
+
+
+def _seen(o: Observation, plant: np.void) -> np.ndarray:
+    """Where the output was (n,) [rad], from what its encoder shows, late and off its centre as a plant has it."""
+    time, shown = o.motion[:, TIME], o.motion[:, OUTPUT_ANGLE]
+    if plant["eccentricity_amplitude"] != 0.0:
+        start = o.output_origin + plant["eccentricity_phase"]
+        shown = shown - plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
+    return np.interp(time + plant["encoder_delay"], time, shown) if plant["encoder_delay"] != 0.0 else shown
 
 
 class Equation:
@@ -70,7 +80,12 @@ class Equation:
 
         def one(o: Observation, t: slice, e: slice) -> np.ndarray:
             required = np.empty((len(o.motion), len(REQUIRED)))
-            require(assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin, required)
+            of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
+            require(*of, NOWHERE, required)
+            if plant["gap"] > 0.0 and len(o.encoder_rows):
+                seen = _seen(o, plant)
+                away = (seen - required[:, 1])[o.encoder_rows]
+                require(*of, seen - np.median(away), required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
                 shown = required[:, 1]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import catalogue
-from ..model import EffectInstance, Model
+from ..model import ConstantValue, EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
@@ -82,24 +82,7 @@ class Hypothesis:
         for free, value in zip(self.free, self.values, strict=True):
             kind, _, rest = free.path.partition(".")
             if kind == "scale":
-                if rest == "inertia":
-                    for path in INERTIAS:
-                        constants[path] = replace(constants[path], value=constants[path].value * value)
-                elif rest == "output_inertia":
-                    path = "machine.output_inertia"
-                    constants[path] = replace(constants[path], value=constants[path].value * value)
-                elif rest == "output_coulomb":
-                    for name, instance in effects.items():
-                        if instance.effect == "coulomb_friction" and instance.options["side"] == "output":
-                            parameters = {**instance.parameters, "torque": instance.parameters["torque"] * value}
-                            effects[name] = replace(instance, parameters=parameters)
-                else:
-                    for name, instance in self.base.effects.items():
-                        if instance.effect == rest:
-                            size = catalogue()[rest].parameters[0].name
-                            instance = effects[name]
-                            parameters = {**instance.parameters, size: instance.parameters[size] * value}
-                            effects[name] = replace(instance, parameters=parameters)
+                self._scale(rest, float(value), constants, effects)
             elif kind == "contact":
                 path = f"transmission.contact_{rest}"
                 constants[path] = replace(constants[path], value=float(value))
@@ -112,6 +95,28 @@ class Hypothesis:
         for name, instance in self.added.items():
             effects[name] = replace(instance, parameters=added[name])
         return replace(self.base, constants=constants, effects=effects)
+
+    @property
+    def parted(self) -> bool:
+        """Whether the numbers of the motor's side and of the output's are free by themselves."""
+        return any(free.path.startswith(SIDED) for free in self.free)
+
+    def _scale(
+        self, what: str, factor: float, constants: dict[str, ConstantValue], effects: dict[str, EffectInstance]
+    ) -> None:
+        """Multiply a constant, or the size of an effect of the base; on one side only where each has its own number."""
+        if what in ("inertia", "output_inertia"):
+            sides = {"output_inertia": INERTIAS[-1:], "inertia": INERTIAS[:-1] if self.parted else INERTIAS}
+            for path in sides[what]:
+                constants[path] = replace(constants[path], value=constants[path].value * factor)
+            return
+        effect = "coulomb_friction" if what == "output_coulomb" else what
+        sided = {"output_coulomb": ("output",), "coulomb_friction": ("motor",) if self.parted else ("motor", "output")}
+        size = catalogue()[effect].parameters[0].name
+        for name, instance in self.base.effects.items():
+            if instance.effect == effect and instance.options.get("side") in sided.get(what, ("motor", "output", None)):
+                parameters = {**instance.parameters, size: instance.parameters[size] * factor}
+                effects[name] = replace(instance, parameters=parameters)
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
         """One more effect, its parameters free, starting from ``parameters``."""
@@ -142,11 +147,15 @@ class Hypothesis:
     def _sides(self) -> Hypothesis:
         """With the numbers free that only a transmission with play or spring shows, and without them elsewhere."""
         held = {instance.effect for instance in (*self.added.values(), *self.base.effects.values())}
+        now = {free.path: float(value) for free, value in zip(self.free, self.values, strict=True)}
         wanted: list[tuple[Free, float]] = []
         if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
             wanted += [
-                (Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR)), 1.0),
-                (Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR)), 1.0),
+                (Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR)), now.get("scale.inertia", 1.0)),
+                (
+                    Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR)),
+                    now.get("scale.coulomb_friction", 1.0),
+                ),
             ]
         if "backlash" in held and "shaft_compliance" not in held:
             # where teeth meet is a spring too, which nobody knows: as stiff as samples resolve, to begin with

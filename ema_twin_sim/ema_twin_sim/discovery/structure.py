@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ..plant.measured_motion import SPEED
 from .equation import POOL, Equation, Fit, fit
 from .hypothesis import Hypothesis
-from .observation import STANDSTILL
+from .observation import STANDSTILL, Observation
 
 WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
 NARROW = 10.0  # the same once the starts are left behind
@@ -24,11 +24,16 @@ DAMPING = (0.004, 0.015, 0.05, 0.15)
 WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
 EXCERPT = 4.0  # s
 EXCERPTS = 4
+MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
+SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (4.0, 1.0))
 FINALISTS = 3
+HOPS = {".damping": (0.25, 0.5, 0.8, 1.25, 2.0, 4.0), ".stiffness": (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.25)}
+LANDINGS = 2  # of the places around, those that a fit begins from
+ROUNDS = 3  # of such hops, at most
+FALL = 0.97  # of the misfit: a hop that gains less ends them
 RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
 SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
-OVERDAMPED = 0.7
 
 
 def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
@@ -36,71 +41,91 @@ def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
     h = current.hypothesis
     for name in h.decoys:  # columns of whole recordings; an excerpt has none
         h = h.without_decoy(name)
+    # a rigid train takes an output that lags behind for a lighter one
+    h = h.at(np.array([1.0 if free.path == "scale.inertia" else v for free, v in zip(h.free, h.values, strict=True)]))
     held = {i.effect for i in (*h.added.values(), *h.base.effects.values())}
     spread = _spread(eq)
     part = excerpt(eq)
     springs = [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
-    widths = [{"width": spread * share} for share in WIDTHS] if spread > 0.0 else []
-    families: list[list[Hypothesis]] = []
-    if "backlash" not in held:
-        families.append([_with_contact(h.with_effect("backlash", {}, w), c) for w in widths for c in CONTACTS])
+    best: list[Fit] = []
     if "shaft_compliance" not in held:
-        families.append([h.with_effect("shaft_compliance", {}, s) for s in springs])
-        if "backlash" not in held:
-            families.append(
-                [
-                    h.with_effect("shaft_compliance", {}, s).with_effect("backlash", {}, w)
-                    for s, w in itertools.product(springs[4:], widths[1:])
-                ]
-            )
-    best = [_best_of(part, family) for family in families if family]
-    best = [f for f in best if not _is_contact(f)]
+        best.append(_best_of(part, [h.with_effect("shaft_compliance", {}, s) for s in springs]))
+    if "backlash" not in held and spread > 0.0:
+        gaps = [h.with_effect("backlash", {}, {"width": spread * share}) for share in WIDTHS]
+        starts = [
+            _starting(gap, {**side, "contact.stiffness": stiffness, "contact.damping": damping})
+            for gap, side, (stiffness, damping) in itertools.product(gaps, _sides(gaps[0]), CONTACTS)
+        ]
+        play = _best_of(part, starts)
+        best.append(play)
+        if "shaft_compliance" not in held:
+            # the flight through the gap told its width and the output's friction: the spring is looked for from there
+            gaps = [_starting(play.hypothesis, {f"effects.{_named(play)}.width": share}) for share in (0.96, 1.0, 1.04)]
+            both = _best_of(part, [gap.with_effect("shaft_compliance", {}, s) for gap in gaps for s in springs[4:]])
+            if not _is_contact(both):
+                best.append(both)
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
     eq.reach = np.full(eq.rows, NARROW)
-    return [fit(eq, f.hypothesis, 6) for f in close]
+    found = [fit(eq, f.hypothesis, 6) for f in close]
+    leading = min(found, key=_cost, default=None)
+    return [_hopped(eq, f) if f is leading else f for f in found]
 
 
 def _is_contact(f: Fit) -> bool:
-    """Whether a spring beside play is but the teeth's own contact: stiff, or damped to death."""
+    """Whether a spring beside play is but the teeth's own contact."""
     plant = f.predicted.plant[0]
-    if not {"backlash", "shaft_compliance"} <= set(f.hypothesis.effects):
-        return False
-    stiffness, inertia = plant["contact_stiffness"], plant["output_inertia"]
-    damping_ratio = plant["contact_damping"] / (2.0 * math.sqrt(stiffness * inertia))
-    return bool(stiffness > inertia * SPRINGY**2 or damping_ratio > OVERDAMPED)
+    return bool(plant["contact_stiffness"] > plant["output_inertia"] * SPRINGY**2)
 
 
-def _with_contact(h: Hypothesis, factors: tuple[float, float]) -> Hypothesis:
-    """A hypothesis with play whose teeth are stiffer and more damped by these factors than where a search begins."""
-    values = h.values.copy()
-    for k, free in enumerate(h.free):
-        if free.path == "contact.stiffness":
-            values[k] *= factors[0]
-        elif free.path == "contact.damping":
-            values[k] *= factors[1]
-    return h.at(values)
+def _sides(h: Hypothesis) -> list[dict[str, float]]:
+    """Factors that put more or less of the friction on the output's side, their sum as it was."""
+    dry = h.model().effects.values()
+    torque = {
+        side: sum(i.parameters["torque"] for i in dry if i.effect == "coulomb_friction" and i.options["side"] == side)
+        for side in ("motor", "output")
+    }
+    return [
+        {
+            "scale.output_coulomb": share,
+            "scale.coulomb_friction": max(0.0, 1.0 - (share - 1.0) * torque["output"] / max(torque["motor"], 1e-12)),
+        }
+        for share in SIDES
+    ]
+
+
+def _named(f: Fit) -> str:
+    """The name that the last effect of a fit bears."""
+    return list(f.hypothesis.added)[-1]
+
+
+def _starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
+    """A hypothesis some of whose numbers, by path, are multiplied."""
+    return h.at(np.array([v * factors.get(free.path, 1.0) for free, v in zip(h.free, h.values, strict=True)]))
 
 
 def excerpt(eq: Equation) -> Equation:
     """The seconds of each recording that hold the most reversals, of a few recordings."""
     found = []
     for o in eq.observations:
-        if not len(o.encoder_rows):
-            continue
-        length = min(len(o.motion), round(EXCERPT / o.period))
-        speed = o.motion[:, SPEED]
-        turns = np.concatenate([[0.0], np.cumsum(np.diff(np.sign(speed)) != 0)])
-        moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
-        count = turns[length - 1 :] - turns[: len(turns) - length + 1]
-        share = (moving[length:] - moving[: len(moving) - length]) / length
-        count = np.minimum(count, 8)[: len(share)] * share  # chatter at standstill is no reversal
-        if len(count) == 0:
-            continue
-        first = int(np.argmax(count))
-        found.append((float(count[first]), o.window(first, first + length)))
+        if len(o.encoder_rows):
+            length = min(len(o.motion) - 1, round(EXCERPT / o.period))
+            first, count = _most_reversals(o, length)
+            found.append((count, o.window(first, first + length)))
     found.sort(key=lambda entry: -entry[0])
     return Equation([o for _, o in found[:EXCERPTS]])
+
+
+def _most_reversals(o: Observation, length: int) -> tuple[int, float]:
+    """(first sample, reversals times share in motion) of the best stretch of so many samples."""
+    speed = o.motion[:, SPEED]
+    turns = np.concatenate([[0.0], np.cumsum(np.diff(np.sign(speed)) != 0)])
+    moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
+    count = turns[length - 1 :] - turns[: len(turns) - length + 1]
+    share = (moving[length:] - moving[: len(moving) - length]) / length
+    count = np.minimum(count, MOST_TURNS)[: len(share)] * share  # chatter at standstill is no reversal
+    first = int(np.argmax(count))
+    return first, float(count[first])
 
 
 def _best_of(part: Equation, family: Sequence[Hypothesis]) -> Fit:
@@ -111,13 +136,28 @@ def _best_of(part: Equation, family: Sequence[Hypothesis]) -> Fit:
         return part.misfit(part.residual(part.predict(h)))
 
     costs = list(POOL.map(cost, family))
-    finalists = []
-    for k in np.argsort(costs)[:FINALISTS]:
-        part.reach = np.full(part.rows, WIDE)
-        f = fit(part, family[int(k)], 8)
-        part.reach = np.full(part.rows, NARROW)
-        finalists.append(fit(part, f.hypothesis, 8))
-    return min(finalists, key=lambda f: f.misfit + f.prior_cost)
+    finalists = [fit(part, family[int(k)], 8).hypothesis for k in np.argsort(costs)[:FINALISTS]]
+    part.reach = np.full(part.rows, NARROW)
+    return _hopped(part, min((fit(part, h, 8) for h in finalists), key=_cost))
+
+
+def _hopped(eq: Equation, best: Fit) -> Fit:
+    """The best of a fit and those that start beside it: ringing and bounces make many valleys side by side."""
+    paths = {name: path for path in (f.path for f in best.hypothesis.free) for name in HOPS if path.endswith(name)}
+    for _ in range(ROUNDS):
+        hops = itertools.product(*(HOPS[name] for name in paths))
+        beside = [_starting(best.hypothesis, dict(zip(paths.values(), hop, strict=True))) for hop in hops]
+        costs = list(POOL.map(lambda h: eq.misfit(eq.residual(eq.predict(h))), beside))
+        starts = [beside[int(k)] for k in np.argsort(costs)[:LANDINGS]]
+        better = min((fit(eq, h, 6) for h in starts), key=_cost)
+        if _cost(better) > FALL * _cost(best):
+            break
+        best = better
+    return best
+
+
+def _cost(f: Fit) -> float:
+    return f.misfit + f.prior_cost
 
 
 def _spread(eq: Equation) -> float:

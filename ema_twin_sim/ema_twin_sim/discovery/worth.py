@@ -38,13 +38,18 @@ def gain(eq: Equation, before: Fit, after: Fit) -> float:
 
 
 def unique(eq: Equation, before: Fit, after: Fit) -> float:
-    """The largest rms, in units of noise, that an effect takes from some recording's rows."""
+    """The largest rms, in units of noise, that an effect takes from some recording's rows.
+
+    Right after an impact, or a spring's hard start, rows lie by what no contact law gets right: these do not count.
+    """
     best = 0.0
-    for rows in (*eq.torque_parts, *eq.encoder_parts):
-        if rows.stop - rows.start < FEWEST:
-            continue
-        w = after.weights[rows] ** 2
-        best = max(best, float(w @ (before.raw[rows] ** 2 - after.raw[rows] ** 2)) / (rows.stop - rows.start))
+    fell = after.weights**2 * (before.raw**2 - after.raw**2)
+    for k, part in eq.parts:
+        rows = fell[part]
+        if after.parted and part in eq.torque_parts:
+            rows = rows[eq.observations[k].calm]
+        if len(rows) >= FEWEST:
+            best = max(best, float(np.mean(rows)))
     return math.sqrt(best)
 
 

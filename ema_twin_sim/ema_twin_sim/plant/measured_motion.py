@@ -27,7 +27,9 @@ transmitted torque [N m], dry level [N m]."""
 
 _EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
 _PLANT = from_dtype(PLANT)
-_SUBSTEP = 2.5e-4  # s, short enough for the stiffest spring
+_SUBSTEP = 1e-3  # s, at most; and short enough for the spring:
+_PULL = 2.0 * math.pi * 5.0  # rad/s with which an output is drawn to where it was seen
+_PHASE = 0.4  # rad that a contact's oscillation may turn in a substep
 _STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is taken as one that samples resolve (driven_output.py)
 _STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle gives way
 _LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
@@ -59,15 +61,16 @@ def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
 
 
 @njit(
-    void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[:, ::1]),
+    void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[::1], float64[:, ::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def require(plants, effects, motion, motor_origin, output_origin, required):
+def require(plants, effects, motion, motor_origin, output_origin, seen, required):
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 6) with the columns ``MOTION``.
 
-    ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero.
+    ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
+    that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty.
     """
     plant = plants[0]
     ratio = plant.gear_ratio
@@ -90,8 +93,12 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
     if stiffness > plant.output_inertia * _STIFFEST**2:
         stiffness = plant.output_inertia * RESOLVED**2
         damping = 2.0 * plant.output_inertia * RESOLVED
+    substep = min(_SUBSTEP, _PHASE / math.sqrt(stiffness / plant.output_inertia))
     output_angle = motion[0, MOTOR_ANGLE]
     output_speed = motion[0, SPEED]
+    drawn = seen.shape[0] == motion.shape[0]
+    pull = plant.output_inertia * _PULL * _PULL
+    brake = 2.0 * plant.output_inertia * _PULL
     transmitted = 0.0
     for row in range(motion.shape[0]):
         speed = motion[row, SPEED]
@@ -122,7 +129,7 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
             factor = 1.0 + plant.asymmetry * sense
             viscous = plant.motor_viscous
             dry = max(0.0, dry - plant.output_dry)
-            steps = max(1, math.ceil(interval / _SUBSTEP - 1e-9)) if row > 0 else 0
+            steps = max(1, math.ceil(interval / substep - 1e-9)) if row > 0 else 0
             passed = transmitted
             if steps > 0:
                 h = interval / steps
@@ -135,6 +142,7 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
                 drift = motion[row, MOTOR_ANGLE] - angle - 0.5 * (speed + speed_before) * interval
                 drift /= steps
                 passed = 0.0
+                seen_speed = (seen[row] - seen[before]) * ratio / interval if drawn else 0.0
                 for k in range(steps):
                     motor_speed = speed_before + slope * (k + 0.5)
                     contact = contact_torque(
@@ -152,6 +160,9 @@ def require(plants, effects, motion, motor_origin, output_origin, required):
                     output_bristle, bent = bristle_step(
                         output_bristle, output_speed, plant.output_dry * one, output_stiffness, output_damping, h
                     )
+                    if drawn and contact == 0.0:
+                        where = seen[before] * ratio + (k + 0.5) * h * seen_speed
+                        against -= pull * (where - output_angle) + brake * (seen_speed - output_speed)
                     output_speed = shaft_speed(output_speed, contact - against - bent, 0.0, 0.0, gain, drag)
                     output_angle += 0.5 * h * output_speed
                     angle += h * motor_speed + drift
