@@ -8,7 +8,8 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation, fit
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.fit import fit
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.discovery.observation import despiked, observe, observe_all
 from ema_twin_sim.discovery.smoothing import gaussian, smooth

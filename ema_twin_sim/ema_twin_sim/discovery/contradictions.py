@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .equation import Equation, Fit
+from .equation import Equation
+from .fit import Fit
 
 GROUPS = {"inertia": ("scale.inertia",), "friction": ("scale.viscous_friction", "scale.coulomb_friction")}
 WIDE = 0.5  # standard deviation within which one recording alone may put a share

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
-from .equation import Equation, Fit
+from .equation import Equation
+from .fit import Fit
 from .smoothing import smooth_at
 
 ORDERS = np.arange(0.1, 60.0, 0.03)

@@ -22,7 +22,8 @@ from ..model import EffectInstance, Model
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover
-from .equation import POOL, Equation, Fit, fit
+from .equation import POOL, Equation
+from .fit import Fit, fit
 from .hypothesis import PARTING
 from .rivals import substitutes
 from .search import Round, Trial, new_names

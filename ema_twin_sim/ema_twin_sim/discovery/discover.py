@@ -17,7 +17,8 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from .contradictions import contradictions
 from .decoys import add_decoys, dependence
-from .equation import Equation, Fit, fit
+from .equation import Equation
+from .fit import Fit, fit
 from .hypothesis import INERTIAS, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all

@@ -17,7 +17,8 @@ from ..effects import catalogue
 from ..model import EffectInstance
 from ..plant.measured_motion import SPEED
 from .candidates import Candidate, candidates
-from .equation import Equation, Fit, fit, prior_rows
+from .equation import Equation
+from .fit import Fit, fit, prior_rows
 from .hypothesis import PARTING, Hypothesis
 from .observation import STANDSTILL
 from .rivals import Rivalry

@@ -21,6 +21,7 @@ from .smoothing import smooth_at
 
 POOL = ThreadPoolExecutor(2)
 NOWHERE = np.empty(0)
+AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
@@ -69,8 +70,13 @@ class Equation:
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
 
-    def predict(self, h: Hypothesis, pool: ThreadPoolExecutor | None = None) -> Prediction:
-        """What the hypothesis predicts; recordings side by side where an idle ``pool`` is given."""
+    def predict(
+        self, h: Hypothesis, pool: ThreadPoolExecutor | None = None, beside: Prediction | None = None
+    ) -> Prediction:
+        """What the hypothesis predicts; recordings side by side where an idle ``pool`` is given.
+
+        The output moves as it does in the prediction ``beside``, where one is given: only the motor's side differs.
+        """
         assembly = assemble(h.model())
         plant = assembly.plant[0]
         rigid = plant["two_inertia"] == 0.0
@@ -78,14 +84,14 @@ class Equation:
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
 
-        def one(o: Observation, t: slice, e: slice) -> np.ndarray:
-            required = np.empty((len(o.motion), len(REQUIRED)))
+        def one(o: Observation, t: slice, e: slice, known: np.ndarray | None) -> np.ndarray:
             of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
-            require(*of, NOWHERE, required)
-            if plant["gap"] > 0.0 and len(o.encoder_rows):
+            required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
+            require(*of, NOWHERE, known is not None, required)
+            if known is None and plant["gap"] > 0.0 and len(o.encoder_rows):
                 seen = _seen(o, plant)
                 away = (seen - required[:, 1])[o.encoder_rows]
-                require(*of, seen - np.median(away), required)
+                require(*of, seen - np.median(away), False, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
                 shown = required[:, 1]
@@ -101,7 +107,8 @@ class Equation:
                 smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[e])
             return required
 
-        parts = (self.observations, self.torque_parts, self.encoder_parts)
+        known = [None] * len(self.observations) if beside is None else beside.required
+        parts = (self.observations, self.torque_parts, self.encoder_parts, known)
         every = list(pool.map(one, *parts) if pool else map(one, *parts))
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
@@ -215,103 +222,27 @@ class Equation:
             if kind == "effects":
                 name, _, parameter = rest.partition(".")
                 now = h.instance(name)
-                moved = EffectInstance(
+                changed = EffectInstance(
                     now.effect, now.options, {**now.parameters, parameter: now.parameters[parameter] + step}
                 )
-                there, here = self.alone(predicted, moved), self.alone(predicted, now)
+                there, here = self.alone(predicted, changed), self.alone(predicted, now)
                 if there is not None and here is not None:
                     return (there - here) / step * weights
             values = h.values.copy()
             values[k] += step
-            return self.centred((self.predict(h.at(values)).rows - predicted.rows) / step, weights) * weights
+            beside = predicted if self._at_the_motor(h, free.path, predicted) else None
+            moved = self.predict(h.at(values), beside=beside)
+            return self.centred((moved.rows - predicted.rows) / step, weights) * weights
 
         return np.stack(list(POOL.map(column, range(len(h.free)))), 1)
 
-
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not."""
-
-    hypothesis: Hypothesis
-    predicted: Prediction
-    raw: np.ndarray
-    weights: np.ndarray
-    jacobian: np.ndarray
-    misfit: float
-    prior_cost: float
-
-    @property
-    def residual(self) -> np.ndarray:
-        """(m,) residual, outliers weighted down."""
-        return self.raw * self.weights
-
-    @property
-    def parted(self) -> bool:
-        """Whether a gearbox with play or spring is simulated."""
-        return bool(self.predicted.plant["two_inertia"][0] != 0.0)
-
-
-def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """(residuals, slopes) that the priors add."""
-    rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
-    r = np.array([(p[0] - h.values[k]) / p[1] for k, p in rows])
-    j = np.zeros((len(rows), len(h.free)))
-    for row, (k, p) in enumerate(rows):
-        j[row, k] = 1.0 / p[1]
-    return r, j
-
-
-@np.errstate(over="ignore", invalid="ignore")  # a step too far may blow up; it is not taken then
-def fit(
-    equation: Equation, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
-) -> Fit:
-    """Levenberg-Marquardt with bounds and priors. The slopes of a fit ``known`` are kept for the numbers it shares."""
-    slopes = {}
-    if known is not None:
-        plain = known.jacobian / np.maximum(known.weights, 1e-12)[:, None]
-        slopes = {f.path: plain[:, k] for k, f in enumerate(known.hypothesis.free)}
-    lower = np.array([f.lower for f in h.free])
-    upper = np.array([f.upper for f in h.free])
-    h = h.at(np.clip(h.values, lower, upper))
-    predicted = equation.predict(h)
-    raw = equation.residual(predicted)
-    pr, pj = prior_rows(h)
-    cost = equation.misfit(raw) + float(pr @ pr)
-    damping = 0.0
-    weights = equation.weights(raw)
-    jac = equation.jacobian(h, predicted, weights, slopes)
-    for _ in range(iterations):
-        a = jac.T @ jac + pj.T @ pj
-        g = jac.T @ (raw * weights) + pj.T @ pr
-        # numbers held on a bound that they push against
-        held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
-        idx = np.flatnonzero(~held)
-        if not np.isfinite(a).all():
-            break
-        scale = np.sqrt(np.maximum(np.diag(a)[idx], 1e-30))
-        normal = a[np.ix_(idx, idx)] / np.outer(scale, scale)
-        gained = False
-        for _try in range(5):
-            step = np.zeros(len(h.values))
-            step[idx] = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(idx)), g[idx] / scale) / scale
-            if not np.isfinite(step).all():
-                break
-            trial = h.at(np.clip(h.values + step, lower, upper))
-            p = equation.predict(trial, POOL)
-            r = equation.residual(p)
-            q, _ = prior_rows(trial)
-            c = equation.misfit(r) + float(q @ q)
-            if c < cost:
-                gained = True
-                break
-            damping = max(10.0 * damping, 1e-3)
-        if not gained:
-            break
-        fall = cost - c
-        h, predicted, raw, pr, cost = trial, p, r, q, c
-        damping = 0.1 * damping if damping > 1e-5 else 0.0
-        weights = equation.weights(raw)
-        jac = equation.jacobian(h, predicted, weights, slopes)
-        if fall < tolerance + 1e-5 * cost:
-            break
-    return Fit(h, predicted, raw, weights, jac, equation.misfit(raw), float(pr @ pr))
+    def _at_the_motor(self, h: Hypothesis, path: str, predicted: Prediction) -> bool:
+        """Whether a number changes what the motor's side asks for, and nothing of how a parted output moves."""
+        plant = predicted.plant[0]
+        if plant["two_inertia"] == 0.0:
+            return False
+        if path.startswith("effects."):
+            instance = h.instance(path.split(".")[1])
+            effect = catalogue()[instance.effect]
+            return effect.act is not None and effect.where(instance.options) != OUTPUT_TORQUE
+        return path in AT_THE_MOTOR

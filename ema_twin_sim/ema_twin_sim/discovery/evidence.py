@@ -17,7 +17,8 @@ from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .decoys import dependence
 from .discover import Discovery
-from .equation import Equation, Fit
+from .equation import Equation
+from .fit import Fit
 from .observation import STANDSTILL
 from .search import Round, Trial, new_names
 

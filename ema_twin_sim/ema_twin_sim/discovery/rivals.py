@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .equation import Equation, Fit, fit
+from .equation import Equation
+from .fit import Fit, fit
 from .hypothesis import PARTING
 from .search import Round, Search, Trial, new_names, prune
 from .worth import gain, unique

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..effects import Effect, catalogue
 from .candidates import Candidate, starts
-from .equation import CORRELATION, POOL, Equation, Fit, prior_rows
+from .equation import CORRELATION, POOL, Equation
+from .fit import Fit, prior_rows
 
 SMALL = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
 

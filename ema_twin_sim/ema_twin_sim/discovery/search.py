@@ -10,7 +10,8 @@ import numpy as np
 
 from .candidates import candidates
 from .decoys import order_decoys
-from .equation import Equation, Fit, fit
+from .equation import Equation
+from .fit import Fit, fit
 from .hypothesis import PARTING, Hypothesis
 from .screening import Screened, screen, screen_decoys
 from .structure import NARROW, structural_fits

@@ -13,7 +13,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..plant.measured_motion import SPEED
-from .equation import POOL, Equation, Fit, fit
+from .equation import POOL, Equation
+from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .observation import STANDSTILL, Observation
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .equation import POOL, Equation, Fit, prior_rows
+from .equation import POOL, Equation
+from .fit import Fit, prior_rows
 
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
 BLOCKS = 6  # fewest blocks of a jackknife; recordings are parted where there are fewer
@@ -79,5 +80,5 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
 
 def scaled_inverse(a: np.ndarray, ridge: float = 1e-9) -> np.ndarray:
     """The inverse of an information matrix (k, k), its rows scaled first; ``ridge`` keeps what nothing holds finite."""
-    d = np.sqrt(np.maximum(np.diag(a), 1e-300))
+    d = np.sqrt(np.maximum(np.diag(a), 1e-30))
     return np.linalg.inv(a / np.outer(d, d) + ridge * np.eye(len(a))) / np.outer(d, d)

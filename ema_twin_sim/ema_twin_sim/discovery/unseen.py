@@ -13,7 +13,8 @@ from ema_bench_replay.recording import Recording
 from ..comparison.noise import noise_floors
 from ..model import Model
 from ..simulation.simulate import choose_input, simulate
-from .equation import POOL, Equation, Fit
+from .equation import POOL, Equation
+from .fit import Fit
 from .search import Search
 from .uncertainty import held_out
 

@@ -10,7 +10,8 @@ import math
 
 import numpy as np
 
-from .equation import Equation, Fit
+from .equation import Equation
+from .fit import Fit
 
 COST_EFFECT = 7.0
 COST_PARAMETER = 4.0

@@ -7,7 +7,7 @@ wrong model does not drift away from the machine, and its error can be read samp
 
 import math
 
-from numba import float64, from_dtype, int64, njit, types, void
+from numba import boolean, float64, from_dtype, int64, njit, types, void
 
 from .driven_output import RESOLVED
 from .evaluate import evaluate
@@ -61,16 +61,17 @@ def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
 
 
 @njit(
-    void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[::1], float64[:, ::1]),
+    void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[::1], boolean, float64[:, ::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
 )
-def require(plants, effects, motion, motor_origin, output_origin, seen, required):
+def require(plants, effects, motion, motor_origin, output_origin, seen, again, required):
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 6) with the columns ``MOTION``.
 
     ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
     that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty.
+    ``again``: the output moves as ``required`` holds it already, and only what the motor's side asks for is new.
     """
     plant = plants[0]
     ratio = plant.gear_ratio
@@ -130,8 +131,8 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, required
             viscous = plant.motor_viscous
             dry = max(0.0, dry - plant.output_dry)
             steps = max(1, math.ceil(interval / substep - 1e-9)) if row > 0 else 0
-            passed = transmitted
-            if steps > 0:
+            passed = required[row, 2] if again else transmitted
+            if steps > 0 and not again:
                 h = interval / steps
                 gain, drag = response(h, plant.output_inertia, plant.output_viscous)
                 compliance = 0.5 * h / plant.output_inertia
@@ -185,7 +186,8 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, required
             torque += dry_now * sense
         transmitted = passed
         required[row, 0] = torque
-        required[row, 1] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
+        if not again:
+            required[row, 1] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
         required[row, 2] = transmitted
         required[row, 3] = dry
     if not rigid:

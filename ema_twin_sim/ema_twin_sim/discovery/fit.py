@@ -1,0 +1,160 @@
+"""Fits: a hypothesis at the values where its misfit is smallest."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from .equation import POOL, Equation, Prediction
+from .hypothesis import Hypothesis
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not."""
+
+    hypothesis: Hypothesis
+    predicted: Prediction
+    raw: np.ndarray
+    weights: np.ndarray
+    jacobian: np.ndarray
+    misfit: float
+    prior_cost: float
+
+    @property
+    def residual(self) -> np.ndarray:
+        """(m,) residual, outliers weighted down."""
+        return self.raw * self.weights
+
+    def slopes(self) -> dict[str, np.ndarray]:
+        """By path, how the prediction (m,) changes with each free number."""
+        plain = self.jacobian / np.maximum(self.weights, 1e-12)[:, None]
+        return {free.path: plain[:, k] for k, free in enumerate(self.hypothesis.free)}
+
+    @property
+    def parted(self) -> bool:
+        """Whether a gearbox with play or spring is simulated."""
+        return bool(self.predicted.plant["two_inertia"][0] != 0.0)
+
+
+def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+    """(residuals, slopes) that the priors add."""
+    rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
+    r = np.array([(p[0] - h.values[k]) / p[1] for k, p in rows])
+    j = np.zeros((len(rows), len(h.free)))
+    for row, (k, p) in enumerate(rows):
+        j[row, k] = 1.0 / p[1]
+    return r, j
+
+
+class _Beside(Equation):
+    """The equation beside a fit whose gearbox is simulated: its numbers act along their slopes, an effect that comes
+    or goes adds what it asks for, and nothing is simulated again.
+    """
+
+    def __init__(self, equation: Equation, known: Fit) -> None:
+        self.__dict__.update(vars(equation))
+        self._known = known
+        self._slopes = known.slopes()
+
+    @classmethod
+    def of(cls, equation: Equation, known: Fit, h: Hypothesis) -> _Beside | None:
+        """None where it would not be right: some effect that comes or goes changes how the output moves."""
+        if not known.parted:
+            return None
+        beside = cls(equation, known)
+        return beside if beside._changes(h) is not None else None
+
+    def predict(
+        self, h: Hypothesis, pool: ThreadPoolExecutor | None = None, beside: Prediction | None = None
+    ) -> Prediction:
+        """What the hypothesis predicts, to first order in what it shares with the known fit."""
+        known = self._known
+        now = {free.path: float(value) for free, value in zip(h.free, h.values, strict=True)}
+        changes = self._changes(h)
+        assert changes is not None  # else there is no such equation
+        rows = known.predicted.rows + changes
+        for free, value in zip(known.hypothesis.free, known.hypothesis.values, strict=True):
+            gone = free.path.startswith("decoy.")
+            if free.path in now or gone:
+                rows += self._slopes[free.path] * (now.get(free.path, 0.0) - value)
+        for path, value in now.items():
+            if path.startswith("decoy.") and path not in self._slopes:
+                _, name, place = path.split(".")
+                rows += self.decoys[name][:, int(place)] * value
+        return Prediction(rows, known.predicted.plant, known.predicted.required)
+
+    def _changes(self, h: Hypothesis) -> np.ndarray | None:
+        """Rows (m,) of the effects that came, less those of the effects that went."""
+        there = self._known.hypothesis
+        rows = np.zeros(self.rows)
+        for one, other, sign in ((h, there, 1.0), (there, h, -1.0)):
+            for name in one.added:
+                if name not in other.added:
+                    alone = self.alone(self._known.predicted, one.instance(name))
+                    if alone is None:
+                        return None
+                    rows += sign * alone
+        return rows
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a step too far may blow up; it is not taken then
+def fit(
+    equation: Equation, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
+) -> Fit:
+    """Levenberg-Marquardt with bounds and priors.
+
+    The slopes of a fit ``known`` are kept for the numbers it shares; and where it simulates a gearbox that stays as it
+    is, this is not done again.
+    """
+    slopes = {}
+    if known is not None:
+        slopes = known.slopes()
+        equation = _Beside.of(equation, known, h) or equation
+    lower = np.array([f.lower for f in h.free])
+    upper = np.array([f.upper for f in h.free])
+    h = h.at(np.clip(h.values, lower, upper))
+    predicted = equation.predict(h)
+    raw = equation.residual(predicted)
+    pr, pj = prior_rows(h)
+    cost = equation.misfit(raw) + float(pr @ pr)
+    damping = 0.0
+    weights = equation.weights(raw)
+    jac = equation.jacobian(h, predicted, weights, slopes)
+    for _ in range(iterations):
+        a = jac.T @ jac + pj.T @ pj
+        g = jac.T @ (raw * weights) + pj.T @ pr
+        # numbers held on a bound that they push against
+        held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
+        idx = np.flatnonzero(~held)
+        if not np.isfinite(a).all():
+            break
+        scale = np.sqrt(np.maximum(np.diag(a)[idx], 1e-30))
+        normal = a[np.ix_(idx, idx)] / np.outer(scale, scale)
+        gained = False
+        for _try in range(5):
+            step = np.zeros(len(h.values))
+            step[idx] = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(idx)), g[idx] / scale) / scale
+            if not np.isfinite(step).all():
+                break
+            trial = h.at(np.clip(h.values + step, lower, upper))
+            p = equation.predict(trial, POOL)
+            r = equation.residual(p)
+            q, _ = prior_rows(trial)
+            c = equation.misfit(r) + float(q @ q)
+            if c < cost:
+                gained = True
+                break
+            damping = max(10.0 * damping, 1e-3)
+        if not gained:
+            break
+        fall = cost - c
+        h, predicted, raw, pr, cost = trial, p, r, q, c
+        damping = 0.1 * damping if damping > 1e-5 else 0.0
+        weights = equation.weights(raw)
+        jac = equation.jacobian(h, predicted, weights, slopes)
+        if fall < tolerance + 1e-5 * cost:
+            break
+    return Fit(h, predicted, raw, weights, jac, equation.misfit(raw), float(pr @ pr))
