@@ -41,7 +41,9 @@ def _seen(o: Observation, plant: np.void) -> np.ndarray:
     if plant["eccentricity_amplitude"] != 0.0:
         start = o.output_origin + plant["eccentricity_phase"]
         shown = shown - plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
-    return np.interp(time + plant["encoder_delay"], time, shown) if plant["encoder_delay"] != 0.0 else shown
+    if plant["encoder_delay"] != 0.0:
+        shown = np.interp(time + plant["encoder_delay"], time, shown)
+    return np.ascontiguousarray(shown)
 
 
 class Equation:
@@ -87,11 +89,8 @@ class Equation:
         def one(o: Observation, t: slice, e: slice, known: np.ndarray | None) -> np.ndarray:
             of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
             required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
-            require(*of, NOWHERE, known is not None, required)
-            if known is None and plant["gap"] > 0.0 and len(o.encoder_rows):
-                seen = _seen(o, plant)
-                away = (seen - required[:, 1])[o.encoder_rows]
-                require(*of, seen - np.median(away), False, required)
+            seen = _seen(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
+            require(*of, seen, known is not None, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
                 shown = required[:, 1]

@@ -19,6 +19,7 @@ SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
 PARTING = ("backlash", "shaft_compliance")  # what lets the two encoders part
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
+STIFFEST = 2.5  # times the contact that samples resolve: a stiffer one shows no more
 LAG_PRIOR = 2e-4  # s, as are the next two
 LAG_LIMIT = 4e-4
 LAG_STEP = 1e-5
@@ -162,7 +163,7 @@ class Hypothesis:
             inertia = self.base.value("machine.output_inertia")
             stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
             wanted += [
-                (Free("contact.stiffness", 0.3 * stiffness, 9.0 * stiffness, 0.02 * stiffness), stiffness),
+                (Free("contact.stiffness", 0.3 * stiffness, STIFFEST * stiffness, 0.02 * stiffness), stiffness),
                 (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),
             ]
         paths = [free.path for free, _ in wanted]

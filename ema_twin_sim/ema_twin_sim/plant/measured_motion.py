@@ -29,6 +29,7 @@ _EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
 _PLANT = from_dtype(PLANT)
 _SUBSTEP = 1e-3  # s, at most; and short enough for the spring:
 _PULL = 2.0 * math.pi * 5.0  # rad/s with which an output is drawn to where it was seen
+_MEETINGS = 500  # samples with touching teeth over which the encoder's zero is averaged
 _PHASE = 0.4  # rad that a contact's oscillation may turn in a substep
 _STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is taken as one that samples resolve (driven_output.py)
 _STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle gives way
@@ -98,6 +99,8 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
     output_angle = motion[0, MOTOR_ANGLE]
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
+    zero = 0.0  # rad by which the output's encoder shows more, as seen while teeth touch
+    met = 0
     pull = plant.output_inertia * _PULL * _PULL
     brake = 2.0 * plant.output_inertia * _PULL
     transmitted = 0.0
@@ -161,14 +164,17 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
                     output_bristle, bent = bristle_step(
                         output_bristle, output_speed, plant.output_dry * one, output_stiffness, output_damping, h
                     )
-                    if drawn and contact == 0.0:
-                        where = seen[before] * ratio + (k + 0.5) * h * seen_speed
+                    if met > 0 and contact == 0.0:
+                        where = seen[before] * ratio - zero + (k + 0.5) * h * seen_speed
                         against -= pull * (where - output_angle) + brake * (seen_speed - output_speed)
                     output_speed = shaft_speed(output_speed, contact - against - bent, 0.0, 0.0, gain, drag)
                     output_angle += 0.5 * h * output_speed
                     angle += h * motor_speed + drift
                     passed += contact
                 passed /= steps
+                if drawn and contact != 0.0:
+                    met += 1
+                    zero += (seen[row] * ratio - output_angle - zero) / min(met, _MEETINGS)
             carried = 0.0  # added below
         dry_now = dry * factor
         torque += viscous * speed + plant.asymmetry * (viscous + thinned) * math.fabs(speed) + carried
