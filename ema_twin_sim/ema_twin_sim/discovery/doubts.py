@@ -23,8 +23,8 @@ from .hypothesis import PARTING, Hypothesis
 from .observation import STANDSTILL
 from .rivals import Rivalry
 from .screening import screen
-from .search import ENCODER_ONLY, Search, entrants
-from .worth import FLOOR, gain
+from .search import Search, entrants
+from .worth import ENCODER_ONLY, FLOOR, gain
 
 OPEN = 16.0
 """Price paid, in units of noise (four standard deviations): a rival that loses by less is not yet beaten."""

@@ -14,14 +14,13 @@ from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING, Hypothesis
 from .screening import Screened, screen, screen_decoys
-from .structure import NARROW, structural_fits
-from .worth import gain, matters, unique
+from .structure import NARROW, hopped, structural_fits
+from .worth import ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.85  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 ROUNDS = 10  # at most
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
-ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
 
@@ -161,7 +160,8 @@ def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
     took = next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
     if took is None:
         return Round(current, tuple(trials), current)
-    after = prune(eq, settle(eq, fit(eq, took.fit.hypothesis)))
+    whole = fit(eq, took.fit.hypothesis)
+    after = prune(eq, settle(eq, hopped(eq, whole) if whole.parted else whole))
     return Round(current, tuple(trials), after, took.names, new_names(after, took.fit))
 
 

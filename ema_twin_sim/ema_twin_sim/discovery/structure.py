@@ -68,9 +68,7 @@ def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
     eq.reach = np.full(eq.rows, NARROW)
-    found = [fit(eq, f.hypothesis, 6) for f in close]
-    leading = min(found, key=_cost, default=None)
-    return [_hopped(eq, f) if f is leading else f for f in found]
+    return [fit(eq, f.hypothesis, 6) for f in close]
 
 
 def _is_contact(f: Fit) -> bool:
@@ -139,10 +137,10 @@ def _best_of(part: Equation, family: Sequence[Hypothesis]) -> Fit:
     costs = list(POOL.map(cost, family))
     finalists = [fit(part, family[int(k)], 8).hypothesis for k in np.argsort(costs)[:FINALISTS]]
     part.reach = np.full(part.rows, NARROW)
-    return _hopped(part, min((fit(part, h, 8) for h in finalists), key=_cost))
+    return hopped(part, min((fit(part, h, 8) for h in finalists), key=_cost))
 
 
-def _hopped(eq: Equation, best: Fit) -> Fit:
+def hopped(eq: Equation, best: Fit) -> Fit:
     """The best of a fit and those that start beside it: ringing and bounces make many valleys side by side."""
     paths = {name: path for path in (f.path for f in best.hypothesis.free) for name in HOPS if path.endswith(name)}
     for _ in range(ROUNDS):

@@ -20,6 +20,7 @@ SHAKY = 3.0  # times more is gained by chance beside an output that bounces
 CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
 FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
 SHARE = 0.1  # of the excess that an effect must remove
+ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
 FEWEST = 20  # rows of a recording that tell anything
 
 
@@ -41,16 +42,20 @@ def gain(eq: Equation, before: Fit, after: Fit) -> float:
 def unique(eq: Equation, before: Fit, after: Fit) -> float:
     """The largest rms, in units of noise, that an effect takes from some recording's rows.
 
-    Right after an impact, or a spring's hard start, rows lie by what no contact law gets right: these do not count.
+    Beside a gearbox that bounces or rings, a torque must show in the torque, and not right after an impact: what lies
+    there, and where the output comes to rest, no contact law gets right.
     """
-    best = 0.0
+    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    by_torque = before.parted and after.parted and not came & ENCODER_ONLY
     fell = after.weights**2 * (before.raw**2 - after.raw**2)
-    for k, part in eq.parts:
-        rows = fell[part]
-        if after.parted and part in eq.torque_parts:
-            rows = rows[eq.observations[k].calm]
+    best = 0.0
+    for k, part in enumerate(eq.torque_parts):
+        rows = fell[part][eq.observations[k].calm] if by_torque else fell[part]
         if len(rows) >= FEWEST:
             best = max(best, float(np.mean(rows)))
+    for part in () if by_torque else eq.encoder_parts:
+        if part.stop - part.start >= FEWEST:
+            best = max(best, float(np.mean(fell[part])))
     return math.sqrt(best)
 
 

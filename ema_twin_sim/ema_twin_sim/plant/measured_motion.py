@@ -27,7 +27,7 @@ transmitted torque [N m], dry level [N m]."""
 
 _EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
 _PLANT = from_dtype(PLANT)
-_SUBSTEP = 1e-3  # s, at most; and short enough for the spring:
+_LONGEST, _SHORTEST = 1e-3, 5e-4  # s of a substep; in between it is short enough for the spring:
 _PULL = 2.0 * math.pi * 5.0  # rad/s with which an output is drawn to where it was seen
 _MEETINGS = 500  # samples with touching teeth over which the encoder's zero is averaged
 _PHASE = 0.4  # rad that a contact's oscillation may turn in a substep
@@ -95,7 +95,7 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
     if stiffness > plant.output_inertia * _STIFFEST**2:
         stiffness = plant.output_inertia * RESOLVED**2
         damping = 2.0 * plant.output_inertia * RESOLVED
-    substep = min(_SUBSTEP, _PHASE / math.sqrt(stiffness / plant.output_inertia))
+    substep = min(_LONGEST, max(_SHORTEST, _PHASE / math.sqrt(stiffness / plant.output_inertia)))
     output_angle = motion[0, MOTOR_ANGLE]
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
