@@ -190,6 +190,21 @@ class Hypothesis:
         keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"decoy.{name}.")]
         return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
 
+    def with_torques_times(self, factor: float) -> Hypothesis:
+        """Every free torque, stiffness, damping and inertia multiplied: what another torque constant would take them for."""
+        values = self.values.copy()
+        for k, free in enumerate(self.free):
+            kind, _, rest = free.path.partition(".")
+            name, _, parameter = rest.partition(".")
+            if kind == "effects":
+                table = catalogue()[self.added[name].effect].parameters
+                mechanical = next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))
+            else:
+                mechanical = kind in ("scale", "contact", "decoy")
+            if mechanical:
+                values[k] *= factor
+        return self.at(values)
+
     def without(self, name: str) -> Hypothesis:
         """The hypothesis less one added effect."""
         keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"effects.{name}.")]

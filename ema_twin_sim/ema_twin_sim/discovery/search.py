@@ -193,10 +193,19 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
 def prune(eq: Equation, f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included."""
     while f.hypothesis.added or f.hypothesis.decoys:
-        trials = [fit(eq, f.hypothesis.without(n), 6, known=f) for n in f.hypothesis.added]
+        trials = [fit(eq, _less(f, n), 6, known=f) for n in f.hypothesis.added]
         trials += [fit(eq, f.hypothesis.without_decoy(n), 4, known=f) for n in f.hypothesis.decoys]
         best = max(trials, key=lambda g: gain(eq, f, g))
         if gain(eq, f, best) < 0.0 and matters(eq, best, f):
             break
         f = best
     return f
+
+
+def _less(f: Fit, name: str) -> Hypothesis:
+    """A fit's hypothesis less one effect, from where the others make up for it."""
+    instance = f.hypothesis.instance(name)
+    rest = f.hypothesis.without(name)
+    if instance.effect != "torque_constant_error":
+        return rest
+    return rest.with_torques_times(1.0 / instance.parameters["scale"])

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -29,8 +29,9 @@ MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
 SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
 FINALISTS = 3
-HOPS = {".damping": (0.25, 0.5, 0.8, 1.25, 2.0, 4.0), ".stiffness": (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.25)}
-LANDINGS = 2  # of the places around, those that a fit begins from
+STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
+DAMPED = (0.25, 0.5, 1.0, 2.0, 4.0)
+LANDINGS = 1  # of the places around, those that a fit begins from
 ROUNDS = 3  # of such hops, at most
 FALL = 0.97  # of the misfit: a hop that gains less ends them
 RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
@@ -141,18 +142,38 @@ def _best_of(part: Equation, family: Sequence[Hypothesis]) -> Fit:
 
 
 def hopped(eq: Equation, best: Fit) -> Fit:
-    """The best of a fit and those that start beside it: ringing and bounces make many valleys side by side."""
-    paths = {name: path for path in (f.path for f in best.hypothesis.free) for name in HOPS if path.endswith(name)}
+    """The best of a fit and those that start beside it: ringing and bounces make many valleys side by side.
+
+    One start has all constants as the model file has them: a valley that was entered without the last effect, to make
+    up for which they gave way, is not one that a fit finds out of.
+    """
     for _ in range(ROUNDS):
-        hops = itertools.product(*(HOPS[name] for name in paths))
-        beside = [_starting(best.hypothesis, dict(zip(paths.values(), hop, strict=True))) for hop in hops]
+        beside = [_starting(best.hypothesis, hop) for hop in _hops(best.hypothesis)]
         costs = list(POOL.map(lambda h: eq.misfit(eq.residual(eq.predict(h))), beside))
         starts = [beside[int(k)] for k in np.argsort(costs)[:LANDINGS]]
-        better = min((fit(eq, h, 6) for h in starts), key=_cost)
+        starts.append(
+            best.hypothesis.at(
+                np.array(
+                    [
+                        f.prior[0] if f.prior else v
+                        for f, v in zip(best.hypothesis.free, best.hypothesis.values, strict=True)
+                    ]
+                )
+            )
+        )
+        better = min((fit(eq, h, 6) for h in starts), key=_cost, default=best)
         if _cost(better) > FALL * _cost(best):
             break
         best = better
     return best
+
+
+def _hops(h: Hypothesis) -> Iterator[dict[str, float]]:
+    """Factors, by path, that lead beside a hypothesis: stiffness and damping of one effect, or of the teeth."""
+    springs = dict.fromkeys(f.path.rpartition(".")[0] for f in h.free if f.path.endswith((".stiffness", ".damping")))
+    for spring in springs:
+        for stiffness, damping in itertools.product(STIFFER, DAMPED):
+            yield {f"{spring}.stiffness": stiffness, f"{spring}.damping": damping}
 
 
 def _cost(f: Fit) -> float:
