@@ -30,6 +30,7 @@ from .worth import SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
+BRISTLED = 2.0  # times that where friction gives way before it slides: every law of that does so a little differently
 REMAINDER = 0.3  # of what the start model leaves over, there
 
 
@@ -103,7 +104,7 @@ def discover(
     barred = frozenset(without)
     found = search(eq, null, barred, progress)
     start_left = left_over(eq, found.rounds[0].before)
-    verdict = "explained" if found.fit.hypothesis.added else "none"
+    verdict = "none"
     depends_on: tuple[str, ...] = ()
     if unexplained(eq, found.fit, start_left):
         progress("something is left: looking for what it depends on")
@@ -116,6 +117,8 @@ def discover(
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     best = found.fit
+    if verdict != "unknown" and best.hypothesis.added:
+        verdict = "explained"
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
     spread = np.sqrt(np.diag(covariance(eq, best)))
@@ -143,6 +146,8 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     """Whether more is left over than the sensors' noise lets expect."""
     for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
         allowed = UNEXPLAINED * float(np.median(o.torque_noise))
+        if f.predicted.plant["bristle_stiffness"][0] > 0.0:
+            allowed *= BRISTLED
         if f.parted:
             allowed = max(SHAKY * allowed, REMAINDER * before)
         if left > allowed:

@@ -62,6 +62,12 @@ class Equation:
         self.size = int(edges[-1])
         edges = self.size + np.cumsum([0, *(len(o.encoder_rows) for o in observations)])
         self.encoder_parts = [slice(a, b) for a, b in pairwise(edges)]
+        self.encoder_pieces = [  # of a recording, between jumps of a counter
+            slice(part.start + int(a), part.start + int(b))
+            for o, part in zip(observations, self.encoder_parts, strict=True)
+            for a, b in pairwise((0, *(np.flatnonzero(np.diff(o.encoder_piece)) + 1), len(o.encoder_piece)))
+            if b > a
+        ]
         self.parts = [  # (recording, rows) of all that is measured
             *enumerate(self.torque_parts),
             *((k, part) for k, part in enumerate(self.encoder_parts) if part.stop > part.start),
@@ -139,17 +145,16 @@ class Equation:
         return rows
 
     def residual(self, predicted: Prediction) -> np.ndarray:
-        """Measured minus predicted (m,), in units of noise; each recording's encoder offset is taken out, robustly."""
+        """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
         rows = self.measured - predicted.rows
         if not self.use_encoder:
             rows[self.size :] = 0.0
             return rows
-        for e in self.encoder_parts:
-            if e.stop > e.start:
-                noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
-                part = rows[e] - np.median(rows[e] * noise) / noise
-                w = 1.0 / (1.0 + (part / self.reach[e]) ** 2)
-                rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
+        for e in self.encoder_pieces:
+            noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+            part = rows[e] - np.median(rows[e] * noise) / noise
+            w = 1.0 / (1.0 + (part / self.reach[e]) ** 2)
+            rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
         return rows
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
@@ -182,11 +187,10 @@ class Equation:
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
         rows = rows.copy()
-        for e in self.encoder_parts if self.use_encoder else ():
-            if e.stop > e.start:
-                noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
-                w = weights[e] ** 2
-                rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
+        for e in self.encoder_pieces if self.use_encoder else ():
+            noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+            w = weights[e] ** 2
+            rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
         return rows
 
     def reweigh(self, residual: np.ndarray, most: float = math.inf) -> bool:

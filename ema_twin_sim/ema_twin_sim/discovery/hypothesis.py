@@ -191,7 +191,7 @@ class Hypothesis:
         return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
 
     def with_torques_times(self, factor: float) -> Hypothesis:
-        """Every free torque, stiffness, damping and inertia multiplied: what another torque constant would take them for."""
+        """Every free torque, stiffness, damping and inertia multiplied, as another torque constant would have them."""
         values = self.values.copy()
         for k, free in enumerate(self.free):
             kind, _, rest = free.path.partition(".")

@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import maximum_filter1d, median_filter
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -35,6 +35,7 @@ CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
 THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
 SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
+NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 LEAST_ROWS = 100  # of motion, in all recordings together: a second
 CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
@@ -62,6 +63,9 @@ class Observation:
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
+    encoder_piece: (
+        np.ndarray
+    )  # int64 (k,), rises by one where the difference jumps: each piece has an offset of its own
 
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` to before ``last``; times stay as they are."""
@@ -81,6 +85,7 @@ class Observation:
             encoder_rows=self.encoder_rows[encoder] - first,
             encoder=self.encoder[encoder],
             encoder_noise=self.encoder_noise[encoder],
+            encoder_piece=self.encoder_piece[encoder],
         )
 
 
@@ -116,7 +121,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
-    encoder_rows = centres[judged[centres]] if output is not None else centres[:0]
+    breaks = _breaks(difference, motion[:, SPEED] * period / ratio)
+    whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
+    encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
     thrown = _hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
     if not thrown[encoder_rows].all():
         encoder_rows = encoder_rows[~thrown[encoder_rows]]
@@ -141,6 +148,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         encoder_rows=encoder_rows,
         encoder=_at(difference, kernel, encoder_rows),
         encoder_noise=parting[encoder_rows],
+        encoder_piece=np.cumsum(breaks)[encoder_rows],
     )
 
 
@@ -235,6 +243,17 @@ def despiked(values: np.ndarray) -> np.ndarray:
     kept = values.copy()
     kept[1:-1][wild] = middle[wild]
     return kept
+
+
+def _breaks(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
+    """The samples (n,) at which the encoders' difference jumps for good: a counter that lost counts, and its repair.
+
+    ``travel`` (n,) [rad] is the way of a sample: by so much the encoders may part where an output is hit.
+    """
+    step = np.diff(difference, prepend=difference[:1])
+    out = np.abs(step - median_filter(step, NEIGHBOURS))
+    spread = 1.4826 * float(np.median(out))
+    return out > SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
 
 
 def _white_noise(values: np.ndarray) -> float:

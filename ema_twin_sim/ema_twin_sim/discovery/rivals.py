@@ -8,7 +8,7 @@ from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING
 from .search import Round, Search, Trial, new_names, prune
-from .worth import gain, unique
+from .worth import ENCODER_ONLY, gain, unique
 
 CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
 BETTER = 1.0  # the same: a rival that gains more takes the effect's place
@@ -68,6 +68,8 @@ def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
             continue
         other = trial.fit.hypothesis.added.get(trial.names[0])
         if other is None or other.effect == effect or other.effect in best.hypothesis.effects:
+            continue
+        if ENCODER_ONLY & {effect, other.effect}:  # what no torque shows stands in for no torque
             continue
         start = trial.fit.hypothesis.instance(trial.names[0])
         found.append(fit(eq, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))

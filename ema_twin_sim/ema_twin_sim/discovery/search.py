@@ -17,8 +17,9 @@ from .screening import Screened, screen, screen_decoys
 from .structure import NARROW, hopped, structural_fits
 from .worth import ENCODER_ONLY, gain, matters, unique
 
-DECOY_SHARE = 0.85  # of a decoy's gain, from which on an effect goes before it
+DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
+PROMISING = 40.0  # fall of the misfit from which on an effect is always worth a fit
 ROUNDS = 10  # at most
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
@@ -172,7 +173,7 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
-        if alike < 2 and len(picked) < ENTRANTS and s.gain > 0.02 * ranked[0].gain:
+        if alike < 2 and len(picked) < ENTRANTS and s.gain > min(PROMISING, 0.02 * ranked[0].gain):
             picked.append(s)
     lower = np.array([free.lower for free in current.hypothesis.free])
     upper = np.array([free.upper for free in current.hypothesis.free])

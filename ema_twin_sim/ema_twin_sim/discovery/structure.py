@@ -17,6 +17,7 @@ from .equation import POOL, Equation
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .observation import STANDSTILL, Observation
+from .sensors import with_sensors
 
 WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
 NARROW = 10.0  # the same once the starts are left behind
@@ -40,7 +41,7 @@ SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its
 
 def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
     """The current hypothesis with play, with a spring, and with both, each from its best start."""
-    h = current.hypothesis
+    h = with_sensors(eq, current)
     for name in h.decoys:  # columns of whole recordings; an excerpt has none
         h = h.without_decoy(name)
     # a rigid train takes an output that lags behind for a lighter one

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ..effects import catalogue
 from .equation import Equation
 from .fit import Fit
 
@@ -21,6 +22,7 @@ CLIP = 30.0  # noise standard deviations at which a row is cut off where what is
 FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
 SHARE = 0.1  # of the excess that an effect must remove
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
+AT_BOUND = 0.99  # of a bound, from which on a number stands on it
 FEWEST = 20  # rows of a recording that tell anything
 
 
@@ -61,6 +63,8 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
 
 def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
+    if _does_nothing(after):
+        return False
     fall = before.misfit - after.misfit
     excess = max(before.misfit - eq.judged, 0.0)
     if before.prior_cost - after.prior_cost > COST_EFFECT + COST_PARAMETER:
@@ -83,3 +87,14 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
         excess = max(float(np.mean(np.minimum(np.abs(z), CLIP) ** 2)) - 1.0, 0.0)
         found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
     return found
+
+
+def _does_nothing(f: Fit) -> bool:
+    """Whether some effect's stiffness is as high as it may be, where it does not show: it stands in for another."""
+    for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True):
+        kind, _, name = free.path.partition(".")
+        if kind == "effects" and name.endswith(".stiffness") and value >= AT_BOUND * free.upper:
+            size = catalogue()[f.hypothesis.added[name.partition(".")[0]].effect].parameters[0]
+            if size.neutral is None:
+                return True
+    return False

@@ -1,0 +1,76 @@
+"""Sensors: an encoder that is late or off its centre, seen in the encoders' difference beside a play or spring.
+
+A gap's jumps follow the transmitted torque's direction, a spring's give its size, a delay the speed, an eccentricity
+the output's angle: one robust regression tells them apart before any gearbox is simulated.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
+from .equation import Equation
+from .fit import Fit
+from .hypothesis import Hypothesis
+
+FALL = 0.25  # share of the robust misfit that a sensor's error must take away
+LEAST_AMPLITUDE = 5e-5  # rad
+LEAST_DELAY = 3e-4  # s
+REACH = 10.0  # noise standard deviations from which on a row counts less: those in a gap
+STEPS = 20
+
+
+def with_sensors(eq: Equation, f: Fit) -> Hypothesis:
+    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it."""
+    torque, sensors = _columns(eq, f)
+    wanted = eq.measured[eq.size :]
+    h = f.hypothesis
+    _, bare = _regress(torque, wanted)
+    for effect, columns in sensors.items():
+        coefficients, cost = _regress(np.concatenate([torque, columns], axis=1), wanted)
+        if cost > (1.0 - FALL) * bare:
+            continue
+        own = coefficients[torque.shape[1] :]
+        if effect == "encoder_delay" and own[0] > LEAST_DELAY:
+            h = h.with_effect(effect, {}, {"delay": float(own[0])})
+        elif effect == "encoder_eccentricity" and math.hypot(*own) > LEAST_AMPLITUDE:
+            parameters = {"amplitude": math.hypot(*own), "phase": math.atan2(own[1], own[0])}
+            h = h.with_effect(effect, {}, parameters)
+    return h
+
+
+def _columns(eq: Equation, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """(what a gearbox shows (k, c), what each sensor shows (k, 1 or 2)) at all encoder rows, in units of noise."""
+    ratio = f.predicted.plant["gear_ratio"][0]
+    transmitted, speed, angle = [], [], []
+    for o, required in zip(eq.observations, f.predicted.required, strict=True):
+        at = o.encoder_rows
+        transmitted.append(required[at, REQUIRED.index("transmitted")])
+        speed.append(o.motion[at, SPEED] / ratio)
+        angle.append(o.output_origin + o.motion[at, OUTPUT_ANGLE])
+    noise = eq.encoder_noise[:, None]
+    passed = np.concatenate(transmitted)[:, None]
+    pieces = np.zeros((len(noise), len(eq.encoder_pieces)))
+    for k, piece in enumerate(eq.encoder_pieces):
+        pieces[piece.start - eq.size : piece.stop - eq.size, k] = 1.0
+    theta = np.concatenate(angle)
+    waves = np.stack([np.sin(theta), np.cos(theta)], axis=1)
+    return (
+        np.concatenate([np.sign(passed), passed, pieces], axis=1) / noise,
+        {
+            "encoder_eccentricity": waves / noise,
+            "encoder_delay": -np.concatenate(speed)[:, None] / noise,
+        },
+    )
+
+
+def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float]:
+    """(coefficients (c,), Cauchy's misfit): least squares, rows that are far off weighted down."""
+    weights = np.ones(len(wanted))
+    for _ in range(STEPS):
+        coefficients = np.linalg.lstsq(columns * weights[:, None], wanted * weights, rcond=1e-10)[0]
+        left = wanted - columns @ coefficients
+        weights = 1.0 / np.sqrt(1.0 + (left / REACH) ** 2)
+    return coefficients, float(REACH**2 * np.log1p((left / REACH) ** 2).sum())
