@@ -9,7 +9,7 @@ from rich.table import Table
 from ..quantities import estimate
 from . import options
 from .discover import show_doubts
-from .output import console, status, warn
+from .output import console, status
 from .wording import effect_words, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -44,9 +44,8 @@ def run(
     Several effects that are missing share the probability. Nothing is written but what you ask for: discover writes the
     model that has them.
     """
-    from ..effects import find_effect
-    from ..model import load_model
-    from .inputs import input_files, load_runs, refuse_evidence, refuse_existing, refuse_inputs, write_json
+    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
 
     refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence)
     refuse_evidence(evidence)
@@ -54,32 +53,21 @@ def run(
 
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
-    from ..own_effects import load_effects
 
-    load_effects(with_files or ())
-    barred = [find_effect(id, "--without").id for id in without or ()]
-    before = load_model(model)
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
-        found = discover(recordings, before, without=barred, progress=progress)
+        found = discover(given.recordings, given.model, without=given.without, progress=progress)
         progress("weighing what was found")
-        diagnosis = weigh(found, recordings)
+        diagnosis = weigh(found, given.recordings)
         if evidence is not None:
-            from ..views.evidence_bag import write_evidence
-
             progress("writing the evidence")
-            write_evidence(found, recordings, evidence, force=force)
+            write_evidence_bag(found, given.recordings, evidence, force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
     sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on)
     console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
     show(diagnosis)
-    for warning in diagnosis.warnings:
-        if all(warning not in recording.warnings for recording in recordings):  # those are told already
-            warn(warning)
-    if json is not None:
-        from ..discovery.evidence import evidence_json
-
-        write_json(json, {**diagnosis.as_json(), "evidence": evidence_json(found)})
+    warn_of(diagnosis.warnings, given.recordings)
+    write_findings(json, diagnosis.as_json(), found)
 
 
 def show(diagnosis: Diagnosis) -> None:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ..quantities import estimate, quantity
 from . import options
-from .output import console, status, warn
+from .output import console, status
 from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -48,10 +48,10 @@ def run(
     Effects are added one after another as long as each is worth its price, and judged on recordings that they were not
     fitted to. The verdict may be that nothing is missing, or that no effect of the catalogue explains what is left.
     """
-    from ..effects import find_effect
-    from ..model import load_model, save_model
+    from ..model import save_model
     from ..model.model_file import check_model_name
-    from .inputs import input_files, load_runs, refuse_evidence, refuse_existing, refuse_inputs, write_json
+    from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
+    from .judged import read_judged, warn_of, write_evidence_bag, write_findings
 
     refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence)
     check_model_name(output)
@@ -59,36 +59,25 @@ def run(
     refuse_existing(force, output, evidence)
 
     from ..discovery.discover import discover
-    from ..own_effects import load_effects
 
-    load_effects(with_files or ())
-    barred = [find_effect(id, "--without").id for id in without or ()]
-    before = load_model(model)
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
-        found = discover(recordings, before, without=barred, progress=progress)
+        found = discover(given.recordings, given.model, without=given.without, progress=progress)
         save_model(found.model, output, force=force)
         if evidence is not None:
-            from ..views.evidence_bag import write_evidence
-
             progress("writing the evidence")
-            write_evidence(found, recordings, evidence, force=force)
+            write_evidence_bag(found, given.recordings, evidence, force=force)
     show(found)
     show_doubts(found.groups, found.next_recording)
     console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
-    for warning in found.warnings:
-        if all(warning not in recording.warnings for recording in recordings):  # those are told already
-            warn(warning)
+    warn_of(found.warnings, given.recordings)
     console.print(f"\n{output} is the new model. See how far off it is:", markup=False, soft_wrap=True)
     again = " ".join(f"--with {file}" for file in with_files or ())
-    given = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0]} …"
-    console.print(f"  ema-twin compare {given} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
+    named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0]} …"
+    console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
     if evidence is not None:
         console.print(f"  rerun {evidence}     (what each step left over)", markup=False, soft_wrap=True)
-    if json is not None:
-        from ..discovery.evidence import evidence_json
-
-        write_json(json, {**found.as_json(), "evidence": evidence_json(found)})
+    write_findings(json, found.as_json(), found)
 
 
 def show(found: Discovery) -> None:

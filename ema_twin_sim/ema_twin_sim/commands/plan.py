@@ -12,7 +12,7 @@ import typer
 from rich.table import Table
 
 from . import options
-from .output import console, status, warn
+from .output import console, status
 from .wording import effect_words, listed
 
 if TYPE_CHECKING:
@@ -69,34 +69,27 @@ def run(
     from ema_bench_replay.outputs import new_file
 
     from ..discovery.plan import plan
-    from ..effects import find_effect
-    from ..model import load_model
-    from ..own_effects import load_effects
     from ..simulation.command import write_command
-    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
+    from .inputs import input_files, refuse_existing, refuse_inputs, write_json
+    from .judged import read_judged, warn_of
 
     refuse_inputs(input_files(runs, [model], import_map, with_files), output, json)
     if output is not None and output.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"{output}: unknown kind of command file '{output.suffix}'; name it .yaml")
     refuse_existing(force, output)
-    load_effects(with_files or ())
-    barred = [find_effect(id, "--without").id for id in without or ()]
-    taken = load_model(model)
-    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
-    limits = _limits(recordings, taken, max_speed, max_travel, max_current)
+    given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
+    limits = _limits(given.recordings, given.model, max_speed, max_travel, max_current)
     with status() as progress:
-        found = plan(recordings, taken, without=barred, limits=limits, progress=progress)
+        found = plan(given.recordings, given.model, without=given.without, limits=limits, progress=progress)
     show(found)
     if found.proposal is not None:
         if output is not None:
             with new_file(output, force=force) as file:
                 file.write(write_command(found.proposal.command, found.proposal.seconds, found.proposal.why))
-        _show_how(found.proposal, model, taken.value("machine.gear_ratio"), output, with_files or ())
+        _show_how(found.proposal, model, given.model.value("machine.gear_ratio"), output, with_files or ())
     elif output is not None:
         console.print(f"\n{output} is not written: there is no command to write.", markup=False, soft_wrap=True)
-    for warning in found.warnings:
-        if all(warning not in recording.warnings for recording in recordings):  # those are told already
-            warn(warning)
+    warn_of(found.warnings, given.recordings)
     write_json(json, found.as_json())
 
 

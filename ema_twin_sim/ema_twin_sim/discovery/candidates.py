@@ -28,21 +28,16 @@ class Candidate:
 def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Candidate]:
     """The effects that may be added to a hypothesis."""
     found = []
-    held = [*h.base.effects.values(), *h.added.values()]
+    held = {instance.effect for instance in (*h.base.effects.values(), *h.added.values())}
     for id, effect in catalogue().items():
-        if id in without or (not effect.repeatable and any(i.effect == id for i in held)):
+        if id in without or (not effect.repeatable and id in held):
             continue
-        names = list(effect.options)
+        added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):
-            options = dict(zip(names, choice, strict=True))
-            same = [i for i in held if i.effect == id]
-            if any(dict(i.options) == options for i in h.added.values() if i.effect == id):
-                continue
-            if "side" in options and options["side"] != "motor":
-                continue  # a rigid train does not tell the sides apart
-            if same and id in {i.effect for i in h.added.values()} and not effect.options:
-                continue
-            found.append(Candidate(id, options))
+            options = dict(zip(effect.options, choice, strict=True))
+            # a rigid train does not tell the sides apart
+            if options not in added and options.get("side", "motor") == "motor":
+                found.append(Candidate(id, options))
     return found
 
 

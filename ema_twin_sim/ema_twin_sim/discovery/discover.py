@@ -126,7 +126,7 @@ def discover(
     return Discovery(
         verdict,
         added,
-        best.hypothesis.model(),
+        best.hypothesis.model().fitted_from(model),
         _steps(found, unseen),
         MappingProxyType(_parameters(best, spread)),
         MappingProxyType(_constants(best, spread)),

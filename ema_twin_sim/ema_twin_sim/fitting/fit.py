@@ -109,7 +109,7 @@ def fit_model(
     progress("judging on what was not fitted to")
     before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)
     sure = uncertainty(misfit, solution)
-    fitted = _named_sources(freedom.at(solution.values[: len(freedom.numbers)]), model)
+    fitted = freedom.at(solution.values[: len(freedom.numbers)]).fitted_from(model)
     findings = find(solution, sure, fitted, method, circumstances(recordings, fitted))
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
@@ -134,15 +134,6 @@ def fit_model(
         tuple(findings),
         tuple(notes),
     )
-
-
-def _named_sources(fitted: Model, nominal: Model) -> Model:
-    """The fitted model, its constants saying so where they moved."""
-    constants = dict(fitted.constants)
-    for path, held in constants.items():
-        if held.value != nominal.value(path):
-            constants[path] = replace(held, source=f"fitted; {nominal.value(path):g} before")
-    return replace(fitted, constants=constants)
 
 
 def _solution(

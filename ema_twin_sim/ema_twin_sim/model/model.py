@@ -55,6 +55,14 @@ class Model:
         """The value of the constant at ``path``, in the unit of its table."""
         return self.constants[path].value
 
+    def fitted_from(self, nominal: Model) -> Model:
+        """The same model, the source of each constant that has moved from ``nominal`` saying so."""
+        constants = dict(self.constants)
+        for path, held in constants.items():
+            if held.value != nominal.value(path):
+                constants[path] = replace(held, source=f"fitted; {nominal.value(path):g} before")
+        return replace(self, constants=constants)
+
     def with_effect(
         self,
         id: str,

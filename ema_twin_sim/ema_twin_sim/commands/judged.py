@@ -1,0 +1,70 @@
+"""What the commands that look for missing effects share: how their inputs are read, how their findings end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from .inputs import load_runs, write_json
+from .output import warn
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..discovery.discover import Discovery
+    from ..model import Model
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Recordings, the model beside them, and the effects that may not be named."""
+
+    recordings: list[Recording]
+    model: Model
+    without: list[str]
+
+
+def read_judged(
+    runs: Sequence[Path],
+    model: str,
+    with_files: Sequence[Path] | None,
+    without: Sequence[str] | None,
+    *,
+    import_map: str,
+    start: float | None,
+    end: float | None,
+    strict: bool,
+) -> Judged:
+    """Everything that a search needs; users' own effects are loaded first, since a model may hold them."""
+    from ..effects import find_effect
+    from ..model import load_model
+    from ..own_effects import load_effects
+
+    load_effects(with_files or ())
+    barred = [find_effect(id, "--without").id for id in without or ()]
+    before = load_model(model)
+    return Judged(load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), before, barred)
+
+
+def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:
+    """Write what each step left over as an MCAP."""
+    from ..views.evidence_bag import write_evidence
+
+    write_evidence(found, recordings, file, force=force)
+
+
+def warn_of(warnings: Sequence[str], recordings: Sequence[Recording]) -> None:
+    """Print the warnings but for the recordings' own, which were told when they were read."""
+    for warning in warnings:
+        if all(warning not in recording.warnings for recording in recordings):
+            warn(warning)
+
+
+def write_findings(json: Path | None, findings: Mapping[str, object], found: Discovery) -> None:
+    """Write findings and the evidence behind them."""
+    if json is not None:
+        from ..discovery.evidence import evidence_json
+
+        write_json(json, {**findings, "evidence": evidence_json(found)})
