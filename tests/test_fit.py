@@ -14,7 +14,7 @@ from ema_twin_sim.discovery.equation import Equation
 from ema_twin_sim.discovery.observation import observe_all
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
-from ema_twin_sim.fitting.equation_misfit import UNSEEN, EquationMisfit
+from ema_twin_sim.fitting.equation_misfit import EquationMisfit
 from ema_twin_sim.fitting.findings import SHOWN_BY
 from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.freedom import choose_numbers
@@ -209,7 +209,7 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
             start = misfit.freedom.start
             slopes = misfit.slopes(start, misfit.weights(misfit.residual(start)))
             for parameter in effect.parameters:
-                if parameter.name in UNSEEN:
+                if parameter.at_rest:
                     continue
                 place = misfit.freedom.index(f"effects.{list(model.effects)[-1]}.{parameter.name}")
                 number = misfit.freedom.numbers[place]

@@ -79,6 +79,13 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
 
 
 def scaled_inverse(a: np.ndarray, ridge: float = 1e-9) -> np.ndarray:
-    """The inverse of an information matrix (k, k), its rows scaled first; ``ridge`` keeps what nothing holds finite."""
-    d = np.sqrt(np.maximum(np.diag(a), 1e-30))
-    return np.linalg.inv(a / np.outer(d, d) + ridge * np.eye(len(a))) / np.outer(d, d)
+    """The inverse of an information matrix (k, k), its rows scaled first.
+
+    ``ridge`` is the least that a direction is known by, so that what nothing holds, or what rounding has made less than
+    nothing, is uncertain and no error.
+    """
+    size = np.diag(a).copy()
+    size = np.sqrt(np.where(size > 0.0, size, 1.0))
+    scaled = a / np.outer(size, size)
+    known, directions = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    return (directions / np.maximum(known, ridge)) @ directions.T / np.outer(size, size)
