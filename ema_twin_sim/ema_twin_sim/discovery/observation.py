@@ -18,7 +18,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import counter_noise
 from ..model import Model
-from ..plant.measured_motion import ACCELERATION, SPEED
+from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED
 from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
@@ -121,7 +121,10 @@ def observe(recording: Recording, model: Model) -> Observation:
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
-    breaks = _breaks(difference, motion[:, SPEED] * period / ratio)
+    jumps = _jumps(difference, motion[:, SPEED] * period / ratio)
+    breaks = jumps != 0.0
+    motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
+    difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
     thrown = _hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
@@ -245,15 +248,17 @@ def despiked(values: np.ndarray) -> np.ndarray:
     return kept
 
 
-def _breaks(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
-    """The samples (n,) at which the encoders' difference jumps for good: a counter that lost counts, and its repair.
+def _jumps(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
+    """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
 
-    ``travel`` (n,) [rad] is the way of a sample: by so much the encoders may part where an output is hit.
+    A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
+    of a sample: by so much the encoders may part where an output is hit.
     """
     step = np.diff(difference, prepend=difference[:1])
-    out = np.abs(step - median_filter(step, NEIGHBOURS))
-    spread = 1.4826 * float(np.median(out))
-    return out > SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
+    out = step - median_filter(step, NEIGHBOURS)
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
+    return np.where(np.abs(out) > most, out, 0.0)
 
 
 def _white_noise(values: np.ndarray) -> float:
