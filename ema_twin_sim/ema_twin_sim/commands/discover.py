@@ -112,8 +112,10 @@ def _steps(found: Discovery) -> Table:
     )
     table.add_column("step")
     table.add_column("what it is", max_width=44)
-    for column in ("RMSE before", "after", "excess removed"):
-        table.add_column(column, justify="right")
+    output = any(step.output_before is not None for step in found.steps)
+    columns = ("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
+    for column in columns:
+        table.add_column(column, justify="right", max_width=15)
     table.add_column("runner-up")
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
@@ -125,6 +127,7 @@ def _steps(found: Discovery) -> Table:
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+            *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
             _runner_up(step),
         )
     return table

@@ -44,6 +44,8 @@ class Step:
     rmse_before: float
     rmse_after: float
     unit: str
+    output_before: float | None  # rad, the same of the output's position; None where it was not measured
+    output_after: float | None
     error_removed: float | None
     reason: str
     tried: tuple[dict[str, object], ...]
@@ -112,7 +114,7 @@ def discover(
         add_decoys(eq)
         # only what was found before may stay beside what is in no catalogue: in company anything fits
         barred |= set(catalogue()) - set(found.fit.hypothesis.effects)
-        found = search(eq, null, barred, progress, decoyed=True)
+        found = search(eq, null, barred, progress, found.fit)
         depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys)) or ("time",)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
@@ -158,7 +160,8 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
     steps = []
     for k, turn in enumerate(found.taken):
-        before, after = unseen.rmse[k], unseen.rmse[k + 1]
+        errors = (unseen.rmse[k], unseen.rmse[k + 1], unseen.unit)
+        output = (unseen.output[k], unseen.output[k + 1]) if unseen.output else (None, None)
         tried = tuple(_tried(turn))
         new = [n for n in turn.after.hypothesis.added if n not in turn.before.hypothesis.added]
         gone = [n for n in turn.before.hypothesis.added if n not in turn.after.hypothesis.added]
@@ -166,9 +169,7 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
             for name in names:
                 effect = owner.hypothesis.added[name].effect
                 reason = "largest gain" if action == "add" else "needless beside what was added"
-                steps.append(
-                    Step(effect, name, action, before, after, unseen.unit, unseen.removed(k, k + 1), reason, tried)
-                )
+                steps.append(Step(effect, name, action, *errors, *output, unseen.removed(k, k + 1), reason, tried))
     return tuple(steps)
 
 

@@ -12,7 +12,7 @@ from .candidates import candidates
 from .decoys import order_decoys
 from .equation import Equation
 from .fit import Fit, fit
-from .hypothesis import PARTING, Hypothesis
+from .hypothesis import PARTING, SIDED, Hypothesis
 from .screening import Screened, screen, screen_decoys
 from .structure import NARROW, hopped, structural_fits
 from .worth import ENCODER_ONLY, gain, matters, unique
@@ -84,13 +84,15 @@ def search(
     null: Fit,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
-    decoyed: bool = False,
+    wanting: Fit | None = None,
 ) -> Search:
     """Add effects one after another as long as each is worth its price, and drop what later ones make needless.
 
     Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
-    gearbox can only be simulated with the right loads. ``decoyed`` lets decoys stand beside the effects.
+    gearbox can only be simulated with the right loads. After an earlier search whose end was ``wanting``, decoys may
+    stand beside the effects, and play and spring are those of that end.
     """
+    decoyed = wanting is not None
     current = settle(eq, null)
     rounds: list[Round] = []
     if parted_encoders(eq, current) and not without >= set(PARTING):
@@ -105,7 +107,7 @@ def search(
         current = fit(eq, current.hypothesis)
         if parted_encoders(eq, current):
             progress("looking at the gearbox")
-            current, by_gearbox = _add_structure(eq, current, without)
+            current, by_gearbox = _add_structure(eq, current, without, wanting)
             rounds += by_gearbox
     else:
         without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
@@ -142,13 +144,27 @@ def _add_effects(
     return current, rounds
 
 
-def _add_structure(eq: Equation, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
+def _add_structure(eq: Equation, current: Fit, without: frozenset[str], wanting: Fit | None) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
+    if wanting is not None:
+        h = _with_gearbox_of(wanting.hypothesis, current.hypothesis)
+        turn = _turn(eq, current, [fit(eq, h, 6)] if h is not current.hypothesis else [])
+        return turn.after, [turn]
     tried = [f for f in structural_fits(eq, current) if not without & set(f.hypothesis.effects)]
     sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
     tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
     turn = _turn(eq, current, tried)
     return turn.after, [turn]
+
+
+def _with_gearbox_of(found: Hypothesis, h: Hypothesis) -> Hypothesis:
+    """A hypothesis with another's play, spring and sensors, as they are there."""
+    for name, instance in found.added.items():
+        if instance.effect in {*PARTING, *ENCODER_ONLY}:
+            h = h.with_effect(instance.effect, instance.options, found.instance(name).parameters)
+    there = {free.path: float(value) for free, value in zip(found.free, found.values, strict=True)}
+    parted = [there.get(f.path, v) if f.path.startswith(SIDED) else v for f, v in zip(h.free, h.values, strict=True)]
+    return h.at(np.array(parted)) if h.parted else h
 
 
 def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:

@@ -21,13 +21,17 @@ from .uncertainty import held_out
 
 @dataclass(frozen=True)
 class Unseen:
-    """RMSE of the headline signal after each round, the start included: pooled, and per recording."""
+    """RMSE of the headline signal after each round, the start included: pooled, and per recording.
+
+    ``output`` is that of the output's position [rad], pooled; empty where it was not measured.
+    """
 
     signal: str
     unit: str
     noise_floor: float
     rmse: tuple[float, ...]
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
+    output: tuple[float, ...]
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
@@ -41,6 +45,7 @@ class Unseen:
             "unit": self.unit,
             "noise_floor": self.noise_floor,
             "rmse": list(self.rmse),
+            "output_position": list(self.output),
             "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
         }
 
@@ -60,25 +65,27 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
             model = base if k == 0 else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
 
-    def square(job: tuple[int, Recording, str, Model]) -> tuple[float, int]:
+    def squares(job: tuple[int, Recording, str, Model]) -> np.ndarray:
         _, recording, source, model = job
         twin = simulate(model, recording, source)
-        if signal == "current":
-            residual = recording.signals["current"] - twin.signals["current"]
-        else:
-            residual = twin.signals["unexplained_torque"]
-        residual = residual[np.isfinite(residual)]
-        return float(residual @ residual), len(residual)
+        found = []
+        for name in (signal, "output_position"):
+            measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
+            residual = np.asarray(measured - twin.signals[name])
+            residual = residual[np.isfinite(residual)]
+            found += [float(residual @ residual), len(residual)]
+        return np.array(found)
 
-    squares = list(POOL.map(square, jobs))
-    rows = np.array([s for s, _ in squares]).reshape(len(fits), len(recordings))
-    counts = np.array([n for _, n in squares]).reshape(len(fits), len(recordings))
+    table = np.array(list(POOL.map(squares, jobs))).reshape(len(fits), len(recordings), 4)
+    rows, counts = table[:, :, 0], table[:, :, 1]
     floors = noise_floors(base, has_speed=recordings[0].has("speed"), period=recordings[0].sample_period)
     each = np.sqrt(rows / np.maximum(counts, 1))
+    output = table[:, :, 2:].sum(axis=1)
     return Unseen(
         signal,
         unit,
         floors[signal],
         tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
         tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
+        tuple(math.sqrt(s / n) for s, n in output) if output[:, 1].all() else (),
     )
