@@ -160,16 +160,25 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
     steps = []
     for k, turn in enumerate(found.taken):
-        errors = (unseen.rmse[k], unseen.rmse[k + 1], unseen.unit)
-        output = (unseen.output[k], unseen.output[k + 1]) if unseen.output else (None, None)
         tried = tuple(_tried(turn))
         new = [n for n in turn.after.hypothesis.added if n not in turn.before.hypothesis.added]
         gone = [n for n in turn.before.hypothesis.added if n not in turn.after.hypothesis.added]
         for action, names, owner in (("add", new, turn.after), ("remove", gone, turn.before)):
             for name in names:
-                effect = owner.hypothesis.added[name].effect
-                reason = "largest gain" if action == "add" else "needless beside what was added"
-                steps.append(Step(effect, name, action, *errors, *output, unseen.removed(k, k + 1), reason, tried))
+                step = Step(
+                    effect=owner.hypothesis.added[name].effect,
+                    instance=name,
+                    action=action,
+                    rmse_before=unseen.rmse[k],
+                    rmse_after=unseen.rmse[k + 1],
+                    unit=unseen.unit,
+                    output_before=unseen.output[k] if unseen.output else None,
+                    output_after=unseen.output[k + 1] if unseen.output else None,
+                    error_removed=unseen.removed(k, k + 1),
+                    reason="largest gain" if action == "add" else "needless beside what was added",
+                    tried=tried,
+                )
+                steps.append(step)
     return tuple(steps)
 
 
