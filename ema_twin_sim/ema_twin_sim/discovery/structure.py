@@ -162,10 +162,11 @@ def hopped(eq: Equation, best: Fit) -> Fit:
                 )
             )
         )
-        better = min((fit(eq, h, 6) for h in starts), key=_cost, default=best)
-        if _cost(better) > FALL * _cost(best):
+        better = min((fit(eq, h, 8) for h in starts), key=_cost)
+        much = _cost(better) < FALL * _cost(best)
+        best = min(best, better, key=_cost)
+        if not much:
             break
-        best = better
     return best
 
 
