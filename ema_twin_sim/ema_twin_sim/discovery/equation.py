@@ -144,6 +144,16 @@ class Equation:
         rows[: self.size] /= scale * self.noise
         return rows
 
+    def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
+        """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
+        moves otherwise.
+        """
+        rows = self.alone(predicted, instance)
+        if rows is None and predicted.plant["two_inertia"][0] != 0.0 and _at_the_motor(instance):
+            more = h.with_effect(instance.effect, instance.options, instance.parameters)
+            rows = Equation.predict(self, more, beside=predicted).rows - predicted.rows
+        return rows
+
     def residual(self, predicted: Prediction) -> np.ndarray:
         """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
         rows = self.measured - predicted.rows
@@ -233,19 +243,17 @@ class Equation:
                     return (there - here) / step * weights
             values = h.values.copy()
             values[k] += step
-            beside = predicted if self._at_the_motor(h, free.path, predicted) else None
+            motor = (
+                _at_the_motor(h.instance(rest.partition(".")[0])) if kind == "effects" else free.path in AT_THE_MOTOR
+            )
+            beside = predicted if motor and predicted.plant["two_inertia"][0] != 0.0 else None
             moved = self.predict(h.at(values), beside=beside)
             return self.centred((moved.rows - predicted.rows) / step, weights) * weights
 
         return np.stack(list(POOL.map(column, range(len(h.free)))), 1)
 
-    def _at_the_motor(self, h: Hypothesis, path: str, predicted: Prediction) -> bool:
-        """Whether a number changes what the motor's side asks for, and nothing of how a parted output moves."""
-        plant = predicted.plant[0]
-        if plant["two_inertia"] == 0.0:
-            return False
-        if path.startswith("effects."):
-            instance = h.instance(path.split(".")[1])
-            effect = catalogue()[instance.effect]
-            return effect.act is not None and effect.where(instance.options) != OUTPUT_TORQUE
-        return path in AT_THE_MOTOR
+
+def _at_the_motor(instance: EffectInstance) -> bool:
+    """Whether an effect changes what the motor's side asks for, and nothing of how a parted output moves."""
+    effect = catalogue()[instance.effect]
+    return effect.act is not None and effect.where(instance.options) != OUTPUT_TORQUE

@@ -90,13 +90,18 @@ class _Beside(Equation):
         """Rows (m,) of the effects that came, less those of the effects that went."""
         there = self._known.hypothesis
         rows = np.zeros(self.rows)
-        for one, other, sign in ((h, there, 1.0), (there, h, -1.0)):
-            for name in one.added:
-                if name not in other.added:
-                    alone = self.alone(self._known.predicted, one.instance(name))
-                    if alone is None:
-                        return None
-                    rows += sign * alone
+        for name in h.added:
+            if name not in there.added:
+                more = self.beside(there, self._known.predicted, h.instance(name))
+                if more is None:
+                    return None
+                rows += more
+        for name in there.added:
+            if name not in h.added:
+                less = self.alone(self._known.predicted, there.instance(name))
+                if less is None:
+                    return None
+                rows -= less
         return rows
 
 

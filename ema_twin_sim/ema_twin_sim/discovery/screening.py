@@ -78,7 +78,7 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
         if size.neutral is not None:
             parameters = {**parameters, size.name: size.neutral + per}
         h = f.hypothesis.with_effect(c.effect, c.options, parameters)
-        rows = eq.alone(f.predicted, h.instance(list(h.added)[-1])) if size.neutral is not None else None
+        rows = eq.beside(f.hypothesis, f.predicted, h.instance(list(h.added)[-1])) if size.neutral is not None else None
         if rows is None:
             rows = eq.centred(eq.predict(h).rows - f.predicted.rows, f.weights)
         return np.concatenate([rows * f.weights / per, np.zeros(len(known.left) - len(f.raw))])

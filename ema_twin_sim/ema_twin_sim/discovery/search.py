@@ -14,7 +14,8 @@ from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING, SIDED, Hypothesis
 from .screening import Screened, screen, screen_decoys
-from .structure import NARROW, hopped, structural_fits
+from .structure import structural_fits
+from .valleys import NARROW, hopped
 from .worth import ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
@@ -178,7 +179,8 @@ def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
     if took is None:
         return Round(current, tuple(trials), current)
     whole = fit(eq, took.fit.hypothesis)
-    after = prune(eq, settle(eq, hopped(eq, whole) if whole.parted else whole))
+    fresh = [name for name in took.names if name in whole.hypothesis.added]
+    after = prune(eq, settle(eq, hopped(eq, whole, fresh) if whole.parted else whole))
     return Round(current, tuple(trials), after, took.names, new_names(after, took.fit))
 
 

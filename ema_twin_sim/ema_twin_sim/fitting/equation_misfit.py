@@ -12,7 +12,7 @@ import numpy as np
 from ..comparison.noise import counter_noise
 from ..discovery.equation import CORRELATION, Equation
 from ..discovery.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
-from ..discovery.structure import NARROW
+from ..discovery.valleys import NARROW
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble

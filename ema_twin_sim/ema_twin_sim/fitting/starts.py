@@ -9,7 +9,9 @@ from collections.abc import Callable
 import numpy as np
 
 from ..discovery.equation import Equation
-from ..discovery.structure import DAMPING, NARROW, STIFFNESS, WIDE, WIDTHS, excerpt
+from ..discovery.excerpt import excerpt
+from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS
+from ..discovery.valleys import NARROW, WIDE
 from ..effects import catalogue
 from .equation_misfit import EquationMisfit
 from .freedom import PARTING, Freedom, split, waves
