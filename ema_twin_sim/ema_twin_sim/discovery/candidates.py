@@ -36,7 +36,7 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
             # a rigid train does not tell the sides apart
-            if options not in added and options.get("side", "motor") == "motor":
+            if options not in added and (h.parted or options.get("side", "motor") == "motor"):
                 found.append(Candidate(id, options))
     return found
 

@@ -133,7 +133,7 @@ def _add_effects(
         tried = [fit(eq, h, 6, known=current) for h in entrants(eq, current, without | banned)]
         if decoyed:
             eq.decoys.update(order_decoys(eq, current))
-            for _, name in screen_decoys(eq, current)[:2]:
+            for name in [name for _, name in screen_decoys(eq, current) if name not in banned][:2]:
                 tried.append(fit(eq, current.hypothesis.with_decoy(name, eq.decoys[name].shape[1]), 3, known=current))
         turn = _turn(eq, current, tried)
         rounds.append(turn)

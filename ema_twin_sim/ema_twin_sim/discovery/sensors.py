@@ -52,16 +52,18 @@ def _columns(eq: Equation, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         angle.append(o.output_origin + o.motion[at, OUTPUT_ANGLE])
     noise = eq.encoder_noise[:, None]
     passed = np.concatenate(transmitted)[:, None]
+    moving = np.concatenate(speed)[:, None]
     pieces = np.zeros((len(noise), len(eq.encoder_pieces)))
     for k, piece in enumerate(eq.encoder_pieces):
         pieces[piece.start - eq.size : piece.stop - eq.size, k] = 1.0
     theta = np.concatenate(angle)
     waves = np.stack([np.sin(theta), np.cos(theta)], axis=1)
     return (
-        np.concatenate([np.sign(passed), passed, pieces], axis=1) / noise,
+        # where the model's friction is all at the motor, only the speed tells which tooth is touched
+        np.concatenate([np.sign(passed), passed, np.sign(moving), pieces], axis=1) / noise,
         {
             "encoder_eccentricity": waves / noise,
-            "encoder_delay": -np.concatenate(speed)[:, None] / noise,
+            "encoder_delay": -moving / noise,
         },
     )
 

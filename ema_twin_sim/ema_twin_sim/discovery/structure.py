@@ -23,6 +23,7 @@ DAMPING = (0.004, 0.015, 0.05, 0.15)
 WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
 SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
+OUTPUT_SHARE = 0.4  # of the friction, to begin with, that is at the output
 HOPELESS = 4.0  # times the least misfit of a start, from which on a family is left out
 RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
 SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
@@ -35,6 +36,7 @@ def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
         h = h.without_decoy(name)
     # a rigid train takes an output that lags behind for a lighter one
     h = h.at(np.array([1.0 if free.path == "scale.inertia" else v for free, v in zip(h.free, h.values, strict=True)]))
+    h = _on_both_sides(h)
     held = {i.effect for i in (*h.added.values(), *h.base.effects.values())}
     spread = _spread(eq)
     part = excerpt(eq)
@@ -59,6 +61,19 @@ def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
     eq.reach = np.full(eq.rows, NARROW)
     return [fit(eq, f.hypothesis, 6) for f in close]
+
+
+def _on_both_sides(h: Hypothesis) -> Hypothesis:
+    """A hypothesis that found Coulomb friction, with a part of it at the output: a rigid train does not tell the sides
+    apart, and without friction an output would fly through a gap for good.
+    """
+    dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == "coulomb_friction"}
+    if len(dry) != 1 or any(i.effect == "coulomb_friction" for i in h.base.effects.values()):
+        return h
+    ((name, found),) = dry.items()
+    h = starting(h, {f"effects.{name}.torque": 1.0 - OUTPUT_SHARE})
+    shared = {**found.parameters, "torque": found.parameters["torque"] * OUTPUT_SHARE}
+    return h.with_effect("coulomb_friction", {**found.options, "side": "output"}, shared)
 
 
 def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
