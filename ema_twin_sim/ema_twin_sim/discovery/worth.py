@@ -19,7 +19,10 @@ COST_PARAMETER = 4.0
 COST_DECOY = 6.0  # of each column
 SHAKY = 3.0  # times more is gained by chance beside an output that bounces
 CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
+STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
 FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
+SURE = 40.0  # gain from which on friction in proportion to a load may be smaller than that
+VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
 AT_BOUND = 0.99  # of a bound, from which on a number stands on it
@@ -72,6 +75,9 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     left = math.sqrt(max(1.0, after.misfit / eq.judged))
     # an output that bounces is never known as well as one that does not
     floor = FLOOR * (2.0 if after.parted else 1.0)
+    if after.hypothesis.effects[-1:] == ("mesh_friction",) and VARYING_LOADS & set(after.hypothesis.effects):
+        # a few per cent of a load are less than any other effect, and nothing else follows the load's size
+        floor *= 0.5 if gain(eq, before, after) > SURE else 1.0
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
 
 
@@ -84,7 +90,8 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
         if len(z) < FEWEST:
             found.append(0.0)
             continue
-        excess = max(float(np.mean(np.minimum(np.abs(z), CLIP) ** 2)) - 1.0, 0.0)
+        sizes = np.sort(np.minimum(np.abs(z), CLIP))[: -max(STRAY_ROWS, len(z) // 100)]
+        excess = max(float(np.mean(sizes**2)) - 1.0, 0.0)
         found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
     return found
 
