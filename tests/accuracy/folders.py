@@ -1,4 +1,4 @@
-"""Cases as folders: ``train/*.CSV``, ``holdout/*.CSV`` and ``answer.json``, as the labelled benches are kept."""
+"""Cases as folders: ``train/*.CSV``, ``holdout/*.CSV`` and ``answer.json``."""
 
 from __future__ import annotations
 

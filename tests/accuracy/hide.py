@@ -132,4 +132,4 @@ HIDE: dict[str, Callable[..., None]] = {
 """All that can be hidden, by id."""
 
 CATALOGUE = tuple(name for name in HIDE if name not in UNKNOWN)
-"""The ids of the catalogue, as DESIGN's section 5 lists them."""
+"""The ids of the twin's catalogue that can be hidden."""

@@ -53,7 +53,11 @@ class Verdict:
 
 
 def judge(case: Case, answer: Mapping[str, Any], seconds: float, removed: float = math.nan) -> Verdict:
-    """Judge the JSON that discovery gave for a case, by the rules of the labelled benches' own score."""
+    """Judge the JSON that discovery gave for a case.
+
+    Found: exactly the hidden effects are named, and the verdict says so. Wrong: named, not hidden, and in no reported
+    group with a hidden one.
+    """
     added = tuple(answer["added"])
     said = answer["verdict"]
     hidden = set(case.hidden)

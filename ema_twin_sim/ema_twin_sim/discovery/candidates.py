@@ -28,9 +28,8 @@ class Candidate:
 def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Candidate]:
     """The effects that may be added to a hypothesis."""
     found = []
-    held = {instance.effect for instance in (*h.base.effects.values(), *h.added.values())}
     for id, effect in catalogue().items():
-        if id in without or (not effect.repeatable and id in held):
+        if id in without or (not effect.repeatable and id in h.held):
             continue
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):

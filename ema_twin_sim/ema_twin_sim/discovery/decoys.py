@@ -13,6 +13,8 @@ from .equation import Equation
 from .fit import Fit
 from .smoothing import smooth_at
 
+KNOT = 2.5  # s between the knots of a dependence on time
+MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
 
 
@@ -72,7 +74,8 @@ def _by_position(eq: Equation) -> dict[str, np.ndarray]:
 def _by_time(eq: Equation) -> dict[str, np.ndarray]:
     found = {}
     for k, chosen in enumerate(eq.observations):
-        knots = np.linspace(0.0, chosen.motion[-1, TIME], max(3, round(chosen.motion[-1, TIME] / 2.5)))
+        lasts = chosen.motion[-1, TIME]
+        knots = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
         hats = [
             _hats(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
             for o in eq.observations
@@ -88,7 +91,7 @@ def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
         power = np.zeros(len(ORDERS))
         for o, part in zip(eq.observations, eq.torque_parts, strict=True):
             angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
-            if np.ptp(angle) < 2.0 * np.pi:
+            if not len(angle) or np.ptp(angle) < 2.0 * np.pi:
                 continue
             r = f.residual[part] * (np.sign(o.motion[o.rows, SPEED]) if kind == "friction" else 1.0)
             step = np.exp(1j * (ORDERS[1] - ORDERS[0]) * angle)

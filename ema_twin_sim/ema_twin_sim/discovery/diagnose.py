@@ -28,7 +28,7 @@ from .hypothesis import PARTING
 from .rivals import substitutes
 from .search import Round, Trial, new_names
 from .uncertainty import covariance, held_out
-from .worth import gain, matters, price
+from .worth import gain, matters, price, price_of_noise
 
 BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
 DRAWS = 400
@@ -211,7 +211,7 @@ def _chances(eq: Equation, contest: Sequence[_Contender]) -> list[tuple[_Contend
     table = np.zeros((DRAWS, len(entries) + 1))
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
-        temperature = eq.temperature(min(before.misfit, after.misfit))
+        temperature = price_of_noise(eq, before, after)
         fall = (_costs(eq, before, blocks) - _costs(eq, after, blocks)) / temperature
         table[:, column] = drawn @ fall - (price(after) - price(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS

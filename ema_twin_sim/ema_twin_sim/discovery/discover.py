@@ -115,7 +115,7 @@ def discover(
         # only what was found before may stay beside what is in no catalogue: in company anything fits
         barred |= set(catalogue()) - set(found.fit.hypothesis.effects)
         found = search(eq, null, barred, progress, found.fit)
-        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys)) or ("time",)
+        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     best = found.fit
@@ -147,6 +147,8 @@ def discover(
 def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     """Whether more is left over than the sensors' noise lets expect."""
     for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
+        if not len(o.rows):
+            continue
         allowed = UNEXPLAINED * float(np.median(o.torque_noise))
         if f.predicted.plant["bristle_stiffness"][0] > 0.0:
             allowed *= BRISTLED
@@ -216,6 +218,11 @@ def _constants(f: Fit, spread: np.ndarray) -> dict[str, dict[str, dict[str, obje
         part, _, name = path.partition(".")
         std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
         found.setdefault(part, {})[name] = _refitted(model.value(path), base.value(path), std, CONSTANTS[path].unit)
+    for path, std in ((path, std) for path, std in sure.items() if path.startswith("contact.")):
+        name = path.replace("contact.", "contact_")
+        value, nominal = model.value(f"transmission.{name}"), base.value(f"transmission.{name}")
+        entry = {"value": value, "std": std, "unit": CONSTANTS[f"transmission.{name}"].unit, "nominal": nominal}
+        found.setdefault("transmission", {})[name] = entry
     for name, instance in base.effects.items():
         output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
         path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
@@ -234,8 +241,10 @@ def _why(verdict: str, found: Search, depends_on: tuple[str, ...]) -> str:
     if verdict == "unknown":
         on = ", ".join(depends_on)
         return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
-    last = found.rounds[-1]
+    last = next((turn for turn in reversed(found.rounds) if not turn.added), None)
+    if last is None:
+        return "as many effects were added as a search may add"
     if not last.tried:
         return "nothing is left to try"
-    best = last.tried[0]
-    return f"what is left is the sensors' noise; {' and '.join(best.names)} would gain nothing worth its price"
+    named = " and ".join(name.replace("_", " ") for name in last.tried[0].names)
+    return f"what is left is the sensors' noise; {named} would gain nothing worth its price"

@@ -199,8 +199,7 @@ def _too_small(eq: Equation, found: Search) -> Doubt | None:
 
 def _one_direction(eq: Equation, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
     """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
-    held = {i.effect for i in (*best.hypothesis.added.values(), *best.hypothesis.base.effects.values())}
-    if held & {*_SIDED} or named & {*_SIDED}:
+    if best.hypothesis.held & {*_SIDED} or named & {*_SIDED}:
         return None
     id = next((id for id in _SIDED if id not in without), None)
     if id is None:

@@ -22,6 +22,7 @@ from .smoothing import smooth_at
 POOL = ThreadPoolExecutor(2)
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
+FAR = 1e9  # noise standard deviations that no row is away: least squares
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
@@ -74,7 +75,7 @@ class Equation:
         ]
         self.measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
         self.rows = len(self.measured)
-        self.reach = np.full(self.rows, 1e9)
+        self.reach = np.full(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
 
@@ -205,12 +206,13 @@ class Equation:
 
     def reweigh(self, residual: np.ndarray, most: float = math.inf) -> bool:
         """Let outliers begin where the bulk of a residual ends, at ``most`` at the latest; True if that moved much."""
-        reach = np.empty(self.rows)
+        reach = np.full(self.rows, FAR)
         for _, part in self.parts:
             if part.stop > part.start:
                 reach[part] = min(most, OUTLIER * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
         changed = bool((np.abs(np.log(reach / self.reach)) > 0.1).any())
-        self.reach = reach
+        if changed:  # a fit's misfit is right for the reach that it was made with
+            self.reach = reach
         return changed
 
     def jacobian(

@@ -184,7 +184,7 @@ def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
 def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
     motions = [o.motion[o.rows] for o in eq.observations]
     at = np.concatenate(motions)
-    origins = np.concatenate([[(o.motor_origin, o.output_origin)] * len(o.rows) for o in eq.observations])
+    origins = np.concatenate([np.tile((o.motor_origin, o.output_origin), (len(o.rows), 1)) for o in eq.observations])
     column = REQUIRED.index("transmitted")
     every = zip(eq.observations, after.predicted.required, strict=True)
     left = {name: r[: eq.size] * eq.noise for name, r in residuals.items()}

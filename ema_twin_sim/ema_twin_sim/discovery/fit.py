@@ -62,7 +62,7 @@ class _Beside(Equation):
     @classmethod
     def of(cls, equation: Equation, known: Fit, h: Hypothesis) -> _Beside | None:
         """None where it would not be right: some effect that comes or goes changes how the output moves."""
-        if not known.parted:
+        if not known.parted or h.base is not known.hypothesis.base:
             return None
         beside = cls(equation, known)
         return beside if beside._changes(h) is not None else None
@@ -115,7 +115,7 @@ def fit(
     is, this is not done again.
     """
     slopes = {}
-    if known is not None:
+    if known is not None and known.hypothesis.parted == h.parted:  # else numbers of one name mean other things
         slopes = known.slopes()
         equation = _Beside.of(equation, known, h) or equation
     lower = np.array([f.lower for f in h.free])

@@ -54,6 +54,11 @@ class Hypothesis:
         """The ids of the added effects."""
         return tuple(instance.effect for instance in self.added.values())
 
+    @property
+    def held(self) -> frozenset[str]:
+        """The ids of all effects that act: the model's own and the added."""
+        return frozenset(instance.effect for instance in (*self.base.active.values(), *self.added.values()))
+
     def at(self, values: np.ndarray) -> Hypothesis:
         """The same hypothesis at other values."""
         return replace(self, values=np.asarray(values, float))
@@ -147,7 +152,7 @@ class Hypothesis:
 
     def _sides(self) -> Hypothesis:
         """With the numbers free that only a transmission with play or spring shows, and without them elsewhere."""
-        held = {instance.effect for instance in (*self.added.values(), *self.base.effects.values())}
+        held = self.held
         now = {free.path: float(value) for free, value in zip(self.free, self.values, strict=True)}
         wanted: list[tuple[Free, float]] = []
         if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
@@ -219,7 +224,7 @@ class Hypothesis:
 def null_hypothesis(model: Model) -> Hypothesis:
     """The model as given, its constants free within their tolerances."""
     free = [Free("scale.inertia", 0.3, 3.0, 1e-3, (1.0, PRIOR))]
-    present = dict.fromkeys(instance.effect for instance in model.effects.values() if instance.enabled)
+    present = dict.fromkeys(instance.effect for instance in model.active.values())
     for id in present:
         if id in ("viscous_friction", "coulomb_friction"):
             free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))

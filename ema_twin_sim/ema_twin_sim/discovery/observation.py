@@ -19,6 +19,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.noise import counter_noise
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED
+from ..simulation.simulate import LONGEST_GAP
 from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
@@ -37,6 +38,7 @@ JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apar
 SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 LEAST_ROWS = 100  # of motion, in all recordings together: a second
+LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
 
@@ -97,6 +99,12 @@ def observe(recording: Recording, model: Model) -> Observation:
             f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
             f"(it holds {', '.join(recording.signals)})"
         )
+    longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
+    if longest is not None and longest.duration > LONGEST_GAP:
+        raise InputError(
+            f"{recording.name}: {longest.duration:.4g} s are missing at {longest.time:.4g} s; "
+            "cut it there (--to, --from)"
+        )
     period, time, signals, whole = _even(recording)
     width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
@@ -116,9 +124,10 @@ def observe(recording: Recording, model: Model) -> Observation:
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )
     rows = centres[(judged & moving & driven)[centres]]
-    white = _white_noise(drive) * float(np.linalg.norm(kernel))
+    white = _torque_noise(signals["current"], kernel, model)
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
+    noise = np.maximum(noise, LEAST_NOISE * model.value("drive.torque_limit"))
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
     jumps = _jumps(difference, motion[:, SPEED] * period / ratio)
@@ -259,6 +268,20 @@ def _jumps(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
     spread = 1.4826 * float(np.median(np.abs(out)))
     most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
     return np.where(np.abs(out) > most, out, 0.0)
+
+
+def _torque_noise(current: np.ndarray, kernel: np.ndarray, model: Model) -> float:
+    """Standard deviation [N m] of a smoothed current's torque: its white noise and its resolution.
+
+    Steps that are wide beside the noise are not white: smoothing takes nothing of them away.
+    """
+    levels = np.unique(current)
+    step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
+    noise = model.value("sensors.current_noise")
+    smoothed = float(np.linalg.norm(kernel))
+    coarse = step / math.sqrt(12.0) if step > 2.0 * noise else 0.0
+    white = max(_white_noise(current), noise if coarse else 0.0)
+    return model.value("machine.torque_constant") * math.hypot(white * smoothed, coarse)
 
 
 def _white_noise(values: np.ndarray) -> float:

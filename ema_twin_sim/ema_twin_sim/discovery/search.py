@@ -10,7 +10,7 @@ import numpy as np
 
 from .candidates import candidates
 from .decoys import order_decoys
-from .equation import Equation
+from .equation import FAR, Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING, SIDED, Hypothesis
 from .screening import Screened, screen, screen_decoys
@@ -94,8 +94,11 @@ def search(
     stand beside the effects, and play and spring are those of that end.
     """
     decoyed = wanting is not None
-    current = settle(eq, null)
+    eq.reach = np.full(eq.rows, FAR)
+    current = settle(eq, fit(eq, null.hypothesis))
     rounds: list[Round] = []
+    if current.hypothesis.base.value("machine.output_inertia") == 0.0:
+        without = without | set(PARTING)  # there is nothing behind the teeth
     if parted_encoders(eq, current) and not without >= set(PARTING):
         eq.use_encoder = False
         progress("looking at the torque alone")
@@ -118,7 +121,7 @@ def search(
 
 def _misleading(null: Fit) -> frozenset[str]:
     """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
-    held = {instance.effect for instance in null.hypothesis.base.effects.values()}
+    held = null.hypothesis.held
     return ENCODER_ONLY | LIKE_STRUCTURE | (held & {"viscous_friction", "coulomb_friction"})
 
 
@@ -151,7 +154,7 @@ def _add_structure(eq: Equation, current: Fit, without: frozenset[str], wanting:
         h = _with_gearbox_of(wanting.hypothesis, current.hypothesis)
         turn = _turn(eq, current, [fit(eq, h, 6)] if h is not current.hypothesis else [])
         return turn.after, [turn]
-    tried = [f for f in structural_fits(eq, current) if not without & set(f.hypothesis.effects)]
+    tried = structural_fits(eq, current, without)
     sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
     tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
     turn = _turn(eq, current, tried)
@@ -217,7 +220,7 @@ def prune(eq: Equation, f: Fit) -> Fit:
         best = max(trials, key=lambda g: gain(eq, f, g))
         if gain(eq, f, best) < 0.0 and matters(eq, best, f):
             break
-        f = best
+        f = fit(eq, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
 
 

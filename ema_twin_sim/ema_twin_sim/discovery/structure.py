@@ -29,15 +29,13 @@ RIVAL = 2.0  # times the least misfit up to which a family is fitted to everythi
 SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
 
 
-def structural_fits(eq: Equation, current: Fit) -> list[Fit]:
-    """The current hypothesis with play, with a spring, and with both, each from its best start."""
+def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list[Fit]:
+    """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
     h = with_sensors(eq, current)
-    for name in h.decoys:  # columns of whole recordings; an excerpt has none
-        h = h.without_decoy(name)
     # a rigid train takes an output that lags behind for a lighter one
     h = h.at(np.array([1.0 if free.path == "scale.inertia" else v for free, v in zip(h.free, h.values, strict=True)]))
     h = _on_both_sides(h)
-    held = {i.effect for i in (*h.added.values(), *h.base.effects.values())}
+    held = h.held | without
     spread = _spread(eq)
     part = excerpt(eq)
     springs = [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
@@ -68,7 +66,7 @@ def _on_both_sides(h: Hypothesis) -> Hypothesis:
     apart, and without friction an output would fly through a gap for good.
     """
     dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == "coulomb_friction"}
-    if len(dry) != 1 or any(i.effect == "coulomb_friction" for i in h.base.effects.values()):
+    if len(dry) != 1 or "coulomb_friction" in {i.effect for i in h.base.active.values()}:
         return h
     ((name, found),) = dry.items()
     h = starting(h, {f"effects.{name}.torque": 1.0 - OUTPUT_SHARE})
@@ -93,7 +91,7 @@ def _is_contact(f: Fit) -> bool:
 
 def _sides(h: Hypothesis) -> list[dict[str, float]]:
     """Factors that put more or less of the friction on the output's side, their sum as it was."""
-    dry = h.model().effects.values()
+    dry = h.model().active.values()
     torque = {
         side: sum(i.parameters["torque"] for i in dry if i.effect == "coulomb_friction" and i.options["side"] == side)
         for side in ("motor", "output")

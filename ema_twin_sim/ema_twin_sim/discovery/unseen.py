@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import noise_floors
@@ -54,20 +55,25 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
     """Simulate every recording after every round with the numbers that the other recordings gave."""
     base = found.fit.hypothesis.base
     inputs = [choose_input(recording) for recording in recordings]
-    driven = all(source == "current" for source in inputs)
+    driven = any(source == "current" for source in inputs)  # one headline for all
+    if driven:
+        inputs = ["current"] * len(recordings)
     signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
     fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
     jobs: list[tuple[int, Recording, str, Model]] = []
     for k, f in enumerate(fits):
         alone = len(recordings) < 2
-        numbers = [f.hypothesis.values] if alone else held_out(eq, f)
+        numbers = [f.hypothesis.values] * len(recordings) if alone or k == 0 else held_out(eq, f)
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
             model = base if k == 0 else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
 
     def squares(job: tuple[int, Recording, str, Model]) -> np.ndarray:
         _, recording, source, model = job
-        twin = simulate(model, recording, source)
+        try:
+            twin = simulate(model, recording, source)
+        except InputError:  # such numbers make no motion that can be followed: this is not worked out
+            return np.full(4, np.nan)
         found = []
         for name in (signal, "output_position"):
             measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
@@ -78,13 +84,13 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
 
     table = np.array(list(POOL.map(squares, jobs))).reshape(len(fits), len(recordings), 4)
     rows, counts = table[:, :, 0], table[:, :, 1]
-    floors = noise_floors(base, has_speed=recordings[0].has("speed"), period=recordings[0].sample_period)
+    floors = [noise_floors(base, has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
     each = np.sqrt(rows / np.maximum(counts, 1))
     output = table[:, :, 2:].sum(axis=1)
     return Unseen(
         signal,
         unit,
-        floors[signal],
+        math.sqrt(sum(floor**2 for floor in floors) / len(floors)),
         tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
         tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
         tuple(math.sqrt(s / n) for s, n in output) if output[:, 1].all() else (),

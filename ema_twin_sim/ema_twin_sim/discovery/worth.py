@@ -1,7 +1,7 @@
 """Worth: what an effect must gain to be named. Every effect and every number that it brings has a price.
 
-Prices are in units of the noise, half of a chi-square: what is not there gains a few by chance, and more where the
-best of many is taken. They were set on benches with nothing hidden, so that none of these is accused.
+Prices are in units of the noise, a chi-square over the rows' correlation: what is not there gains a few by chance, and
+more where the best of many is taken. They were set on benches with nothing hidden, so that none of these is accused.
 """
 
 from __future__ import annotations
@@ -38,10 +38,13 @@ def price(f: Fit) -> float:
 
 def gain(eq: Equation, before: Fit, after: Fit) -> float:
     """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
-    temperature = eq.temperature(min(before.misfit, after.misfit))
-    if before.parted and after.parted:
-        temperature *= SHAKY  # beside an output that bounces, more is fitted by chance
-    return (before.misfit - after.misfit) / temperature + price(before) - price(after)
+    return (before.misfit - after.misfit) / price_of_noise(eq, before, after) + price(before) - price(after)
+
+
+def price_of_noise(eq: Equation, before: Fit, after: Fit) -> float:
+    """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
+    shaky = SHAKY if before.parted and after.parted else 1.0
+    return shaky * eq.temperature(min(before.misfit, after.misfit))
 
 
 def unique(eq: Equation, before: Fit, after: Fit) -> float:
@@ -86,7 +89,7 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
     parted = f.parted
     found = []
     for o, part in zip(eq.observations, eq.torque_parts, strict=True):
-        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]
+        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]  # of a standstill there are none
         if len(z) < FEWEST:
             found.append(0.0)
             continue

@@ -16,7 +16,8 @@ from .freedom import Number, split
 from .solver import Solution
 from .uncertainty import Uncertainty
 
-AT_BOUND = 0.05  # standard errors within which a number is on its bound
+AT_BOUND = 0.05  # standard errors within which a number is on its bound, and share of its scale
+NEAR_BOUND = 0.02
 SEEN = 2.0  # standard deviations by which a typical change of a number must show
 NEEDED = 2.0  # standard errors by which a size must differ from none
 ALIKE = 0.95  # correlation from which on two numbers cannot be told apart
@@ -129,7 +130,7 @@ def _finding(kind: str, number: Number, text: str) -> Finding:
 def _bound(number: Number, value: float, std: float) -> str | None:
     """The bound that a number has run against, if any."""
     for bound, side in ((number.lower, "lower"), (number.upper, "upper")):
-        if abs(value - bound) <= AT_BOUND * std:
+        if abs(value - bound) <= min(AT_BOUND * std, NEAR_BOUND * number.scale):
             return side
     return None
 

@@ -10,18 +10,16 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
+from ..discovery.hypothesis import INERTIAS, PARTING, SIDES_PRIOR
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
 
-INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 FRICTION = ("viscous_friction", "coulomb_friction")
 FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
-SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 WEAK = 3.0  # times its typical size that a number wanders where the recordings say nothing of it
 WEAK_ANGLE = 10.0  # rad
-PARTING = ("backlash", "shaft_compliance")
 WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked

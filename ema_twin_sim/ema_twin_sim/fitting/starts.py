@@ -10,11 +10,12 @@ import numpy as np
 
 from ..discovery.equation import Equation
 from ..discovery.excerpt import excerpt
+from ..discovery.hypothesis import PARTING
 from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS
 from ..discovery.valleys import NARROW, WIDE
 from ..effects import catalogue
 from .equation_misfit import EquationMisfit
-from .freedom import PARTING, Freedom, split, waves
+from .freedom import Freedom, split, waves
 from .solver import Solution, refine, solve
 
 FINALISTS = 4
@@ -36,9 +37,9 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
         if part == "effects" and freedom.model.effects[name].effect in PARTING:
             grid = {"stiffness": STIFFNESS, "damping": DAMPING, "width": _widths(equation)}[parameter]
             choices[k] = (float(freedom.start[k]), *grid)
-    part_of = excerpt(equation) if choices else equation
-    if not choices or part_of.rows == 0:
+    if not choices or not any(len(o.encoder_rows) for o in equation.observations):
         return [freedom.start]
+    part_of = excerpt(equation)
     progress("trying starts of what parts the encoders")
     misfit = EquationMisfit(part_of, freedom)
     part_of.reach = np.full(part_of.rows, WIDE)

@@ -51,6 +51,11 @@ class Model:
         for name in ("kinds", "constants", "effects"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
+    @property
+    def active(self) -> dict[str, EffectInstance]:
+        """The effects that are switched on, by name."""
+        return {name: instance for name, instance in self.effects.items() if instance.enabled}
+
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
         return self.constants[path].value

@@ -59,6 +59,11 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     for name, value in within.items():
         if not lower <= value <= upper:
             raise check.error(f"{place}.{name}", f"{value:g} is out of bounds", f"give {lower:g} to {upper:g}")
+    for name in ("periodic", "at_rest"):
+        if not isinstance(getattr(parameter, name), bool):
+            raise check.error(f"{place}.{name}", f"is {getattr(parameter, name)!r}", "give True or False")
+    if parameter.neutral is not None:
+        check.number(parameter.neutral, f"{place}.neutral")
     default, *starts = within.values()
     return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts))
 
