@@ -1,0 +1,114 @@
+"""Discovery where recordings or models are not as usual: coarse currents, standstills, jumps, gaps, one-sided models."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery.diagnose import diagnose
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.evidence import evidence_json
+from ema_twin_sim.discovery.fit import fit
+from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.discovery.observation import observe, observe_all
+from ema_twin_sim.discovery.structure import structural_fits
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
+
+
+def record(model, commands=COMMANDS, seconds=10.0):
+    return [
+        virtual_bench(model, parse_command(text), seconds, seed=1 + k, name=f"run{k}")
+        for k, text in enumerate(commands)
+    ]
+
+
+def with_signals(recording, signals, stamps=None):
+    return Recording(
+        recording.name,
+        recording.stamps if stamps is None else stamps,
+        signals,
+        motor_angle_origin=recording.motor_angle_origin,
+        output_angle_origin=recording.output_angle_origin,
+    )
+
+
+@pytest.mark.parametrize("step", [0.01, 0.02])
+def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock):
+    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
+    coarse = [
+        with_signals(r, {**r.signals, "current": step * np.round(r.signals["current"] / step)}) for r in record(true)
+    ]
+    found = discover(coarse, stock)
+    assert (found.verdict, found.added) == ("explained", ("gravity_load",))
+
+
+def test_a_recording_at_standstill_among_others_is_no_error(stock):
+    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
+    recordings = [*record(true), virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still")]
+    found = discover(recordings, stock)
+    assert found.added == ("gravity_load",)
+    assert evidence_json(found)["steps"]
+    assert diagnose(recordings, stock, without=["gravity_load", "constant_load"]).verdict != "gravity_load"
+
+
+def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
+    bare = [with_signals(r, {n: v for n, v in r.signals.items() if n != "output_position"}) for r in record(stock)]
+    fitted = fit_model(bare, stock.with_effect("backlash", {"width": 0.002}), method="equation")
+    assert 0.0 < fitted.parameters["backlash"]["width"]["value"] < 0.0021  # the torque has none to show
+
+
+def test_counts_that_a_counter_lost_are_no_play(plain_pair, stock):
+    recording, jumped = plain_pair
+    whole, broken = observe(recording, stock), observe(jumped, stock)
+    assert whole.encoder_piece.max() == 0 and broken.encoder_piece.max() == 1
+    found = discover([jumped, *record(stock)[1:]], stock)
+    assert (found.verdict, found.added) == ("none", ())
+
+
+@pytest.fixture
+def plain_pair(stock):
+    """A recording of the stock machine, and the same whose output encoder loses 2 mrad on its way."""
+    recording = record(stock)[0]
+    lost = recording.signals["output_position"] - 0.002 * (recording.time > 6.0)
+    return recording, with_signals(recording, {**recording.signals, "output_position": lost})
+
+
+def test_a_long_gap_is_refused_with_its_place(stock):
+    recording = record(stock)[0]
+    stamps = recording.stamps + np.where(recording.time > 5.0, 90 * 10**9, 0)
+    with pytest.raises(InputError, match=r"run0: 90 s are missing at 5\.?\d* s; cut it there"):
+        observe(with_signals(recording, dict(recording.signals), stamps), stock)
+
+
+def test_an_effect_that_is_switched_off_can_be_found(stock):
+    model = stock.with_effect("gravity_load", {"torque": 0.05, "angle": 0.0}).with_enabled("gravity_load", False)
+    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
+    assert discover(record(true), model).added == ("gravity_load",)
+
+
+def test_coulomb_friction_is_found_on_both_sides_of_play(stock):
+    start = stock.without_effect("coulomb_friction")
+    recordings = record(stock.with_effect("backlash", {"width": 0.003}), ("sine:0.05:0.4", *COMMANDS[:2]))
+    found = discover(recordings, start)
+    assert sorted(found.added) == ["backlash", "coulomb_friction"]
+    sides = {entry["options"]["side"]: entry for entry in found.parameters.values() if "torque" in entry}
+    assert sides["output"]["torque"]["value"] == pytest.approx(0.045, rel=0.15)
+    assert sides["motor"]["torque"]["value"] == pytest.approx(0.0676, rel=0.15)
+
+
+def test_play_that_is_barred_leaves_the_spring_to_be_tried(stock):
+    eq = Equation(observe_all(record(stock.with_effect("backlash", {"width": 0.003})), stock))
+    tried = structural_fits(eq, fit(eq, null_hypothesis(stock)), frozenset({"backlash"}))
+    assert [f.hypothesis.effects for f in tried] == [("shaft_compliance",)]
+
+
+def test_the_numbers_of_teeth_that_were_fitted_are_told(stock):
+    found = discover(record(stock.with_effect("backlash", {"width": 0.003})), stock)
+    assert found.added == ("backlash",)
+    told = found.constants["transmission"]["contact_stiffness"]
+    assert told["value"] == found.model.value("transmission.contact_stiffness") != told["nominal"]
