@@ -1,4 +1,4 @@
-"""Discovery where recordings or models are not as usual: coarse currents, standstills, jumps, gaps, one-sided models."""
+"""Discovery where recordings or models are not as usual: coarse currents, standstills, jumps, gaps, one side."""
 
 import numpy as np
 import pytest

@@ -63,7 +63,7 @@ def run(
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
-    sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on)
+    sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without)
     console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
     show(diagnosis)
     warn_of(diagnosis.warnings, given.recordings)
@@ -90,7 +90,7 @@ def show(diagnosis: Diagnosis) -> None:
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         console.print(
-            "Error removed: the share above the sensors' noise, on data that was not fitted to."
+            "Error removed: the share above the sensors' noise, where there are several recordings in those not fitted to."
             + (" Effects that are all missing share the probability." if sharing else ""),
             style="dim",
             soft_wrap=True,

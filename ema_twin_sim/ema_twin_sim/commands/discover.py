@@ -67,22 +67,24 @@ def run(
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
-    show(found)
+    show(found, given.without)
     show_doubts(found.groups, found.next_recording)
     console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
     warn_of(found.warnings, given.recordings)
     console.print(f"\n{output} is the new model. See how far off it is:", markup=False, soft_wrap=True)
     again = " ".join(f"--with {file}" for file in with_files or ())
-    named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0]} …"
+    named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0].parent}/*{runs[0].suffix}"
     console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
     if evidence is not None:
         console.print(f"  rerun {evidence}     (what each step left over)", markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
 
 
-def show(found: Discovery) -> None:
+def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    console.print(f"[bold]{verdict_sentence(found.verdict, found.added, found.depends_on)}[/bold]", soft_wrap=True)
+    console.print(
+        f"[bold]{verdict_sentence(found.verdict, found.added, found.depends_on, without)}[/bold]", soft_wrap=True
+    )
     if found.steps:
         console.print(_steps(found))
     if found.parameters:
@@ -103,9 +105,10 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
 def _steps(found: Discovery) -> Table:
     from ..effects import catalogue
 
+    several = len(found.unseen.recordings) > 1
     signal = found.unseen.signal.replace("_", " ")
     table = Table(
-        title=f"\nSteps, judged by the {signal} of recordings that were not fitted to "
+        title=f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
         f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})",
         title_justify="left",
         pad_edge=False,

@@ -47,9 +47,15 @@ def load_runs(
 
 
 def find_recordings(path: Path) -> list[Path]:
-    """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these."""
-    if not path.is_dir() or any(path.glob("*.mcap")):
+    """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these.
+
+    A folder of several .mcap that are no bag together (it has no metadata.yaml) holds a recording in each.
+    """
+    files = sorted(path.glob("*.mcap")) if path.is_dir() else []
+    if not path.is_dir() or len(files) == 1 or (files and (path / "metadata.yaml").exists()):
         return [path]
+    if files:
+        return files
     inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
     return inside or [path]
 

@@ -33,8 +33,13 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
-def verdict_sentence(verdict: str, effects: Sequence[str], depends_on: Sequence[str]) -> str:
-    """What the recordings say of a model; ``verdict`` is explained, none or unknown."""
+def verdict_sentence(
+    verdict: str, effects: Sequence[str], depends_on: Sequence[str], without: Sequence[str] = ()
+) -> str:
+    """What the recordings say of a model; ``verdict`` is explained, none or unknown.
+
+    ``without`` are effects that were not looked for.
+    """
     lacks = f"Your model lacks {listed(map(effect_words, effects))}" if effects else ""
     if verdict == "none":
         return "Nothing is missing that these recordings could show."
@@ -42,7 +47,10 @@ def verdict_sentence(verdict: str, effects: Sequence[str], depends_on: Sequence[
         return f"{lacks}."
     left = "" if not depends_on else "; what is left depends on " + listed(_DEPENDENCES.get(d, d) for d in depends_on)
     start = f"{lacks}; and something more" if lacks else "Something"
-    return f"{start} is missing that no effect of the catalogue explains{left}."
+    looked_for = "effect of the catalogue explains"
+    if without:
+        looked_for = f"effect but perhaps {listed(map(effect_words, without), 'or')} (not looked for) explains"
+    return f"{start} is missing that no {looked_for}{left}."
 
 
 def options_words(options: Mapping[str, str]) -> str:

@@ -21,7 +21,7 @@ from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
-from .discover import Discovery, discover
+from .discover import Discovery, discover, reported
 from .equation import POOL, Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING
@@ -155,7 +155,6 @@ def weigh(found: Discovery, recordings: Sequence[Recording]) -> Diagnosis:
     removed = _removed(eq, recordings, [contenders[key] for key in order[:SIMULATED]])
     ranking = tuple(_ranked(eq, contenders[key], mass[key], removed.get(key), key in worth) for key in order)
     verdict = ranking[0].effect if found.verdict == "explained" else found.verdict
-    alone = ("one recording: errors removed are of the data that was fitted to; give several",)
     return Diagnosis(
         verdict,
         ranking,
@@ -164,7 +163,7 @@ def weigh(found: Discovery, recordings: Sequence[Recording]) -> Diagnosis:
         found.groups,
         found.depends_on,
         found.next_recording,
-        (*found.warnings, *(alone if len(recordings) == 1 else ())),
+        found.warnings,
     )
 
 
@@ -242,7 +241,7 @@ def _ranked(eq: Equation, contender: _Contender, probability: float, removed: fl
     parameters = {
         p.name: {
             "value": instance.parameters[p.name],
-            "std": sure.get(f"effects.{contender.name}.{p.name}"),
+            "std": reported(sure.get(f"effects.{contender.name}.{p.name}"), instance.parameters[p.name], p),
             "unit": p.unit,
         }
         for p in catalogue()[instance.effect].parameters

@@ -12,7 +12,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..effects import catalogue
+from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from .contradictions import contradictions
@@ -24,11 +24,16 @@ from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
 from .search import Round, Search, search
+from .split import with_best_split
 from .uncertainty import covariance
 from .unseen import Unseen, judge_unseen
 from .worth import SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+THOUGHTS = 3  # of the effects that were found first, those that are doubted where something is left
+NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
+FAR_OFF = 3.0  # tolerances of a constant
+ALONE = ("one recording: what it is judged by was fitted to; give several",)
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 BRISTLED = 2.0  # times that where friction gives way before it slides: every law of that does so a little differently
 REMAINDER = 0.3  # of what the start model leaves over, there
@@ -108,6 +113,9 @@ def discover(
     start_left = left_over(eq, found.rounds[0].before)
     verdict = "none"
     depends_on: tuple[str, ...] = ()
+    if unexplained(eq, found.fit, start_left) and not found.fit.parted:
+        progress("something is left: thinking again of what was found")
+        found = _thought_again(eq, null, barred, found, start_left)
     if unexplained(eq, found.fit, start_left):
         progress("something is left: looking for what it depends on")
         verdict = "unknown"
@@ -118,6 +126,7 @@ def discover(
         depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
+    found = with_best_split(eq, recordings, found)
     best = found.fit
     if verdict != "unknown" and best.hypothesis.added:
         verdict = "explained"
@@ -135,8 +144,13 @@ def discover(
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),
-        _why(verdict, found, depends_on),
-        (*(warning for recording in recordings for warning in recording.warnings), *contradictions(eq, best)),
+        _why(verdict, found, depends_on, unseen),
+        (
+            *(warning for recording in recordings for warning in recording.warnings),
+            *contradictions(eq, best),
+            *_far_off(best),
+            *(ALONE if len(recordings) == 1 else ()),
+        ),
         unseen,
         found,
         eq,
@@ -157,6 +171,22 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
         if left > allowed:
             return True
     return False
+
+
+def _thought_again(
+    eq: Equation, null: Fit, barred: frozenset[str], found: Search, start_left: Sequence[float]
+) -> Search:
+    """A search that explains everything without one of the effects that came first, or the one that was given.
+
+    One step at a time, an effect may come in that stands for two others, and keep them out.
+    """
+    firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
+    for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
+        other = search(eq, null, barred | {effect})
+        if not other.fit.parted and not unexplained(eq, other.fit, start_left):
+            return other
+    eq.reach = found.reach
+    return found
 
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
@@ -191,6 +221,16 @@ def _tried(turn: Round) -> list[dict[str, object]]:
     ]
 
 
+def _far_off(f: Fit) -> list[str]:
+    """What to say of constants that ended far outside of their tolerance."""
+    return [
+        f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
+        "is that file of this machine, or do these recordings tell too little of it?"
+        for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
+        if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > FAR_OFF * free.prior[1]
+    ]
+
+
 def _parameters(f: Fit, spread: np.ndarray) -> dict[str, dict[str, Any]]:
     sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
     found: dict[str, dict[str, Any]] = {}
@@ -200,13 +240,16 @@ def _parameters(f: Fit, spread: np.ndarray) -> dict[str, dict[str, Any]]:
         effect = catalogue()[instance.effect]
         entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
         for p in effect.parameters:
-            std = sure.get(f"effects.{name}.{p.name}")
             value = instance.parameters[p.name]
-            if std is not None and not p.periodic:
-                std = math.hypot(std, CALIBRATION * value)
+            std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
             entry[p.name] = {"value": value, "std": std, "unit": p.unit}
         found[name] = entry
     return found
+
+
+def reported(std: float | None, value: float, parameter: Parameter) -> float | None:
+    """A standard error with what two right formulations of the same physics differ by."""
+    return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
 
 
 def _constants(f: Fit, spread: np.ndarray) -> dict[str, dict[str, dict[str, object]]]:
@@ -237,7 +280,7 @@ def _refitted(value: float, nominal: float, relative_std: float, unit: str) -> d
     return {"value": value, "std": relative_std * nominal, "unit": unit, "nominal": nominal}
 
 
-def _why(verdict: str, found: Search, depends_on: tuple[str, ...]) -> str:
+def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
     if verdict == "unknown":
         on = ", ".join(depends_on)
         return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
@@ -246,5 +289,9 @@ def _why(verdict: str, found: Search, depends_on: tuple[str, ...]) -> str:
         return "as many effects were added as a search may add"
     if not last.tried:
         return "nothing is left to try"
-    named = " and ".join(name.replace("_", " ") for name in last.tried[0].names)
-    return f"what is left is the sensors' noise; {named} would gain nothing worth its price"
+    if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
+        return (
+            "no effect explains more; what the simulated current still misses lies at impacts, whose instants a loop "
+            "with play or spring does not meet to the millisecond"
+        )
+    return "no effect explains more of what is left than the sensors' noise would let it by chance"

@@ -38,6 +38,7 @@ JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apar
 SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 LEAST_ROWS = 100  # of motion, in all recordings together: a second
+FEWEST = 10  # samples
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
@@ -99,6 +100,8 @@ def observe(recording: Recording, model: Model) -> Observation:
             f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
             f"(it holds {', '.join(recording.signals)})"
         )
+    if len(recording) < FEWEST:
+        raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(

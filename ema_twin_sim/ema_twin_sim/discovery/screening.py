@@ -10,7 +10,7 @@ import numpy as np
 
 from ..effects import Effect, catalogue
 from .candidates import Candidate, starts
-from .equation import CORRELATION, POOL, Equation
+from .equation import POOL, Equation
 from .fit import Fit, prior_rows
 
 SMALL = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
@@ -18,7 +18,7 @@ SMALL = 1e-2  # of a typical size: at which an effect is taken to grow in propor
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate's gain in sum of squares by linear regression, and the parameters it begins with."""
+    """A candidate's gain, in units of the noise, by linear regression, and the parameters it begins with."""
 
     candidate: Candidate
     start: dict[str, float]
@@ -33,15 +33,17 @@ class _Known:
     basis: np.ndarray  # (m, k)
     upper: np.ndarray  # (k, k), times the basis: the slopes
     left: np.ndarray  # (m,)
+    heat: float  # what a row is divided by to count as much as a prior does
 
     @classmethod
-    def of(cls, f: Fit) -> _Known:
+    def of(cls, eq: Equation, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
-        slopes = np.concatenate([f.jacobian, pj])
+        heat = math.sqrt(eq.temperature(f.misfit))
+        slopes = np.concatenate([f.jacobian / heat, pj])
         size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-30)
         basis, upper = np.linalg.qr(slopes / size)
-        residual = np.concatenate([f.residual, pr])
-        return cls(basis, upper * size, residual - basis @ (basis.T @ residual))
+        residual = np.concatenate([f.residual / heat, pr])
+        return cls(basis, upper * size, residual - basis @ (basis.T @ residual), heat)
 
     def shift(self, rows: np.ndarray) -> np.ndarray:
         """By how much (k,) the free numbers give way where ``rows`` (m,) more are predicted."""
@@ -49,8 +51,8 @@ class _Known:
 
 
 def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
-    """Each candidate's gain, at its best start, best first."""
-    known = _Known.of(f)
+    """Each candidate's gain before its price, at its best start, best first."""
+    known = _Known.of(eq, f)
     jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect])]
     found: dict[str, Screened] = {}
     for c, screened in POOL.map(lambda job: (job[0], _screened(eq, f, known, *job)), jobs):
@@ -81,7 +83,7 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
         rows = eq.beside(f.hypothesis, f.predicted, h.instance(list(h.added)[-1])) if size.neutral is not None else None
         if rows is None:
             rows = eq.centred(eq.predict(h).rows - f.predicted.rows, f.weights)
-        return np.concatenate([rows * f.weights / per, np.zeros(len(known.left) - len(f.raw))])
+        return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
 
     columns = np.stack([column(s) for s in group], 1)
     if not np.isfinite(columns).all():
@@ -113,16 +115,18 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
 
 
 def screen_decoys(eq: Equation, f: Fit) -> list[tuple[float, str]]:
-    """(gain in sum of squares, name) of each decoy by linear regression, best first."""
-    known = _Known.of(f)
+    """(gain before its price, name) of each decoy by linear regression, best first."""
+    known = _Known.of(eq, f)
     q, r = known.basis, known.left
     found = []
     for name, columns in eq.decoys.items():
         if name in f.hypothesis.decoys:
             continue
-        a = np.concatenate([columns * f.weights[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))])
+        a = np.concatenate(
+            [columns * f.weights[:, None] / known.heat, np.zeros((len(r) - len(f.raw), columns.shape[1]))]
+        )
         a -= q @ (q.T @ a)
         u, s, _ = np.linalg.svd(a, full_matrices=False)
         u = u[:, s > 1e-6 * max(s[0], 1e-12)]
-        found.append((float(np.sum((u.T @ r) ** 2)) - 2.0 * CORRELATION * u.shape[1], name))
+        found.append((float(np.sum((u.T @ r) ** 2)) - 2.0 * u.shape[1], name))
     return sorted(found, reverse=True)

@@ -20,7 +20,7 @@ from .worth import ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
-PROMISING = 40.0  # fall of the misfit from which on an effect is always worth a fit
+PROMISING = 8.0  # gain before its price from which on an effect is worth a fit, however much others gain
 ROUNDS = 10  # at most
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
@@ -73,6 +73,7 @@ class Search:
 
     fit: Fit
     rounds: tuple[Round, ...]
+    reach: np.ndarray  # (m,) that the end was fitted with
 
     @property
     def taken(self) -> tuple[Round, ...]:
@@ -116,7 +117,7 @@ def search(
     else:
         without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
     current, by_all = _add_effects(eq, current, without, progress, decoyed)
-    return Search(current, (*rounds, *by_all))
+    return Search(current, (*rounds, *by_all), eq.reach)
 
 
 def _misleading(null: Fit) -> frozenset[str]:

@@ -25,6 +25,7 @@ SURE = 40.0  # gain from which on friction in proportion to a load may be smalle
 VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
+LARGEST = 2.0  # times the largest torque measured: what one effect may come to
 AT_BOUND = 0.99  # of a bound, from which on a number stands on it
 FEWEST = 20  # rows of a recording that tell anything
 
@@ -69,7 +70,7 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
 
 def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
-    if _does_nothing(after):
+    if _does_nothing(after) or _too_large(eq, after):
         return False
     fall = before.misfit - after.misfit
     excess = max(before.misfit - eq.judged, 0.0)
@@ -97,6 +98,17 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
         excess = max(float(np.mean(sizes**2)) - 1.0, 0.0)
         found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
     return found
+
+
+def _too_large(eq: Equation, f: Fit) -> bool:
+    """Whether some effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
+    most = LARGEST * float(np.abs(eq.torque).max(initial=0.0))
+    for name in f.hypothesis.added:
+        instance = f.hypothesis.instance(name)
+        size = catalogue()[instance.effect].parameters[0]
+        if size.unit == "N m" and abs(instance.parameters[size.name]) > most:
+            return True
+    return False
 
 
 def _does_nothing(f: Fit) -> bool:
