@@ -90,7 +90,7 @@ def show(diagnosis: Diagnosis) -> None:
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         console.print(
-            "Error removed: the share above the sensors' noise, where there are several recordings in those not fitted to."
+            "Error removed: the share above the sensors' noise; of several recordings, in those not fitted to."
             + (" Effects that are all missing share the probability." if sharing else ""),
             style="dim",
             soft_wrap=True,
