@@ -80,14 +80,16 @@ def doubts(
         if instance.effect in PARTING:
             continue  # what parts the encoders was decided by their difference
         wanted: set[str] = set()
+        fits: tuple[Fit, ...] = ()
         if instance.effect in standing:
             rivalry = standing[instance.effect]
+            fits = tuple(f for f in rivalry.fits if name not in f.hypothesis.added)
             wanted = {*rivalry.group} - {instance.effect}
             if rivalry.behind < OPEN:
                 wanted.add(rivalry.runner_up)
         if thorough and not best.parted:  # a gearbox takes too long to try everything on
             wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
-        doubt = _about(eq, best, name, wanted, without)
+        doubt = _about(eq, best, name, wanted, without, fits)
         if doubt is not None:
             held.append(doubt)
     doubt = _too_small(eq, found)
@@ -113,14 +115,16 @@ def information(eq: Equation, f: Fit) -> np.ndarray:
     return f.jacobian.T @ f.jacobian / eq.temperature(f.misfit) + pj.T @ pj
 
 
-def _about(eq: Equation, best: Fit, name: str, wanted: set[str], without: frozenset[str]) -> Doubt | None:
-    """The doubt about one found effect: what of its alternatives, none included, loses by little."""
+def _about(
+    eq: Equation, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
+) -> Doubt | None:
+    """The doubt about a found effect: what of its alternatives, none included, loses by little; some have ``fits``."""
     instance = best.hypothesis.added[name]
     kinds = _other_kinds(best.hypothesis, name, without)
-    if not (wanted or kinds or _may_be_nothing(eq, best, name)):
+    if not (wanted or kinds or fits or _may_be_nothing(eq, best, name)):
         return None
     bare = fit(eq, best.hypothesis.without(name), 4, known=best)
-    tried = []
+    tried = list(fits)
     if wanted:
         barred = without | (frozenset(catalogue()) - wanted)
         tried += [fit(eq, h, 6, known=bare) for h in entrants(eq, bare, barred)[:ALTERNATIVES]]
