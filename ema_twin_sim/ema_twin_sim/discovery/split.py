@@ -1,8 +1,8 @@
 """Split: how inertia and friction are shared between the motor's side and the output's.
 
 Their sums show in every motion, their shares only while play or a spring parts the sides, and there the equation error
-knows them to a few per cent: enough to be milliseconds off at every impact. So the shares of the model file are held
-against the fitted ones in the closed loop, and those that follow the recordings better stay.
+knows them to a few per cent: enough to be milliseconds off at every impact. So the shares of the model file, and its
+teeth, are held against the fitted ones in the closed loop, and those that follow the recordings better stay.
 """
 
 from __future__ import annotations
@@ -28,24 +28,34 @@ BETTER = 0.98  # of the squared error: what the model file's shares must reach t
 
 
 def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search) -> Search:
-    """The search, the end of it with the model file's shares where these follow the recordings better."""
+    """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
     best = found.fit
     inputs = [choose_input(recording) for recording in recordings]
     if not best.parted or not found.taken or "current" in inputs:
         return found
-    totals = _as_the_model_shares(best.hypothesis)
-    held = tuple(
-        replace(free, lower=totals[free.path], upper=totals[free.path]) if free.path in totals else free
-        for free in best.hypothesis.free
-    )
-    other = fit(eq, replace(best.hypothesis, free=held))
-    other = fit(eq, best.hypothesis.at(other.hypothesis.values), 0)  # all numbers free again, where they are
-    fitted, shared = (_error(f.hypothesis.model(), recordings, inputs) for f in (best, other))
-    if not shared < BETTER * fitted:
+    shared = _held(best.hypothesis, _as_the_model_shares(best.hypothesis))
+    shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are
+    contact = {
+        free.path: shared.base.value(free.path.replace("contact.", "transmission.contact_"))
+        for free in shared.free
+        if free.path.startswith("contact.")
+    }
+    others = [shared, *([_held(shared, contact)] if contact else [])]
+    fitted, *errors = (_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
+    least = int(np.argmin(errors))
+    if not errors[least] < BETTER * fitted:
         return found
+    other = fit(eq, others[least], 0)
     last = found.taken[-1]
     rounds = tuple(replace(turn, after=other) if turn is last else turn for turn in found.rounds)
     return replace(found, fit=other, rounds=rounds)
+
+
+def _held(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
+    """A hypothesis with some numbers, by path, held at values."""
+    free = tuple(replace(f, lower=values[f.path], upper=values[f.path]) if f.path in values else f for f in h.free)
+    now = [values.get(f.path, v) for f, v in zip(h.free, h.values, strict=True)]
+    return replace(h, free=free, values=np.array(now))
 
 
 def _as_the_model_shares(h: Hypothesis) -> Mapping[str, float]:
