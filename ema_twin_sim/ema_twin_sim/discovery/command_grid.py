@@ -18,7 +18,7 @@ _HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # s
 
 
 @dataclass(frozen=True)
-class Trial:
+class Planned:
     """A command as ``simulate --command`` takes it, and for how long it is worth recording."""
 
     command: str
@@ -31,18 +31,18 @@ class Trial:
         return self.command.partition(":")[0]
 
 
-def command_grid(limits: Limits, slowest: float, position_gain: float, *, few: bool = False) -> tuple[Trial, ...]:
+def command_grid(limits: Limits, slowest: float, position_gain: float, *, few: bool = False) -> tuple[Planned, ...]:
     """Commands whose speed and travel keep within limits; ``few`` takes a handful of them.
 
     ``slowest`` [rad/s] is the speed of the slow shaft below which nothing can be judged, ``position_gain`` [1/s of the
     slow shaft] tells how fast the position loop answers a step.
     """
-    found: dict[str, Trial] = {}
+    found: dict[str, Planned] = {}
 
     def offer(kind: str, size: float, pace: float | None, half: float, top: float, seconds: float = LONGEST) -> None:
         if top >= slowest:
             text = f"{kind}:{size:g}" + ("" if pace is None else f":{pace:g}")
-            found.setdefault(text, Trial(text, seconds, math.floor(seconds / half)))
+            found.setdefault(text, Planned(text, seconds, math.floor(seconds / half)))
 
     halves = _FEW_HALVES if few else _HALVES
     for share in _FEW_SPEEDS if few else _SPEEDS:

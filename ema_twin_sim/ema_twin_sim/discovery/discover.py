@@ -18,8 +18,8 @@ from ..model.constants import CONSTANTS
 from .contradictions import contradictions
 from .decoys import add_decoys, dependence
 from .equation import Equation
-from .fit import Fit, fit
-from .hypothesis import INERTIAS, null_hypothesis
+from .fit import Fit
+from .hypothesis import INERTIAS, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
@@ -107,7 +107,7 @@ def discover(
     """
     progress("reading the motion")
     eq = Equation(observe_all(list(recordings), model))
-    null = fit(eq, null_hypothesis(model))
+    null = null_hypothesis(model)
     barred = frozenset(without)
     found = search(eq, null, barred, progress)
     start_left = left_over(eq, found.rounds[0].before)
@@ -174,7 +174,7 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
 
 
 def _thought_again(
-    eq: Equation, null: Fit, barred: frozenset[str], found: Search, start_left: Sequence[float]
+    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, start_left: Sequence[float]
 ) -> Search:
     """A search that explains everything without one of the effects that came first, or the one that was given.
 

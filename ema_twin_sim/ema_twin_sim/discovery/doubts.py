@@ -31,7 +31,7 @@ OPEN = 16.0
 ALTERNATIVES = 3
 """Explanations that are held against a found effect."""
 NOTHING = "none"
-_SIDED = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
+_SHOWN_BY_REVERSALS = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
 _NOTED = 0.5  # share of the smallest size worth a name from which on an effect is worth another look
 _SURE = 64.0  # squared standard errors above zero from which on nobody asks whether an effect is there at all
 _MOVING = 0.1  # s of motion that make a direction
@@ -203,9 +203,9 @@ def _too_small(eq: Equation, found: Search) -> Doubt | None:
 
 def _one_direction(eq: Equation, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
     """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
-    if best.hypothesis.held & {*_SIDED} or named & {*_SIDED}:
+    if best.hypothesis.held & {*_SHOWN_BY_REVERSALS} or named & {*_SHOWN_BY_REVERSALS}:
         return None
-    id = next((id for id in _SIDED if id not in without), None)
+    id = next((id for id in _SHOWN_BY_REVERSALS if id not in without), None)
     if id is None:
         return None
     rival = Rival(id, _as_large_as_may_be(eq, best, id))

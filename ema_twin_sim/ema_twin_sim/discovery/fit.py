@@ -17,10 +17,10 @@ class Fit:
 
     hypothesis: Hypothesis
     predicted: Prediction
-    raw: np.ndarray
-    weights: np.ndarray
-    jacobian: np.ndarray
-    misfit: float
+    raw: np.ndarray  # (m,) measured minus predicted, in units of noise
+    weights: np.ndarray  # (m,) square roots of what each row counts
+    jacobian: np.ndarray  # (m, k) weighted slopes of the prediction to the free numbers
+    misfit: float  # without the priors
     prior_cost: float
 
     @property
@@ -72,14 +72,13 @@ class _Beside(Equation):
     ) -> Prediction:
         """What the hypothesis predicts, to first order in what it shares with the known fit."""
         known = self._known
-        now = {free.path: float(value) for free, value in zip(h.free, h.values, strict=True)}
+        now = h.by_path
         changes = self._changes(h)
         assert changes is not None  # else there is no such equation
         rows = known.predicted.rows + changes
-        for free, value in zip(known.hypothesis.free, known.hypothesis.values, strict=True):
-            gone = free.path.startswith("decoy.")
-            if free.path in now or gone:
-                rows += self._slopes[free.path] * (now.get(free.path, 0.0) - value)
+        for path, value in known.hypothesis.by_path.items():
+            if path in now or path.startswith("decoy."):  # of a decoy that went, nothing is left
+                rows += self._slopes[path] * (now.get(path, 0.0) - value)
         for path, value in now.items():
             if path.startswith("decoy.") and path not in self._slopes:
                 _, name, place = path.split(".")

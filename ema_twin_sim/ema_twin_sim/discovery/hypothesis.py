@@ -63,12 +63,18 @@ class Hypothesis:
         """The same hypothesis at other values."""
         return replace(self, values=np.asarray(values, float))
 
+    @property
+    def by_path(self) -> dict[str, float]:
+        """The free numbers by their paths."""
+        return {free.path: float(value) for free, value in zip(self.free, self.values, strict=True)}
+
+    def put(self, values: Mapping[str, float]) -> Hypothesis:
+        """The same hypothesis with those of the free numbers that ``values`` names, by path, at other values."""
+        return self.at(np.array([values.get(path, value) for path, value in self.by_path.items()]))
+
     def lag(self) -> float:
         """Time [s] by which the current runs ahead of the motion."""
-        for free, value in zip(self.free, self.values, strict=True):
-            if free.path == LAG:
-                return float(value)
-        return 0.0
+        return self.by_path.get(LAG, 0.0)
 
     def instance(self, name: str) -> EffectInstance:
         """An added effect at the present values."""
@@ -153,7 +159,7 @@ class Hypothesis:
     def _sides(self) -> Hypothesis:
         """With the numbers free that only a transmission with play or spring shows, and without them elsewhere."""
         held = self.held
-        now = {free.path: float(value) for free, value in zip(self.free, self.values, strict=True)}
+        now = self.by_path
         wanted: list[tuple[Free, float]] = []
         if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
             wanted += [

@@ -22,7 +22,7 @@ from ..plant.measured_motion import SPEED, TIME
 from ..simulation.command import parse_command
 from ..simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
-from .command_grid import Trial, command_grid
+from .command_grid import Planned, command_grid
 from .doubts import NOTHING, Doubt, Rival, doubts, information, reverses
 from .equation import Equation
 from .hypothesis import Hypothesis
@@ -83,7 +83,7 @@ class Choice:
 
 
 @dataclass(frozen=True, eq=False)
-class _Contender:
+class _Explanation:
     """A rival with what the recordings so far leave open about it."""
 
     name: str
@@ -93,7 +93,7 @@ class _Contender:
 
 @dataclass(frozen=True, eq=False)
 class _Evaluated:
-    trial: Trial
+    trial: Planned
     done: Limits  # the furthest that a rival went
     separation: Mapping[Pair, float]
 
@@ -104,7 +104,7 @@ class _Field:
     def __init__(self, eq: Equation, held: Sequence[Doubt], signals: frozenset[str]) -> None:
         self.base = held[0].rivals[0].fit.hypothesis.base
         self.temperature = min(eq.temperature(rival.fit.misfit) for doubt in held for rival in doubt.rivals)
-        self.contenders: dict[int, _Contender] = {}
+        self.contenders: dict[int, _Explanation] = {}
         self.nested: set[Pair] = set()
         self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
         for doubt in held:
@@ -124,13 +124,13 @@ class _Field:
         self.reversed = reverses(eq)
         self.origins = (eq.observations[0].motor_origin, eq.observations[0].output_origin)
 
-    def grid(self, limits: Limits, *, few: bool) -> tuple[Trial, ...]:
+    def grid(self, limits: Limits, *, few: bool) -> tuple[Planned, ...]:
         """The commands within limits."""
         ratio = self.base.value("machine.gear_ratio")
         gain = self.base.value("drive.position_gain") / ratio
         return command_grid(limits, _SLOWEST * STANDSTILL / ratio, gain, few=few)
 
-    def simulated(self, rival: int, trial: Trial) -> tuple[Observation, Limits]:
+    def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
         """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
         model = self.contenders[rival].hypothesis.model()
         command = parse_command(trial.command)
@@ -142,7 +142,7 @@ class _Field:
             o = replace(o, torque_noise=o.torque_noise * (self.noise / o.torque_noise.min()))
         return o, reached(o, model.value("machine.gear_ratio"))
 
-    def evaluate(self, trial: Trial, limits: Limits) -> _Evaluated | None:
+    def evaluate(self, trial: Planned, limits: Limits) -> _Evaluated | None:
         """How far all pairs would come apart; None where a rival cannot do it or would leave the limits."""
         shown: dict[int, Equation] = {}
         furthest: Limits | None = None
@@ -159,7 +159,7 @@ class _Field:
         assert furthest is not None  # a doubt has rivals
         return _Evaluated(trial, furthest, self._separation(shown, 1))
 
-    def separation(self, trial: Trial, steps: int) -> dict[Pair, float]:
+    def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
         """How far all pairs would come apart under a command that they can follow."""
         return self._separation(
             {rival: Equation([self.simulated(rival, trial)[0]]) for rival in self.contenders}, steps
@@ -261,7 +261,7 @@ def _holds(one: Rival, other: Rival) -> bool:
     return {*one.fit.hypothesis.model().effects} > {*other.fit.hypothesis.model().effects}
 
 
-def _contender(eq: Equation, rival: Rival) -> _Contender:
+def _contender(eq: Equation, rival: Rival) -> _Explanation:
     f = rival.fit
     known = information(eq, f)
     keep = np.array([not free.path.startswith("decoy.") for free in f.hypothesis.free])
@@ -272,7 +272,7 @@ def _contender(eq: Equation, rival: Rival) -> _Contender:
     h = f.hypothesis
     for name in h.decoys:
         h = h.without_decoy(name)
-    return _Contender(rival.name, h, known)
+    return _Explanation(rival.name, h, known)
 
 
 def best_command(

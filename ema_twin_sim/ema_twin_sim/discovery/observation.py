@@ -119,7 +119,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     motion, motion_noise = _motion(signals, time, period, width, model)
     acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
-    hit = _hardest(acceleration, SHAKEN, 2.0 * width, period)
+    hit = hardest(acceleration, SHAKEN, 2.0 * width, period)
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
     moving = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2) == 0.0
@@ -139,7 +139,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    thrown = _hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    thrown = hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
     if not thrown[encoder_rows].all():
         encoder_rows = encoder_rows[~thrown[encoder_rows]]
     parting = np.hypot(
@@ -239,7 +239,7 @@ def _spread(where: np.ndarray, reach: int) -> np.ndarray:
     return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
 
 
-def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
+def hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     left, right = round(before / period), round(after / period)
     return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)

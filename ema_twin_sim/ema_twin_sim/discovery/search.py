@@ -83,12 +83,12 @@ class Search:
 
 def search(
     eq: Equation,
-    null: Fit,
+    null: Hypothesis,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
     wanting: Fit | None = None,
 ) -> Search:
-    """Add effects one after another as long as each is worth its price, and drop what later ones make needless.
+    """Add effects to ``null`` as long as each is worth its price, and drop what later ones make needless.
 
     Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
     gearbox can only be simulated with the right loads. After an earlier search whose end was ``wanting``, decoys may
@@ -96,9 +96,9 @@ def search(
     """
     decoyed = wanting is not None
     eq.reach = np.full(eq.rows, FAR)
-    current = settle(eq, fit(eq, null.hypothesis))
+    current = settle(eq, fit(eq, null))
     rounds: list[Round] = []
-    if current.hypothesis.base.value("machine.output_inertia") == 0.0:
+    if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(PARTING)  # there is nothing behind the teeth
     if parted_encoders(eq, current) and not without >= set(PARTING):
         eq.use_encoder = False
@@ -120,10 +120,9 @@ def search(
     return Search(current, (*rounds, *by_all), eq.reach)
 
 
-def _misleading(null: Fit) -> frozenset[str]:
+def _misleading(null: Hypothesis) -> frozenset[str]:
     """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
-    held = null.hypothesis.held
-    return ENCODER_ONLY | LIKE_STRUCTURE | (held & {"viscous_friction", "coulomb_friction"})
+    return ENCODER_ONLY | LIKE_STRUCTURE | (null.held & {"viscous_friction", "coulomb_friction"})
 
 
 def _add_effects(
@@ -167,9 +166,8 @@ def _with_gearbox_of(found: Hypothesis, h: Hypothesis) -> Hypothesis:
     for name, instance in found.added.items():
         if instance.effect in {*PARTING, *ENCODER_ONLY}:
             h = h.with_effect(instance.effect, instance.options, found.instance(name).parameters)
-    there = {free.path: float(value) for free, value in zip(found.free, found.values, strict=True)}
-    parted = [there.get(f.path, v) if f.path.startswith(SIDED) else v for f, v in zip(h.free, h.values, strict=True)]
-    return h.at(np.array(parted)) if h.parted else h
+    sided = {path: value for path, value in found.by_path.items() if path.startswith(SIDED)}
+    return h.put(sided) if h.parted else h
 
 
 def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:

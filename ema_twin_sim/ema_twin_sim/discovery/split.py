@@ -13,15 +13,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from ..simulation.simulate import choose_input, simulate
+from ..simulation.simulate import choose_input
 from .equation import POOL, Equation
 from .fit import fit
 from .hypothesis import INERTIAS, Hypothesis
 from .search import Search
+from .unseen import squares
 
 SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
 BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred
@@ -54,8 +54,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
 def _held(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
     """A hypothesis with some numbers, by path, held at values."""
     free = tuple(replace(f, lower=values[f.path], upper=values[f.path]) if f.path in values else f for f in h.free)
-    now = [values.get(f.path, v) for f, v in zip(h.free, h.values, strict=True)]
-    return replace(h, free=free, values=np.array(now))
+    return replace(h, free=free).put(values)
 
 
 def _as_the_model_shares(h: Hypothesis) -> Mapping[str, float]:
@@ -74,15 +73,7 @@ def _error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str])
 
     One that ends in chaos must not decide for all. Infinite where the loop cannot follow.
     """
-
-    def square(job: tuple[Recording, str]) -> float:
-        recording, source = job
-        try:
-            twin = simulate(model, recording, source)
-        except InputError:
-            return math.inf
-        left = recording.signals["current"] - twin.signals["current"]
-        return float(np.nanmean(left**2))
-
-    squares = np.array(list(POOL.map(square, zip(recordings, inputs, strict=True))))
-    return float(np.exp(np.mean(np.log(np.maximum(squares, 1e-18)))))
+    jobs = zip(recordings, inputs, strict=True)
+    table = np.array(list(POOL.map(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
+    mean = table[:, 0] / np.maximum(table[:, 1], 1.0)
+    return float(np.exp(np.mean(np.log(np.maximum(mean, 1e-18))))) if np.isfinite(mean).all() else math.inf

@@ -33,10 +33,9 @@ def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list
     """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
     h = with_sensors(eq, current)
     # a rigid train takes an output that lags behind for a lighter one
-    h = h.at(np.array([1.0 if free.path == "scale.inertia" else v for free, v in zip(h.free, h.values, strict=True)]))
-    h = _on_both_sides(h)
+    h = _on_both_sides(h.put({"scale.inertia": 1.0}))
     held = h.held | without
-    spread = _spread(eq)
+    spread = encoder_spread(eq)
     part = excerpt(eq)
     springs = [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
     families = []
@@ -105,7 +104,7 @@ def _sides(h: Hypothesis) -> list[dict[str, float]]:
     ]
 
 
-def _spread(eq: Equation) -> float:
+def encoder_spread(eq: Equation) -> float:
     """How far the encoders part over a reversal [rad, slow shaft]: the widest of all recordings."""
     return max(
         (

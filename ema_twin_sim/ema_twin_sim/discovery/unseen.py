@@ -51,6 +51,24 @@ class Unseen:
         }
 
 
+def squares(model: Model, recording: Recording, source: str, signals: Sequence[str]) -> np.ndarray:
+    """(sum of squares, samples) of what a simulated loop misses of each signal, one after the other (2 s,).
+
+    NaN where such numbers make no motion that can be followed.
+    """
+    try:
+        twin = simulate(model, recording, source)
+    except InputError:
+        return np.full(2 * len(signals), np.nan)
+    found = []
+    for name in signals:
+        measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
+        residual = np.asarray(measured - twin.signals[name])
+        residual = residual[np.isfinite(residual)]
+        found += [float(residual @ residual), len(residual)]
+    return np.array(found)
+
+
 def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -> Unseen:
     """Simulate every recording after every round with the numbers that the other recordings gave."""
     base = found.fit.hypothesis.base
@@ -68,21 +86,9 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
             model = base if k == 0 else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
 
-    def squares(job: tuple[int, Recording, str, Model]) -> np.ndarray:
-        _, recording, source, model = job
-        try:
-            twin = simulate(model, recording, source)
-        except InputError:  # such numbers make no motion that can be followed: this is not worked out
-            return np.full(4, np.nan)
-        found = []
-        for name in (signal, "output_position"):
-            measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
-            residual = np.asarray(measured - twin.signals[name])
-            residual = residual[np.isfinite(residual)]
-            found += [float(residual @ residual), len(residual)]
-        return np.array(found)
-
-    table = np.array(list(POOL.map(squares, jobs))).reshape(len(fits), len(recordings), 4)
+    signals = (signal, "output_position")
+    table = np.array(list(POOL.map(lambda job: squares(job[3], job[1], job[2], signals), jobs)))
+    table = table.reshape(len(fits), len(recordings), 4)
     rows, counts = table[:, :, 0], table[:, :, 1]
     floors = [noise_floors(base, has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
     each = np.sqrt(rows / np.maximum(counts, 1))

@@ -22,7 +22,7 @@ FALL = 0.97  # of the misfit: a hop that gains less is the last
 
 def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
     """A hypothesis some of whose numbers, by path, are multiplied."""
-    return h.at(np.array([v * factors.get(free.path, 1.0) for free, v in zip(h.free, h.values, strict=True)]))
+    return h.put({path: value * factors[path] for path, value in h.by_path.items() if path in factors})
 
 
 def ranked(eq: Equation, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
@@ -71,10 +71,11 @@ def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
     paths = {free.path for free in h.free}
     for owner in owners:
         if f"{owner}.stiffness" in paths:
-            for stiffness, damping in itertools.product(STIFFER, DAMPED):
+            damped = DAMPED if f"{owner}.damping" in paths else (1.0,)
+            for stiffness, damping in itertools.product(STIFFER, damped):
                 yield {f"{owner}.stiffness": stiffness, f"{owner}.damping": damping}
 
 
 def _as_in_the_model(h: Hypothesis) -> Hypothesis:
     """A hypothesis with all constants that have a tolerance at their nominal values."""
-    return h.at(np.array([f.prior[0] if f.prior else v for f, v in zip(h.free, h.values, strict=True)]))
+    return h.put({free.path: free.prior[0] for free in h.free if free.prior is not None})

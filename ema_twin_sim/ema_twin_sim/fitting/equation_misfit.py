@@ -21,7 +21,7 @@ from .freedom import Freedom, Number
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""
 LAG_NUMBER = Number(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_PRIOR, LAG_STEP, (0.0, LAG_PRIOR))
-SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
+ONE_SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
 SIDES_ERROR = 0.01  # relative, measured on the virtual bench, as is the next
 DAMPING_ERROR = 0.4
 
@@ -97,7 +97,7 @@ class EquationMisfit:
         for k, number in enumerate(self.freedom.numbers):
             if number.path == "effects.backlash.width" and plant["contact_stiffness"] > softest:
                 found[k] = 2.0 * plant["output_dry"] / softest / plant["gear_ratio"]
-            elif number.path.startswith(SIDED):
+            elif number.path.startswith(ONE_SIDED):
                 found[k] = SIDES_ERROR * values[k]
             elif number.path == "effects.shaft_compliance.damping":
                 found[k] = DAMPING_ERROR * values[k]

@@ -22,7 +22,7 @@ from scipy.ndimage import maximum_filter1d
 from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import counter_noise, noise_floors
-from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation
+from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.simulate import simulate
@@ -256,18 +256,13 @@ def _observed(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
     motion, period = observation.motion, observation.period
-    hardness = np.abs(motion[:, ACCELERATION])
-
-    def hardest(before: float) -> np.ndarray:
-        left, right = round(before / period), round(2.0 * WIDTH / period)
-        return maximum_filter1d(hardness, left + right + 1, origin=(left - right) // 2)
-
-    counts = 1.0 / np.sqrt(1.0 + (hardest(SHAKEN) / HARD) ** 2)
+    shaken, thrown = (hardest(motion[:, ACCELERATION], before, 2.0 * WIDTH, period) for before in (SHAKEN, THROWN))
+    counts = 1.0 / np.sqrt(1.0 + (shaken / HARD) ** 2)
     bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
     if not bristled:
         still = np.abs(motion[:, SPEED]) < STANDSTILL
         counts[maximum_filter1d(still.astype(np.int8), 2 * round(LINGER / period) + 1) > 0] = 0.0
-    settled = (hardest(THROWN) <= CHAOTIC).astype(float)
+    settled = (thrown <= CHAOTIC).astype(float)
     # an observation is on an even grid; a recording may not be
     speed, counts, settled = (
         np.interp(recording.time, motion[:, TIME], values) for values in (motion[:, SPEED], counts, settled)

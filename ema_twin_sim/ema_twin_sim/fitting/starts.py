@@ -11,7 +11,7 @@ import numpy as np
 from ..discovery.equation import Equation
 from ..discovery.excerpt import excerpt
 from ..discovery.hypothesis import PARTING
-from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS
+from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS, encoder_spread
 from ..discovery.valleys import NARROW, WIDE
 from ..effects import catalogue
 from .equation_misfit import EquationMisfit
@@ -117,7 +117,5 @@ def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
 
 def _widths(equation: Equation) -> tuple[float, ...]:
     """Widths of play [rad] that the encoders' parting at reversals suggests."""
-    parts = [part for part in equation.encoder_parts if part.stop > part.start]
-    rows = [equation.encoder[part.start - equation.size : part.stop - equation.size] for part in parts]
-    spread = max((float(np.ptp(np.quantile(row, (0.02, 0.98)))) for row in rows), default=0.0)
+    spread = encoder_spread(equation)
     return tuple(spread * share for share in WIDTHS) if spread > 0.0 else ()
