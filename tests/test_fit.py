@@ -1,73 +1,21 @@
-"""Fit: numbers that are known are found again, with standard errors that are true, and warnings that are deserved."""
+"""Fit: numbers that are known are found again, with standard errors that are true."""
 
-import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-import ema_twin_sim
-from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.discovery.equation import Equation
 from ema_twin_sim.discovery.observation import observe_all
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
 from ema_twin_sim.fitting.equation_misfit import EquationMisfit
-from ema_twin_sim.fitting.findings import SHOWN_BY
 from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.freedom import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.model import load_model
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from tests.test_command_line import MODEL, done, refused
-
-SLOW = ("ramp:0.03", "sine:0.05:0.25", "triangle:0.04:2")
-FAST = ("ramp:0.2", "sine:0.3:0.25", "triangle:0.1:1")
-
-
-def bench(model, commands, seconds=6.0, seed=0):
-    return [virtual_bench(model, parse_command(c), seconds, seed=100 * seed + k) for k, c in enumerate(commands)]
-
-
-def with_effects(model, effects, typical=False):
-    for id, parameters in effects.items():
-        model = model.with_effect(id, {} if typical else parameters)
-    return model
-
-
-def estimates(result):
-    """(path, value, standard error) of every number that was fitted."""
-    for name, entry in result.parameters.items():
-        for parameter, held in entry.items():
-            if parameter not in ("effect", "options") and held["std"] is not None:
-                yield f"effects.{name}.{parameter}", held["value"], held["std"]
-    for part, entries in result.constants.items():
-        for name, held in entries.items():
-            yield f"{part}.{name}", held["value"], held["std"]
-
-
-def true_value(model, path):
-    if path.startswith("effects."):
-        _, name, parameter = path.split(".")
-        return model.effects[name].parameters[parameter]
-    return model.value(path)
-
-
-def check_recovered(result, true, share=0.05, sigmas=3.5):
-    for path, value, std in estimates(result):
-        right = true_value(true, path)
-        assert abs(value - right) < sigmas * std, (path, value, std, right)
-        assert abs(value - right) < share * max(abs(right), 0.1), (path, value, right)
-
-
-def warned(result, kind):
-    return {(w.instance, w.parameter) for w in result.warnings if w.kind == kind}
-
-
-# known numbers are found again ---------------------------------------------------------------------------------------
+from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
 
 RIGID = {
     "stribeck_friction": {"torque": 0.08, "speed": 2.0},
@@ -217,9 +165,6 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
                 assert shown * (1.0 if number.log else number.scale) > 2.0, (id, parameter.name, type(misfit))
 
 
-# what a fit starts from ----------------------------------------------------------------------------------------------
-
-
 def test_a_start_on_a_bound_is_moved_off_it_and_said(stock):
     true = stock.with_effect("stribeck_friction")
     start = stock.with_effect("stribeck_friction", {"torque": 0.0})
@@ -275,9 +220,6 @@ def test_a_nominal_value_that_the_recordings_contradict_is_let_go(stock):
     assert result.parameters["viscous_friction"]["coefficient"]["value"] == pytest.approx(0.04, rel=0.01)
 
 
-# standard errors -----------------------------------------------------------------------------------------------------
-
-
 def test_standard_errors_are_the_scatter_over_the_noise(stock):
     true = with_effects(stock, SENSORS)
     start = with_effects(stock, SENSORS, typical=True)
@@ -302,183 +244,3 @@ def test_what_was_not_fitted_to_judges(stock):
     for result in (several, one):
         assert result.after["current"]["rmse"] < 0.5 * result.before["current"]["rmse"]
         assert result.after["current"]["rmse"] < 1.5 * result.before["current"]["noise_floor"]
-
-
-# warnings ------------------------------------------------------------------------------------------------------------
-
-
-def test_on_bound(stock):
-    """Friction that bends down with speed is no drag: the coefficient would be negative."""
-    start = stock.with_effect("quadratic_drag")
-    result = fit_model(bench(stock.with_effect("shear_thinning"), FAST), start, method="equation")
-    assert ("quadratic_drag", "coefficient") in warned(result, "on_bound")
-    assert result.model.effects["quadratic_drag"].parameters["coefficient"] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_no_effect_where_the_signal_is_missing(stock):
-    recordings = [
-        replace(r, signals={n: v for n, v in r.signals.items() if n != "output_position"}) for r in bench(stock, SLOW)
-    ]
-    result = fit_model(recordings, stock.with_effect("encoder_delay"), method="equation")
-    assert warned(result, "no_effect") == {("encoder_delay", "delay")}
-    message = next(w.message for w in result.warnings if w.kind == "no_effect")
-    assert "with the output encoder recorded" in message
-
-
-def test_no_effect_of_what_is_not_there(stock):
-    result = fit_model(bench(stock, SLOW), stock.with_effect("sun_runout"))
-    assert ("sun_runout", "torque") in warned(result, "no_effect")
-
-
-def test_no_effect_of_what_a_method_does_not_contain(stock):
-    free = ["effects.coulomb_friction.static_ratio", "drive.current_lag"]
-    result = fit_model(bench(stock, SLOW[1:]), stock, method="equation", free=free)
-    assert warned(result, "no_effect") == {("coulomb_friction", "static_ratio"), ("drive", "current_lag")}
-    assert result.constants["drive"]["current_lag"]["value"] == pytest.approx(5e-4)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_inseparable_in_one_direction(stock, method):
-    true = stock.with_effect("constant_load")
-    start = true.with_effect("asymmetric_friction", {"fraction": 0.05})
-    result = fit_model(bench(true, ("ramp:0.03", "ramp:0.1")), start, method=method)
-    assert {("constant_load", "torque"), ("asymmetric_friction", "fraction")} <= warned(result, "inseparable")
-    message = next(w.message for w in result.warnings if w.kind == "inseparable")
-    assert "constant_load.torque" in message and "asymmetric_friction.fraction" in message
-
-
-def test_inseparable_twins(stock):
-    start = stock.with_effect("coulomb_friction", {"torque": 0.02})
-    result = fit_model(bench(stock, SLOW), start, method="equation")
-    assert warned(result, "inseparable") == {("coulomb_friction", "torque"), ("coulomb_friction_3", "torque")}
-    paths = (
-        result.paths.index("effects.coulomb_friction.torque"),
-        result.paths.index("effects.coulomb_friction_3.torque"),
-    )
-    assert result.correlations[paths[0]][paths[1]] < -0.95
-
-
-def test_absurd_where_an_encoder_that_is_late_is_taken_for_a_shaft_that_gives_way(stock):
-    true = stock.with_effect("encoder_delay", {"delay": 0.004})
-    recordings = bench(true, ("sine:0.05:1", "triangle:0.1:1"))
-    result = fit_model(recordings, stock.with_effect("shaft_compliance"), method="equation")
-    assert ("shaft_compliance", "damping") in warned(result, "absurd")
-
-
-def test_absurd_constants(stock):
-    true = stock.with_value("machine.output_inertia", 2e-3)
-    result = fit_model(bench(true, ("sine:0.02:1", "triangle:0.1:1")), stock, method="equation")
-    assert ("machine", "motor_inertia") in warned(result, "absurd")
-    total = sum(held["value"] for held in result.constants["machine"].values())
-    assert total == pytest.approx(2e-3 + 7.7e-4 + 1.75e-6, rel=0.03)
-
-
-def test_absurd_where_the_recordings_are_too_short(stock):
-    true = stock.with_effect("thermal_friction", {"fraction": 0.9, "time_constant": 100.0})
-    result = fit_model(bench(true, ("ramp:0.2", "triangle:0.1:1")), stock.with_effect("thermal_friction"))
-    assert ("thermal_friction", "time_constant") in warned(result, "absurd")
-
-
-def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
-    recordings = bench(stock, FAST[1:], 5.0)
-    for id, effect in catalogue().items():
-        model = stock.with_effect(id)
-        units = {p.name: p.unit for p in effect.parameters}
-        assert absurdities(id, effect.default_parameters(), units, circumstances(recordings, model)) == [], id
-        assert id in SHOWN_BY
-    for rule in RULES:
-        assert rule.parameter in catalogue()[rule.effect].default_parameters()
-
-
-# what is refused -----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"method": "magic"}, ("magic", "equation or simulation")),
-        ({"source": "voltage"}, ("voltage", "setpoint or current")),
-        ({"free": ["machine.motor_inertai"]}, ("--free machine.motor_inertai", "machine.motor_inertia")),
-        ({"fix": ["effects.backlash"]}, ("--fix effects.backlash", "no such number")),
-        ({"fix": ["effects"]}, ("--fix effects",)),
-        ({"free": ["machine.gear_ratio"]}, ("machine.gear_ratio", "exact")),
-        ({"free": ["machine.motor_inertia"], "fix": ["machine.motor_inertia"]}, ("--free and by --fix",)),
-    ],
-)
-def test_refused_options(stock, options, words):
-    with pytest.raises(InputError) as refusal:
-        fit_model(bench(stock, SLOW[1:2], 1.0), stock, **options)
-    for word in words:
-        assert word in str(refusal.value)
-
-
-def test_refused_where_nothing_is_free(stock):
-    fix = [f"effects.{name}" for name in stock.effects] + ["machine.motor_inertia", "machine.gearbox_inertia"]
-    with pytest.raises(InputError, match="nothing is free"):
-        fit_model(bench(stock, SLOW[1:2], 1.0), stock, fix=[*fix, "machine.output_inertia"])
-
-
-def test_refused_recordings(stock):
-    still = virtual_bench(stock, parse_command("ramp:0"), 3.0)
-    moving = bench(stock, SLOW[:1], 2.0)[0]
-    blind = replace(moving, signals={n: v for n, v in moving.signals.items() if n != "motor_position"})
-    short = moving.between(0.0, 0.02)
-    for recording, word in ((still, "motion"), (blind, "motor_position"), (short, "0.02 s")):
-        for method in METHODS:
-            with pytest.raises(InputError, match=word):
-                fit_model([recording], stock, method=method)
-    with pytest.raises(InputError, match="no recording"):
-        fit_model([], stock)
-
-
-# the command ---------------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def fitted(tmp_path_factory, traces):
-    """One run of the command: its folder, what it printed, and its errors."""
-    folder = tmp_path_factory.mktemp("fit")
-    done("add", "stribeck_friction", *MODEL, "-o", folder / "start.yaml")
-    outputs = ("-o", folder / "new.yaml", "--json", folder / "fit.json")
-    start = ("--model", folder / "start.yaml")
-    result = done("fit", *traces, *start, "--method", "equation", "--to", 8, *outputs)
-    return folder, result.stdout, result.stderr
-
-
-def test_the_command_prints_numbers_with_units_and_standard_errors(fitted):
-    folder, printed, errors = fitted
-    for words in ("Parameters, with standard errors", " ± ", "rad/s", "noise floor", "held", str(folder / "new.yaml")):
-        assert words in printed
-    assert "nan" not in printed.lower() and "Traceback" not in errors
-
-
-def test_the_command_writes_what_the_design_lists(fitted):
-    content = json.loads((fitted[0] / "fit.json").read_text())
-    assert content["method"] == "equation"
-    entry = content["parameters"]["stribeck_friction"]
-    assert entry["effect"] == "stribeck_friction" and entry["options"] == {}
-    assert entry["speed"]["unit"] == "rad/s" and entry["speed"]["std"] > 0.0
-    assert set(content["constants"]["machine"]["motor_inertia"]) == {"value", "std", "unit", "nominal"}
-    for warning in content["warnings"]:
-        assert set(warning) == {"kind", "instance", "parameter", "message"}
-    assert len(content["correlations"]["matrix"]) == len(content["correlations"]["paths"])
-    assert content["rmse"]["current"]["after"] < content["rmse"]["current"]["before"]
-    written = load_model(fitted[0] / "new.yaml")
-    assert written.effects["stribeck_friction"].parameters["speed"] == entry["speed"]["value"]
-    inertia = written.constants["machine.motor_inertia"]
-    assert inertia.value == content["constants"]["machine"]["motor_inertia"]["value"]
-    assert inertia.source == "fitted; 0.00077 before"
-
-
-def test_the_command_refuses(fitted, traces, tmp_path):
-    folder = fitted[0]
-    start = ("--model", folder / "start.yaml")
-    refused("fit", traces[0], *start, "-o", folder / "new.yaml", naming=("exists already", "--force"))
-    refused("fit", traces[0], *start, "-o", folder / "start.yaml", "--force", naming=("is an input",))
-    refused("fit", traces[0], *start, "-o", tmp_path / "new.txt", naming=("named .yaml",))
-    refused("fit", traces[0], *start, "-o", tmp_path / "n.yaml", "--fix", "effects.nothing", naming=("no such number",))
-    assert not list(tmp_path.iterdir())
-
-
-def test_from_python():
-    assert ema_twin_sim.fit is fit_model
