@@ -1,4 +1,4 @@
-"""The equation error of a hypothesis over all recordings, its slopes, and the fit that makes it smallest."""
+"""The equation error of a hypothesis over all recordings, and its slopes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, TIME, require, require_of
 from ..simulation.assembly import assemble, effect_address, effect_slots
-from .hypothesis import Hypothesis
+from .hypothesis import LAG, Hypothesis
 from .observation import Observation
 from .smoothing import smooth_at
 
@@ -228,7 +228,7 @@ class Equation:
             if free.path.startswith("decoy."):
                 _, name, place = free.path.split(".")
                 return self.decoys[name][:, int(place)] * weights
-            if free.path == "lag":
+            if free.path == LAG:
                 rows = np.zeros(self.rows)
                 rows[: self.size] = self.rate / self.noise
                 return rows * weights
@@ -243,13 +243,11 @@ class Equation:
                 there, here = self.alone(predicted, changed), self.alone(predicted, now)
                 if there is not None and here is not None:
                     return (there - here) / step * weights
-            values = h.values.copy()
-            values[k] += step
-            motor = (
-                _at_the_motor(h.instance(rest.partition(".")[0])) if kind == "effects" else free.path in AT_THE_MOTOR
-            )
+                motor = _at_the_motor(now)
+            else:
+                motor = free.path in AT_THE_MOTOR
             beside = predicted if motor and predicted.plant["two_inertia"][0] != 0.0 else None
-            moved = self.predict(h.at(values), beside=beside)
+            moved = self.predict(h.put({free.path: h.values[k] + step}), beside=beside)
             return self.centred((moved.rows - predicted.rows) / step, weights) * weights
 
         return np.stack(list(POOL.map(column, range(len(h.free)))), 1)
