@@ -15,22 +15,23 @@ from ema_bench_replay.recording import Recording
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
+from .company import in_better_company, thought_again
 from .contradictions import contradictions
 from .decoys import add_decoys, dependence
 from .equation import Equation
-from .fit import Fit
+from .fit import Fit, fit
 from .hypothesis import INERTIAS, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
+from .plausible import only_constants, strained
 from .rivals import Rivalry, judged_against_rivals
-from .search import Round, Search, search
+from .search import Round, Search, parted_encoders, search, significant
 from .split import with_best_split
 from .uncertainty import covariance
 from .unseen import Unseen, judge_unseen
-from .worth import SHAKY, left_over
+from .worth import BY_CONSTANTS, SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
-THOUGHTS = 3  # of the effects that were found first, those that are doubted where something is left
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
@@ -113,25 +114,29 @@ def discover(
     start_left = left_over(eq, found.rounds[0].before)
     verdict = "none"
     depends_on: tuple[str, ...] = ()
-    if unexplained(eq, found.fit, start_left) and not found.fit.parted:
+    found = in_better_company(eq, found, barred)
+    if not explained(eq, found.fit, start_left) and not found.fit.parted:
         progress("something is left: thinking again of what was found")
-        found = _thought_again(eq, null, barred, found, start_left)
-    if unexplained(eq, found.fit, start_left):
+        found = thought_again(eq, null, barred, found, lambda f: explained(eq, f, start_left))
+    if not explained(eq, found.fit, start_left):
         progress("something is left: looking for what it depends on")
         verdict = "unknown"
-        add_decoys(eq)
-        # only what was found before may stay beside what is in no catalogue: in company anything fits
-        barred |= set(catalogue()) - set(found.fit.hypothesis.effects)
-        found = search(eq, null, barred, progress, found.fit)
-        depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+        found, depends_on = _beside_the_unknown(eq, null, barred, found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     found = with_best_split(eq, recordings, found)
+    sure = significant(eq, found)
+    if sure is not found:
+        found = with_best_split(eq, recordings, sure)
     best = found.fit
     if verdict != "unknown" and best.hypothesis.added:
         verdict = "explained"
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
+    if verdict == "unknown" and not unseen.rmse[-1] < unseen.rmse[0]:
+        # what is unknown may draw everything beside it away: then the model stays as it was
+        found = found.back_to(eq, fit(eq, null, 0), "beside the unknown it makes the model no better")
+        best, unseen = found.fit, judge_unseen(eq, recordings, found)
     spread = np.sqrt(np.diag(covariance(eq, best)))
     added = tuple(dict.fromkeys(best.hypothesis.effects))
     return Discovery(
@@ -158,6 +163,11 @@ def discover(
     )
 
 
+def explained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
+    """Whether an end of a search explains the recordings, and is plausible."""
+    return not (unexplained(eq, f, at_start) or strained(f) or only_constants(eq, f))
+
+
 def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     """Whether more is left over than the sensors' noise lets expect."""
     for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
@@ -173,20 +183,25 @@ def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     return False
 
 
-def _thought_again(
-    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, start_left: Sequence[float]
-) -> Search:
-    """A search that explains everything without one of the effects that came first, or the one that was given.
+def _beside_the_unknown(
+    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, progress: Callable[[str], None]
+) -> tuple[Search, tuple[str, ...]]:
+    """A search in which what is in no catalogue may stand beside the effects, and what that depends on.
 
-    One step at a time, an effect may come in that stands for two others, and keep them out.
+    Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
+    unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
     """
-    firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
-    for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect})
-        if not other.fit.parted and not unexplained(eq, other.fit, start_left):
-            return other
-    eq.reach = found.reach
-    return found
+    suspect = {*strained(found.fit)}
+    likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
+    likenesses |= BY_CONSTANTS if suspect else set()
+    kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
+    add_decoys(eq)
+    found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)
+    depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+    suspect = {*depends_on, *strained(found.fit), *(["encoders"] if parted_encoders(eq, found.fit) else [])}
+    added = found.fit.hypothesis.added
+    alike = [name for name, instance in added.items() if catalogue()[instance.effect].depends_on in suspect]
+    return found.less(eq, alike, "may be nothing but the unknown's likeness"), depends_on or tuple(sorted(suspect))
 
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
@@ -207,7 +222,7 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
                     output_before=unseen.output[k] if unseen.output else None,
                     output_after=unseen.output[k + 1] if unseen.output else None,
                     error_removed=unseen.removed(k, k + 1),
-                    reason="largest gain" if action == "add" else "needless beside what was added",
+                    reason="largest gain" if action == "add" else turn.reason,
                     tried=tried,
                 )
                 steps.append(step)
@@ -284,7 +299,7 @@ def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unsee
     if verdict == "unknown":
         on = ", ".join(depends_on)
         return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
-    last = next((turn for turn in reversed(found.rounds) if not turn.added), None)
+    last = found.stopped
     if last is None:
         return "as many effects were added as a search may add"
     if not last.tried:

@@ -189,10 +189,10 @@ def _too_small(eq: Equation, found: Search) -> Doubt | None:
     Beside decoys, or an output that bounces, such a one is what no effect explains.
     """
     best = found.fit
-    if found.rounds[-1].added or best.hypothesis.decoys or best.parted:
+    if found.stopped is None or best.hypothesis.decoys or best.parted:
         return None
     needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / eq.judged))
-    for trial in found.rounds[-1].tried:
+    for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:
             name = trial.fit.hypothesis.added[new[0]].effect

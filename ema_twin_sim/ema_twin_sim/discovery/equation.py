@@ -13,7 +13,7 @@ import numpy as np
 from ..effects import catalogue
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
-from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, TIME, require, require_of
+from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME, require, require_of
 from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
@@ -24,6 +24,7 @@ NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
+FASTEST = 0.95  # of all moving rows are no faster than what counts as driven
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
 
@@ -75,6 +76,8 @@ class Equation:
         ]
         self.measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
         self.rows = len(self.measured)
+        speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
+        self.fastest = float(np.quantile(speeds, FASTEST)) if len(speeds) else 0.0  # rad/s, of the motor
         self.reach = np.full(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True

@@ -131,8 +131,8 @@ def compared_fits(found: Discovery) -> list[Compared]:
         names = new_names(turn.before, turn.after)
         if names:  # else what was added was needless at once
             steps.append(_compared(turn, names, turn.after, taken=True))
-    last = found.search.rounds[-1]
-    if not last.added and last.tried:
+    last = found.search.stopped
+    if last is not None and last.tried:
         steps.append(_compared(last, last.tried[0].names, last.tried[0].fit, taken=False))
     return steps
 

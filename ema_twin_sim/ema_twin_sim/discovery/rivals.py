@@ -34,7 +34,10 @@ def judged_against_rivals(eq: Equation, found: Search) -> tuple[Search, tuple[Ri
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None or better.behind > -BETTER:
             break
-        found = _swapped(eq, found, better.fits[0])
+        other = swapped(eq, found, better.fits[0])
+        if gain(eq, found.fit, other.fit) <= 0.0:
+            break  # the rival did not stay either
+        found = other
         rivals = rivalries(eq, found)
     return found, rivals
 
@@ -76,8 +79,8 @@ def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
     return found
 
 
-def _swapped(eq: Equation, found: Search, rival: Fit) -> Search:
-    """The search with one more round, in which a rival took an effect's place."""
+def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
+    """The search with one more round, in which a rival took the place of one effect, or of several."""
     best = found.fit
     added, removed = new_names(best, rival), new_names(rival, best)
     after = prune(eq, fit(eq, rival.hypothesis))

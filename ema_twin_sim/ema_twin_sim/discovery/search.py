@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from .decoys import order_decoys
 from .equation import FAR, Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING, SIDED, Hypothesis
+from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
 from .structure import structural_fits
 from .valleys import NARROW, hopped
@@ -60,6 +61,7 @@ class Round:
     after: Fit
     added: tuple[str, ...] = ()  # empty: nothing was worth its price
     removed: tuple[str, ...] = ()  # what was needless beside it, which may be itself
+    reason: str = "needless beside what was added"  # why that was removed
 
     def effect_of(self, name: str) -> str:
         """The effect, or the decoy, behind a name that was tried."""
@@ -77,8 +79,27 @@ class Search:
 
     @property
     def taken(self) -> tuple[Round, ...]:
-        """The rounds in which something was added."""
-        return tuple(turn for turn in self.rounds if turn.added)
+        """The rounds after which the model was another."""
+        return tuple(turn for turn in self.rounds if turn.after is not turn.before)
+
+    @property
+    def stopped(self) -> Round | None:
+        """The last round in which nothing was worth its price; None where every round brought something."""
+        return next((turn for turn in reversed(self.rounds) if turn.after is turn.before), None)
+
+    def less(self, eq: Equation, names: Sequence[str], reason: str) -> Search:
+        """The search with one more round, in which effects were taken out, and what is needless without them."""
+        if not names:
+            return self
+        h = self.fit.hypothesis
+        for name in names:
+            h = h.without(name)
+        return self.back_to(eq, prune(eq, settle(eq, fit(eq, h))), reason)
+
+    def back_to(self, eq: Equation, after: Fit, reason: str) -> Search:
+        """The search with one more round, which ends at a fit that holds less."""
+        turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
+        return replace(self, fit=after, rounds=(*self.rounds, turn), reach=eq.reach)
 
 
 def search(
@@ -103,7 +124,7 @@ def search(
     if parted_encoders(eq, current) and not without >= set(PARTING):
         eq.use_encoder = False
         progress("looking at the torque alone")
-        current, by_torque = _add_effects(
+        current, by_torque = add_effects(
             eq, fit(eq, current.hypothesis), without | _misleading(null), progress, decoyed
         )
         rounds += by_torque
@@ -116,8 +137,15 @@ def search(
             rounds += by_gearbox
     else:
         without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
-    current, by_all = _add_effects(eq, current, without, progress, decoyed)
-    return Search(current, (*rounds, *by_all), eq.reach)
+    current, by_all = add_effects(eq, current, without, progress, decoyed)
+    return significant(eq, Search(current, (*rounds, *by_all), eq.reach))
+
+
+def significant(eq: Equation, found: Search) -> Search:
+    """The search less what is not sure to be there."""
+    while name := insignificant(eq, found.fit):
+        found = found.less(eq, [name], "too uncertain to be named")
+    return found
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
@@ -125,8 +153,12 @@ def _misleading(null: Hypothesis) -> frozenset[str]:
     return ENCODER_ONLY | LIKE_STRUCTURE | (null.held & {"viscous_friction", "coulomb_friction"})
 
 
-def _add_effects(
-    eq: Equation, current: Fit, without: frozenset[str], progress: Callable[[str], None], decoyed: bool
+def add_effects(
+    eq: Equation,
+    current: Fit,
+    without: frozenset[str],
+    progress: Callable[[str], None] = lambda text: None,
+    decoyed: bool = False,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
@@ -216,9 +248,10 @@ def prune(eq: Equation, f: Fit) -> Fit:
     while f.hypothesis.added or f.hypothesis.decoys:
         trials = [fit(eq, _less(f, n), 6, known=f) for n in f.hypothesis.added]
         trials += [fit(eq, f.hypothesis.without_decoy(n), 4, known=f) for n in f.hypothesis.decoys]
-        best = max(trials, key=lambda g: gain(eq, f, g))
-        if gain(eq, f, best) < 0.0 and matters(eq, best, f):
+        needless = [g for g in trials if gain(eq, f, g) >= 0.0 or not matters(eq, g, f)]
+        if not needless:
             break
+        best = max(needless, key=lambda g: gain(eq, f, g))
         f = fit(eq, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
 

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ..effects import catalogue
+from ..plant.layout import DRY_LEVEL
 from .equation import Equation
 from .fit import Fit
 
@@ -24,6 +25,8 @@ FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
 SURE = 40.0  # gain from which on friction in proportion to a load may be smaller than that
 VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
+BY_CONSTANTS = frozenset({"added_inertia", "torque_constant_error", "coulomb_friction", "viscous_friction"})
+"""Effects that may show in nothing but a constant of the model that ends off its file."""
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
 LARGEST = 2.0  # times the largest torque measured: what one effect may come to
 AT_BOUND = 0.99  # of a bound, from which on a number stands on it
@@ -70,16 +73,18 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
 
 def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
-    if _does_nothing(after) or _too_large(eq, after):
+    came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
+    if any(_does_nothing(eq, after, name) or _too_large(eq, after, name) for name in came):
         return False
     fall = before.misfit - after.misfit
     excess = max(before.misfit - eq.judged, 0.0)
-    if before.prior_cost - after.prior_cost > COST_EFFECT + COST_PARAMETER:
+    relief = before.prior_cost - after.prior_cost
+    if relief > COST_EFFECT + COST_PARAMETER and set(came.values()) <= BY_CONSTANTS:
         return True
     left = math.sqrt(max(1.0, after.misfit / eq.judged))
     # an output that bounces is never known as well as one that does not
     floor = FLOOR * (2.0 if after.parted else 1.0)
-    if after.hypothesis.effects[-1:] == ("mesh_friction",) and VARYING_LOADS & set(after.hypothesis.effects):
+    if [*came.values()] == ["mesh_friction"] and VARYING_LOADS & set(after.hypothesis.effects):
         # a few per cent of a load are less than any other effect, and nothing else follows the load's size
         floor *= 0.5 if gain(eq, before, after) > SURE else 1.0
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
@@ -100,23 +105,28 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
     return found
 
 
-def _too_large(eq: Equation, f: Fit) -> bool:
-    """Whether some effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
+def _too_large(eq: Equation, f: Fit, name: str) -> bool:
+    """Whether an effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
+    instance = f.hypothesis.instance(name)
+    size = catalogue()[instance.effect].parameters[0]
     most = LARGEST * float(np.abs(eq.torque).max(initial=0.0))
-    for name in f.hypothesis.added:
-        instance = f.hypothesis.instance(name)
-        size = catalogue()[instance.effect].parameters[0]
-        if size.unit == "N m" and abs(instance.parameters[size.name]) > most:
-            return True
-    return False
+    return size.unit == "N m" and abs(instance.parameters[size.name]) > most
 
 
-def _does_nothing(f: Fit) -> bool:
-    """Whether some effect's stiffness is as high as it may be, where it does not show: it stands in for another."""
-    for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True):
-        kind, _, name = free.path.partition(".")
-        if kind == "effects" and name.endswith(".stiffness") and value >= AT_BOUND * free.upper:
-            size = catalogue()[f.hypothesis.added[name.partition(".")[0]].effect].parameters[0]
-            if size.neutral is None:
+def _does_nothing(eq: Equation, f: Fit, name: str) -> bool:
+    """Whether an effect's stiffness is as high as it may be, where it does not show: it stands in for another.
+
+    So does dry friction that fades beyond the speeds driven only: it is plain friction.
+    """
+    instance = f.hypothesis.instance(name)
+    effect = catalogue()[instance.effect]
+    table = effect.parameters
+    upper = {free.path: free.upper for free in f.hypothesis.free}
+    for p in table:
+        value = instance.parameters[p.name]
+        if p.name == "stiffness" and p is table[0] and p.neutral is None:
+            if value >= AT_BOUND * upper[f"effects.{name}.{p.name}"]:
                 return True
+        elif p.unit == "rad/s" and effect.place == DRY_LEVEL and value > eq.fastest:
+            return True
     return False

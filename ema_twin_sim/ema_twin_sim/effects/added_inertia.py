@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="added_inertia",
     summary="a heavier load than the model has",
     equation="T = inertia · dω/dt",
+    depends_on="acceleration",
     signature="current error in proportion to acceleration",
     source="Newton's second law",
     parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, 10.0, "more inertia, reduced to the fast shaft"),),

@@ -16,6 +16,7 @@ EFFECT = Effect(
     id="asymmetric_friction",
     summary="more friction in one direction than in the other",
     equation="T = fraction · (L + b·|ω|)",
+    depends_on="direction",
     signature="current error that is even in speed: it grows with |ω| and does not flip with direction",
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(Parameter("fraction", "1", 0.15, -0.9, 0.9, "excess forward, lack backward"),),

@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="backlash",
     summary="play in the gearbox",
     equation="no torque passes while |θ − ratio·θ_o| < ratio · width / 2",
+    depends_on="encoders",
     signature="output position error that jumps by the width at each reversal; current bursts as the teeth meet again",
     source="Nordin and Gutman 2002; thesis, script Main HF, dynamics.BLK",
     parameters=(

@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="cogging",
     summary="the motor's detent torque, independent of current",
     equation="T = torque · sin(order·θ + phase)",
+    depends_on="order",
     signature="current error of order 24 with the same amplitude at every current",
     source="Hanselman, Brushless Permanent Magnet Motor Design, 2003",
     parameters=(

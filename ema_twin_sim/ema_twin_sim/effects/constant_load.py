@@ -15,6 +15,7 @@ EFFECT = Effect(
     id="constant_load",
     summary="a constant torque on the output: a weight on a drum, a preload",
     equation="T = torque",
+    depends_on="direction",
     signature="current error that is the same in both directions, at every speed and position",
     source="statics",
     parameters=(Parameter("torque", "N m", 0.03, -100.0, 100.0, "torque, reduced to the fast shaft"),),

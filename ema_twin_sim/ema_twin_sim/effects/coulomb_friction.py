@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="coulomb_friction",
     summary="dry friction of constant level",
     equation="T = torque · sgn ω; at rest it holds up to static_ratio · torque",
+    depends_on="speed",
     signature="current error that is constant in each direction and flips at a reversal",
     source="thesis, script Main HF, dynamics.friction (Borello friction block)",
     parameters=(

@@ -20,6 +20,7 @@ EFFECT = Effect(
     id="current_offset",
     summary="offset of a phase current sensor",
     equation="T = torque · sin(4θ + phase)",
+    depends_on="direction",
     signature="current error of order 4, the electrical frequency, independent of load",
     source="Chung and Sul 1998",
     parameters=(

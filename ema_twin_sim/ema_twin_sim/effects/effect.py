@@ -48,6 +48,9 @@ class Effect:
     ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
     options)`` instead changes the plant's own constants once, for what does not depend on the operating point or has a
     place of its own there.
+
+    ``depends_on`` is the one quantity that it shows over most: speed, direction, output_position, order (of the motor's
+    angle), load, time, acceleration, current or encoders (their difference).
     """
 
     id: str
@@ -60,6 +63,7 @@ class Effect:
     act: Callable[..., float] | None = None
     place: Callable[[Options], int] | int = TORQUE
     option_value: Callable[[Options], float] | None = None
+    depends_on: str = ""
     settle: Callable[[np.void, Values, Options], None] | None = None
     repeatable: bool = True
 

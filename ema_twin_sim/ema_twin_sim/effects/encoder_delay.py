@@ -15,6 +15,7 @@ EFFECT = Effect(
     id="encoder_delay",
     summary="an output encoder that answers late",
     equation="the encoder shows θ_o(t − delay)",
+    depends_on="encoders",
     signature="output position error in proportion to speed; nothing in the current",
     source="Weigand et al., robot identification data, 2.8 to 3.0 ms between two encoders",
     parameters=(Parameter("delay", "s", 0.003, 0.0, 0.02, "time by which it is late"),),

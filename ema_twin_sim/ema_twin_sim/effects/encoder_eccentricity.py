@@ -16,6 +16,7 @@ EFFECT = Effect(
     id="encoder_eccentricity",
     summary="an output encoder off its shaft's centre",
     equation="the encoder shows θ_o + amplitude · (sin(θ_o + phase) − sin(θ_o(0) + phase))",
+    depends_on="encoders",
     signature="output position error that follows the sine of the output's angle; nothing in the current",
     source="geometry of an eccentric disc",
     parameters=(

@@ -14,6 +14,7 @@ EFFECT = Effect(
     id="gravity_load",
     summary="an unbalanced arm on the output",
     equation="T = torque · sin(θ_o + angle)",
+    depends_on="output_position",
     signature="current error that follows the sine of the output's angle, the same in both directions",
     source="statics",
     parameters=(

@@ -15,6 +15,7 @@ EFFECT = Effect(
     id="mesh_friction",
     summary="friction of the gear teeth, in proportion to the load they carry",
     equation="L = coefficient · |T_t|",
+    depends_on="load",
     signature="current error against the motion that grows with load and acceleration",
     source="thesis, section 3.4; ISO/TR 14179-2",
     parameters=(Parameter("coefficient", "1", 0.1, 0.0, 1.5, "dry level per transmitted torque, both at fast shaft"),),

@@ -19,6 +19,7 @@ EFFECT = Effect(
     id="mesh_ripple",
     summary="torque that swings with each tooth: mesh stiffness, tooth errors",
     equation="T = torque · Σ sin(k(order·θ + phase))/k, k = 1, 3, 5",
+    depends_on="order",
     signature="current error of order 15.75 (15.0, 45) and its odd harmonics",
     source="thesis, eqs 3.52-3.60, over the sun's angle instead of time",
     parameters=(

@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="presliding_friction",
     summary="dry friction that gives way like a spring before it slides",
     equation="ż = ω − stiffness·|ω|·z/L, T = stiffness·z + damping·ż",
+    depends_on="speed",
     signature="current error at reversals only: friction turns over a way instead of at once",
     source="Dahl 1968; Canudas de Wit, Olsson, Åström, Lischinsky 1995",
     parameters=(

@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="quadratic_drag",
     summary="drag that grows with the square of speed: churned lubricant, air",
     equation="T = coefficient · ω · |ω|",
+    depends_on="speed",
     signature="current error against the motion that grows faster than speed",
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, 1.0, "torque per squared speed, fast shaft"),),

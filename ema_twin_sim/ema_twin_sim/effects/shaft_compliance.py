@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="shaft_compliance",
     summary="a transmission that gives way: shafts, teeth, couplings",
     equation="T_t = stiffness · (θ − ratio·θ_o) + damping · (ω − ratio·ω_o)",
+    depends_on="encoders",
     signature="the encoders differ in proportion to the transmitted torque; ringing after steps",
     source="Rivin, Stiffness and Damping in Mechanical Design, 1999",
     parameters=(

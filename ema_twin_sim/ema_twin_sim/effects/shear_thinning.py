@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="shear_thinning",
     summary="a lubricant that thins with speed: friction bends down",
     equation="T = −fraction · b · ω · |ω| / (|ω| + speed)",
+    depends_on="speed",
     signature="current error along the motion that grows with speed, and flattens",
     source="Cross 1965",
     parameters=(

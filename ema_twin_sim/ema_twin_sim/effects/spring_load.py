@@ -12,6 +12,7 @@ EFFECT = Effect(
     id="spring_load",
     summary="a spring on the output, relaxed where the recording starts",
     equation="T = stiffness · (θ_o − θ_o at the start)",
+    depends_on="output_position",
     signature="current error that grows with the output's travel, the same in both directions",
     source="Hooke's law",
     parameters=(

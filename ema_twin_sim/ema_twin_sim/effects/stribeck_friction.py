@@ -18,6 +18,7 @@ EFFECT = Effect(
     id="stribeck_friction",
     summary="extra dry friction at low speed, before a lubricant film carries",
     equation="L = torque · exp(−|ω| / speed)",
+    depends_on="speed",
     signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
     source="Bo and Pavelescu 1982; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(

@@ -19,6 +19,7 @@ EFFECT = Effect(
     id="sun_runout",
     summary="friction or torque that swings once per motor turn: an eccentric sun gear or shaft",
     equation="L (dissipative) or T (conservative) = torque · sin(θ + phase)",
+    depends_on="order",
     signature="current error of order 1, once per motor revolution",
     source="thesis, chapter 5 (the 5 s period of the current at 0.01 rad/s)",
     parameters=(

@@ -17,6 +17,7 @@ EFFECT = Effect(
     id="thermal_friction",
     summary="viscous friction that falls as the machine warms up",
     equation="T = −fraction · b · ω · (1 − exp(−t / time_constant))",
+    depends_on="time",
     signature="current error along the motion that grows with time and speed, and settles",
     source="first-order warming; Bittencourt and Axelsson 2014 for its size in gearboxes",
     parameters=(

@@ -23,6 +23,7 @@ EFFECT = Effect(
     id="tooth_fault",
     summary="a damaged tooth: a pulse each time it meshes",
     equation="L (dissipative) or T (conservative) = torque · pulse((order·θ − position) / 2π)",
+    depends_on="order",
     signature="narrow pulses in the current, evenly spaced in the motor's angle",
     source="pass orders from the gearbox's kinematics (63/21 sun and fixed ring, 62/20 output ring)",
     parameters=(

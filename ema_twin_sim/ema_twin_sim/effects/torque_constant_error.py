@@ -15,6 +15,7 @@ EFFECT = Effect(
     id="torque_constant_error",
     summary="a motor that gives more or less torque per ampere than its drive believes",
     equation="T = (1 − scale) · Kt · i",
+    depends_on="current",
     signature="all torques seem scaled: friction, load and inertia by the same factor",
     source="Krishnan, Permanent Magnet Synchronous and Brushless DC Motor Drives, 2010",
     parameters=(Parameter("scale", "1", 0.9, 0.5, 1.5, "true over nominal torque constant", neutral=1.0),),

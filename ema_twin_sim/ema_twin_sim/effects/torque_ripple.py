@@ -19,6 +19,7 @@ EFFECT = Effect(
     id="torque_ripple",
     summary="motor torque that swings with the electrical angle, in proportion to current",
     equation="T = −Kt · i · fraction · sin(24θ + phase)",
+    depends_on="order",
     signature="current error of order 24 that grows with the current and flips with its sign",
     source="Holtz and Springob 1996",
     parameters=(

@@ -15,6 +15,7 @@ EFFECT = Effect(
     id="viscous_friction",
     summary="friction proportional to speed: bearings, seals, lubricant",
     equation="T = coefficient · ω",
+    depends_on="speed",
     signature="current error that grows with speed and changes sign with direction",
     source="thesis, script Main HF, dynamics.CM and dynamics.CU",
     parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, 10.0, "torque per speed, at the fast shaft"),),

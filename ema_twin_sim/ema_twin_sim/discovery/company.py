@@ -1,0 +1,65 @@
+"""Company: effects that were found one after the other, and others that explain more together.
+
+One step at a time, what fits best alone comes in, and keeps out what fits best in company: a sum of two friction curves
+over the speed comes near many a sum of two others. So what came in is left out, the rest is sought without it, and then
+it may come back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ..effects import catalogue
+from .equation import Equation
+from .fit import Fit, fit
+from .hypothesis import Hypothesis
+from .plausible import strained
+from .rivals import BETTER, swapped
+from .search import Search, add_effects, search, significant
+from .worth import gain
+
+THOUGHTS = 3  # of the effects that were found first, those that are doubted where something is left
+
+
+def in_better_company(eq: Equation, found: Search, without: frozenset[str]) -> Search:
+    """The search with other effects in the place of those that show over the speed, where these explain more together.
+
+    Asked where several do, or where the constants of friction were drawn far off.
+    """
+    best = found.fit
+    alike = {n: held.effect for n, held in best.hypothesis.added.items() if _by_speed(held.effect)}
+    if best.parted or not alike or (len(alike) < 2 and "speed" not in strained(best)):
+        return found
+    bare = best.hypothesis
+    for name in alike:
+        bare = bare.without(name)
+    start = fit(eq, bare)
+    others = without | {id for id in catalogue() if not _by_speed(id)}
+    for effect in dict.fromkeys(alike.values()):
+        other, _ = add_effects(eq, start, others | {effect})
+        other, _ = add_effects(eq, other, others)
+        if gain(eq, best, other) > BETTER:
+            best = other
+    return found if best is found.fit else swapped(eq, found, best)
+
+
+def thought_again(
+    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, content: Callable[[Fit], bool]
+) -> Search:
+    """A search with a ``content`` end, begun without one of the effects that came first; else the one given."""
+    firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
+    for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
+        other = search(eq, null, barred | {effect})
+        if other.fit.parted:
+            continue
+        fit_with_it, rounds = add_effects(eq, other.fit, barred)
+        other = significant(eq, replace(other, fit=fit_with_it, rounds=(*other.rounds, *rounds), reach=eq.reach))
+        if content(other.fit):
+            return other
+    eq.reach = found.reach
+    return found
+
+
+def _by_speed(effect: str) -> bool:
+    return catalogue()[effect].depends_on == "speed"

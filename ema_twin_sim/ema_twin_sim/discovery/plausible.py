@@ -1,0 +1,64 @@
+"""Plausible: what an explanation must be beside fitting well, so that a wrong model is not dressed up.
+
+Where the true cause is in no catalogue, two or three effects together can stand in for it. They give themselves away:
+constants of the machine end far from what its file says, a size is hardly known to be there at all, or each constant
+has a cause of its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effects import catalogue
+from .equation import Equation
+from .fit import Fit, fit
+from .hypothesis import LAG
+from .uncertainty import covariance
+from .worth import BY_CONSTANTS, FLOOR, unique
+
+STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
+SIGNIFICANT = 4.0  # standard errors from doing nothing
+LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
+"""Effects that only the model's own constants tell, where it has them."""
+
+
+def strained(f: Fit) -> tuple[str, ...]:
+    """What the constants act over that ended far from what the model's file says."""
+    over = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
+    found = [
+        over.get(free.path.partition(".")[2].removeprefix("output_"), "speed")
+        for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
+        if free.prior is not None and free.path != LAG and abs(value - free.prior[0]) > STRAINED * free.prior[1]
+    ]
+    return tuple(dict.fromkeys(found))
+
+
+def insignificant(eq: Equation, f: Fit) -> str | None:
+    """The added effect that is the least sure to be there, where that is not sure enough.
+
+    Not asked of what constants off their file show: how far they are off was that effect's worth.
+    """
+    spread = np.sqrt(np.diag(covariance(eq, f)))
+    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    away = {}
+    for name in f.hypothesis.added:
+        instance = f.hypothesis.instance(name)
+        size = catalogue()[instance.effect].parameters[0]
+        if size.neutral is not None and instance.effect not in BY_CONSTANTS:
+            off = abs(instance.parameters[size.name] - size.neutral)
+            away[name] = off / max(sure[f"effects.{name}.{size.name}"], 1e-300)
+    least = min(away, key=lambda name: away[name], default=None)
+    return least if least is not None and away[least] < SIGNIFICANT else None
+
+
+def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
+    """Added effects that nothing but constants far from their file calls for, where these are several.
+
+    One cause may stand behind one constant; a cause for each is no explanation.
+    """
+    alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
+    if len(alike) < 2:
+        return ()
+    bare = {name: fit(eq, f.hypothesis.without(name), 4, known=f) for name in alike}
+    found = tuple(name for name in alike if unique(eq, bare[name], f) < FLOOR)
+    return found if len(found) > 1 else ()
