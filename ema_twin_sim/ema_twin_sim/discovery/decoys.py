@@ -13,6 +13,7 @@ from .equation import Equation
 from .fit import Fit
 from .smoothing import smooth_at
 
+KNOTS = 9  # of a dependence on speed or position
 KNOT = 2.5  # s between the knots of a dependence on time
 MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
@@ -48,7 +49,7 @@ def _rows(eq: Equation, columns: list[np.ndarray]) -> np.ndarray:
 
 def _by_speed(eq: Equation) -> dict[str, np.ndarray]:
     speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in eq.observations])
-    knots = np.unique(np.quantile(speeds, np.linspace(0, 1, 9)))
+    knots = np.unique(np.quantile(speeds, np.linspace(0, 1, KNOTS)))
     if len(knots) < 3:
         return {}
     hats = [_hats(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
@@ -61,8 +62,12 @@ def _by_position(eq: Equation) -> dict[str, np.ndarray]:
     span = max(a.max() for a in angles) - min(a.min() for a in angles)
     if span <= 0.0:
         return {}
-    found = {}
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
+    hats = [_hats(a, np.linspace(min(b.min() for b in angles), max(b.max() for b in angles), KNOTS)) for a in angles]
+    found = {
+        "output_position#load": _rows(eq, hats),
+        "output_position#friction": _rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]),
+    }
     for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
         found[f"output_position#{k}"] = _rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])

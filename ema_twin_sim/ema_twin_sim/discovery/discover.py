@@ -29,9 +29,10 @@ from .search import Round, Search, parted_encoders, search, significant
 from .split import with_best_split
 from .uncertainty import covariance
 from .unseen import Unseen, judge_unseen
-from .worth import BY_CONSTANTS, SHAKY, left_over
+from .worth import BY_CONSTANTS, CLIP, SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+APART = 6.0  # the same of the encoders: an output that bounces is not followed to its last wiggle
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
@@ -115,7 +116,7 @@ def discover(
     verdict = "none"
     depends_on: tuple[str, ...] = ()
     found = in_better_company(eq, found, barred)
-    if not explained(eq, found.fit, start_left) and not found.fit.parted:
+    if not (found.fit.parted or apart(eq, found.fit) or explained(eq, found.fit, start_left)):
         progress("something is left: thinking again of what was found")
         found = thought_again(eq, null, barred, found, lambda f: explained(eq, f, start_left))
     if not explained(eq, found.fit, start_left):
@@ -165,7 +166,13 @@ def discover(
 
 def explained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
     """Whether an end of a search explains the recordings, and is plausible."""
-    return not (unexplained(eq, f, at_start) or strained(f) or only_constants(eq, f))
+    return not (unexplained(eq, f, at_start) or apart(eq, f) or strained(f) or only_constants(eq, f))
+
+
+def apart(eq: Equation, f: Fit) -> bool:
+    """Whether some recording's encoders still part by far more than their noise."""
+    rows = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
+    return any(float(np.sqrt(np.mean(r**2))) > APART for r in rows)
 
 
 def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
@@ -191,9 +198,8 @@ def _beside_the_unknown(
     Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
     unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
     """
-    suspect = {*strained(found.fit)}
+    suspect = set(BY_CONSTANTS if strained(found.fit) else ())
     likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
-    likenesses |= BY_CONSTANTS if suspect else set()
     kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
     add_decoys(eq)
     found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)

@@ -14,10 +14,11 @@ from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import LAG
 from .uncertainty import covariance
-from .worth import BY_CONSTANTS, FLOOR, unique
+from .worth import FLOOR, unique
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
 SIGNIFICANT = 4.0  # standard errors from doing nothing
+NOTHING_ELSE = ("acceleration", "current")  # effects over these only show in constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
 """Effects that only the model's own constants tell, where it has them."""
 
@@ -43,8 +44,9 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
     away = {}
     for name in f.hypothesis.added:
         instance = f.hypothesis.instance(name)
-        size = catalogue()[instance.effect].parameters[0]
-        if size.neutral is not None and instance.effect not in BY_CONSTANTS:
+        effect = catalogue()[instance.effect]
+        size = effect.parameters[0]
+        if size.neutral is not None and effect.depends_on not in NOTHING_ELSE:
             off = abs(instance.parameters[size.name] - size.neutral)
             away[name] = off / max(sure[f"effects.{name}.{size.name}"], 1e-300)
     least = min(away, key=lambda name: away[name], default=None)

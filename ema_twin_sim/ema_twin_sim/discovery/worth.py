@@ -25,8 +25,8 @@ FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
 SURE = 40.0  # gain from which on friction in proportion to a load may be smaller than that
 VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
-BY_CONSTANTS = frozenset({"added_inertia", "torque_constant_error", "coulomb_friction", "viscous_friction"})
-"""Effects that may show in nothing but a constant of the model that ends off its file."""
+BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
+"""What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
 LARGEST = 2.0  # times the largest torque measured: what one effect may come to
 AT_BOUND = 0.99  # of a bound, from which on a number stands on it
@@ -79,7 +79,7 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     fall = before.misfit - after.misfit
     excess = max(before.misfit - eq.judged, 0.0)
     relief = before.prior_cost - after.prior_cost
-    if relief > COST_EFFECT + COST_PARAMETER and set(came.values()) <= BY_CONSTANTS:
+    if relief > COST_EFFECT + COST_PARAMETER and {catalogue()[id].depends_on for id in came.values()} <= BY_CONSTANTS:
         return True
     left = math.sqrt(max(1.0, after.misfit / eq.judged))
     # an output that bounces is never known as well as one that does not
