@@ -13,6 +13,8 @@ _DEPENDENCES = {
     "time": "time",
     "order": "the motor's angle, repeating with its turns",
     "load": "the load",
+    "acceleration": "the acceleration",
+    "encoders": "how the two encoders part",
 }
 
 

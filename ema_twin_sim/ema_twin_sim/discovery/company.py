@@ -50,7 +50,7 @@ def thought_again(
     """A search with a ``content`` end, begun without one of the effects that came first; else the one given."""
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect})
+        other = search(eq, null, barred | {effect}, most=len(found.fit.hypothesis.added) + 1)
         if other.fit.parted:
             continue
         fit_with_it, rounds = add_effects(eq, other.fit, barred)

@@ -82,6 +82,18 @@ class Equation:
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
 
+    def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
+        """(lower, upper) (k,) of the free numbers. Dry friction that fades does so within the speeds driven: beyond
+        them it would be plain friction.
+        """
+        lower = np.array([free.lower for free in h.free])
+        upper = np.array([free.upper for free in h.free])
+        for k, free in enumerate(h.free):
+            name, _, parameter = free.path.removeprefix("effects.").partition(".")
+            if name in h.added and parameter == "speed" and catalogue()[h.added[name].effect].place == DRY_LEVEL:
+                upper[k] = max(min(upper[k], self.fastest), lower[k])
+        return lower, upper
+
     def predict(
         self, h: Hypothesis, pool: ThreadPoolExecutor | None = None, beside: Prediction | None = None
     ) -> Prediction:

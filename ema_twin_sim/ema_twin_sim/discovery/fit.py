@@ -117,8 +117,7 @@ def fit(
     if known is not None and known.hypothesis.parted == h.parted:  # else numbers of one name mean other things
         slopes = known.slopes()
         equation = _Beside.of(equation, known, h) or equation
-    lower = np.array([f.lower for f in h.free])
-    upper = np.array([f.upper for f in h.free])
+    lower, upper = equation.bounds(h)
     h = h.at(np.clip(h.values, lower, upper))
     predicted = equation.predict(h)
     raw = equation.residual(predicted)

@@ -17,6 +17,9 @@ from .uncertainty import covariance
 from .worth import FLOOR, unique
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
+STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
+OFF = 2.0  # tolerances that are worth telling then
+OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed", "coulomb": "speed"}
 SIGNIFICANT = 4.0  # standard errors from doing nothing
 NOTHING_ELSE = ("acceleration", "current")  # effects over these only show in constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
@@ -24,14 +27,16 @@ LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_fricti
 
 
 def strained(f: Fit) -> tuple[str, ...]:
-    """What the constants act over that ended far from what the model's file says."""
-    over = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
-    found = [
-        over.get(free.path.partition(".")[2].removeprefix("output_"), "speed")
+    """What the constants act over that ended far from what the model's file says, one alone or all together."""
+    off = {
+        free.path: abs(value - free.prior[0]) / free.prior[1]
         for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
-        if free.prior is not None and free.path != LAG and abs(value - free.prior[0]) > STRAINED * free.prior[1]
-    ]
-    return tuple(dict.fromkeys(found))
+        if free.prior is not None and free.path != LAG
+    }
+    together = sum(z**2 for z in off.values()) > STRAINED_TOGETHER
+    limit = OFF if together else STRAINED
+    over = [OVER[path.partition(".")[2].removeprefix("output_")] for path, z in off.items() if z > limit]
+    return tuple(dict.fromkeys(over))
 
 
 def insignificant(eq: Equation, f: Fit) -> str | None:

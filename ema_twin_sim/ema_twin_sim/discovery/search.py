@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..effects import catalogue
 from .candidates import candidates
 from .decoys import order_decoys
 from .equation import FAR, Equation
@@ -21,8 +22,10 @@ from .worth import ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
-PROMISING = 8.0  # gain before its price from which on an effect is worth a fit, however much others gain
+PROMISING = 0.05  # of the largest gain by regression, from which on an effect is worth a fit
+NEXT_TO_NOTHING = 1e-3  # of an effect's size
 ROUNDS = 10  # at most
+DECOYED = 4  # the same, where decoys are tried too: what an unknown depends on shows in the first of them
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
@@ -79,8 +82,8 @@ class Search:
 
     @property
     def taken(self) -> tuple[Round, ...]:
-        """The rounds after which the model was another."""
-        return tuple(turn for turn in self.rounds if turn.after is not turn.before)
+        """The rounds in which an effect came or went."""
+        return tuple(t for t in self.rounds if t.after.hypothesis.added.keys() != t.before.hypothesis.added.keys())
 
     @property
     def stopped(self) -> Round | None:
@@ -108,8 +111,9 @@ def search(
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
     wanting: Fit | None = None,
+    most: int = ROUNDS,
 ) -> Search:
-    """Add effects to ``null`` as long as each is worth its price, and drop what later ones make needless.
+    """Add up to ``most`` effects to ``null``, each worth its price, and drop what later ones make needless.
 
     Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
     gearbox can only be simulated with the right loads. After an earlier search whose end was ``wanting``, decoys may
@@ -125,7 +129,7 @@ def search(
         eq.use_encoder = False
         progress("looking at the torque alone")
         current, by_torque = add_effects(
-            eq, fit(eq, current.hypothesis), without | _misleading(null), progress, decoyed
+            eq, fit(eq, current.hypothesis), without | _misleading(null), progress, decoyed, most
         )
         rounds += by_torque
         eq.use_encoder = True
@@ -137,7 +141,7 @@ def search(
             rounds += by_gearbox
     else:
         without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
-    current, by_all = add_effects(eq, current, without, progress, decoyed)
+    current, by_all = add_effects(eq, current, without, progress, decoyed, most)
     return significant(eq, Search(current, (*rounds, *by_all), eq.reach))
 
 
@@ -159,13 +163,14 @@ def add_effects(
     without: frozenset[str],
     progress: Callable[[str], None] = lambda text: None,
     decoyed: bool = False,
+    most: int = ROUNDS,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
     banned: frozenset[str] = frozenset()
-    for _ in range(ROUNDS):
+    for _ in range(DECOYED if decoyed else most):
         progress("trying all effects")
-        tried = [fit(eq, h, 6, known=current) for h in entrants(eq, current, without | banned)]
+        tried = [_tried(eq, current, h) for h in entrants(eq, current, without | banned)]
         if decoyed:
             eq.decoys.update(order_decoys(eq, current))
             for name in [name for _, name in screen_decoys(eq, current) if name not in banned][:2]:
@@ -178,6 +183,24 @@ def add_effects(
         banned |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
         current = turn.after
     return current, rounds
+
+
+def _tried(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
+    """A fit of a hypothesis that has one effect more, from where a regression would start it.
+
+    Or from where that effect does next to nothing, if a straight line led too far.
+    """
+    found = fit(eq, h, 6, known=current)
+    if found.misfit + found.prior_cost <= current.misfit + current.prior_cost:
+        return found
+    name = next(n for n in h.added if n not in current.hypothesis.added)
+    size = catalogue()[h.added[name].effect].parameters[0]
+    if size.neutral is None:
+        return found
+    start = size.neutral + NEXT_TO_NOTHING * (h.instance(name).parameters[size.name] - size.neutral)
+    near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": start})
+    other = fit(eq, near, 6, known=current)
+    return min(found, other, key=lambda f: f.misfit + f.prior_cost)
 
 
 def _add_structure(eq: Equation, current: Fit, without: frozenset[str], wanting: Fit | None) -> tuple[Fit, list[Round]]:
@@ -225,7 +248,7 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
-        if alike < 2 and len(picked) < ENTRANTS and s.gain > min(PROMISING, 0.02 * ranked[0].gain):
+        if alike < 2 and len(picked) < ENTRANTS and s.gain > PROMISING * ranked[0].gain:
             picked.append(s)
     lower = np.array([free.lower for free in current.hypothesis.free])
     upper = np.array([free.upper for free in current.hypothesis.free])

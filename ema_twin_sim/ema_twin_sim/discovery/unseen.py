@@ -24,7 +24,7 @@ from .uncertainty import held_out
 class Unseen:
     """RMSE of the headline signal after each round, the start included: pooled, and per recording.
 
-    Where no round changed anything, with the refitted constants alone.
+    The last is the end's, with whatever constants it was refitted with.
 
     ``output`` is that of the output's position [rad], pooled; empty where it was not measured.
     """
@@ -79,7 +79,9 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
     if driven:
         inputs = ["current"] * len(recordings)
     signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
-    fits: list[Fit] = [found.rounds[0].before, *([turn.after for turn in found.taken] or [found.fit])]
+    fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
+    if len(fits) == 1 or fits[-1] is not found.fit:
+        fits.append(found.fit)
     jobs: list[tuple[int, Recording, str, Model]] = []
     for k, f in enumerate(fits):
         alone = len(recordings) < 2

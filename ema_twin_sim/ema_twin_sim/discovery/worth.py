@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from ..effects import catalogue
-from ..plant.layout import DRY_LEVEL
 from .equation import Equation
 from .fit import Fit
 
@@ -74,7 +73,7 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
 def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
-    if any(_does_nothing(eq, after, name) or _too_large(eq, after, name) for name in came):
+    if any(_does_nothing(after, name) or _too_large(eq, after, name) for name in came):
         return False
     fall = before.misfit - after.misfit
     excess = max(before.misfit - eq.judged, 0.0)
@@ -113,20 +112,11 @@ def _too_large(eq: Equation, f: Fit, name: str) -> bool:
     return size.unit == "N m" and abs(instance.parameters[size.name]) > most
 
 
-def _does_nothing(eq: Equation, f: Fit, name: str) -> bool:
-    """Whether an effect's stiffness is as high as it may be, where it does not show: it stands in for another.
-
-    So does dry friction that fades beyond the speeds driven only: it is plain friction.
-    """
-    instance = f.hypothesis.instance(name)
-    effect = catalogue()[instance.effect]
-    table = effect.parameters
-    upper = {free.path: free.upper for free in f.hypothesis.free}
-    for p in table:
-        value = instance.parameters[p.name]
-        if p.name == "stiffness" and p is table[0] and p.neutral is None:
-            if value >= AT_BOUND * upper[f"effects.{name}.{p.name}"]:
-                return True
-        elif p.unit == "rad/s" and effect.place == DRY_LEVEL and value > eq.fastest:
-            return True
-    return False
+def _does_nothing(f: Fit, name: str) -> bool:
+    """Whether an effect's stiffness is as high as it may be, where it does not show: it stands in for another."""
+    size = catalogue()[f.hypothesis.added[name].effect].parameters[0]
+    path = f"effects.{name}.stiffness"
+    if size.name != "stiffness" or size.neutral is not None:
+        return False
+    upper = next(free.upper for free in f.hypothesis.free if free.path == path)
+    return f.hypothesis.by_path[path] >= AT_BOUND * upper
