@@ -1,0 +1,89 @@
+"""A wrong model is not dressed up: with the true effect left out, nothing else is named in its place."""
+
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.fit import fit
+from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.discovery.observation import observe_all
+from ema_twin_sim.discovery.plausible import insignificant, only_constants, strained
+from ema_twin_sim.discovery.search import search
+from ema_twin_sim.effects import catalogue
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+COMMANDS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
+
+
+def record(model, seconds=10.0):
+    return [
+        virtual_bench(model, parse_command(text), seconds, seed=1 + k, name=f"run{k}")
+        for k, text in enumerate(COMMANDS)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("id", "parameters", "depends_on"),
+    [
+        ("quadratic_drag", {"coefficient": 5e-4}, "speed"),
+        ("added_inertia", {"inertia": 4e-4}, "acceleration"),
+        ("torque_constant_error", {"scale": 0.75}, "speed"),
+        ("gravity_load", {"torque": 0.06, "angle": 0.3}, "output_position"),
+        ("encoder_eccentricity", {"amplitude": 3e-4, "phase": 1.0}, "encoders"),
+        ("backlash", {"width": 0.003}, "encoders"),
+    ],
+)
+def test_with_the_true_effect_left_out_nothing_is_named(id, parameters, depends_on, stock):
+    found = discover(record(stock.with_effect(id, parameters)), stock, without=(id,))
+    assert (found.verdict, found.added) == ("unknown", ())
+    assert depends_on in found.depends_on
+    assert found.unseen.rmse[-1] <= 1.001 * found.unseen.rmse[0]
+
+
+def test_friction_curves_that_look_alike_are_told_apart_in_company(stock):
+    """A Stribeck friction alone fits first, and would keep out the two that are there."""
+    without_friction = stock.without_effect("coulomb_friction")
+    true = stock.with_effect("quadratic_drag", {"coefficient": 5e-4})
+    found = discover(record(true), without_friction)
+    assert found.verdict == "explained"
+    assert set(found.added) == {"coulomb_friction", "quadratic_drag"}
+
+
+def test_constants_far_from_their_file_are_noticed(stock):
+    eq = Equation(observe_all(record(stock), stock))
+    assert strained(fit(eq, null_hypothesis(stock))) == ()
+    heavier = stock.with_value("machine.motor_inertia", 2.0 * stock.value("machine.motor_inertia"))
+    assert strained(fit(eq, null_hypothesis(heavier))) == ("acceleration",)
+
+
+def test_a_cause_for_each_constant_is_no_explanation(stock):
+    """All torques off by one factor: without a torque constant, each number would need a cause of its own."""
+    recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}))
+    eq = Equation(observe_all(recordings, stock))
+    found = search(eq, null_hypothesis(stock), frozenset({"torque_constant_error"}))
+    assert len(only_constants(eq, found.fit)) > 1
+    assert only_constants(eq, search(eq, null_hypothesis(stock)).fit) == ()
+
+
+def test_what_might_as_well_be_absent_is_not_sure(stock):
+    eq = Equation(observe_all(record(stock), stock))
+    h = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 1e-4})
+    assert insignificant(eq, fit(eq, h)) == "constant_load"
+    loaded = Equation(observe_all(record(stock.with_effect("constant_load", {"torque": 0.02})), stock))
+    assert insignificant(loaded, fit(loaded, h)) is None
+
+
+def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
+    quantities = {
+        "speed",
+        "direction",
+        "output_position",
+        "order",
+        "load",
+        "time",
+        "acceleration",
+        "current",
+        "encoders",
+    }
+    assert {effect.depends_on for effect in catalogue().values()} <= quantities
