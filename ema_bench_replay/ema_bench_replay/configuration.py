@@ -23,7 +23,7 @@ def find_configuration(kind: str, name: str | Path) -> Path:
     given = Path(name)
     if given.is_file() and (given.suffix or len(given.parts) > 1):
         return given
-    places = [folder / kind for folder in configuration_folders()]
+    places = list(dict.fromkeys(folder / kind for folder in configuration_folders()))
     if len(given.parts) == 1:
         for place in places:
             for file in _files(place):

@@ -13,7 +13,7 @@ from rich.table import Table
 
 from . import options
 from .output import console, status
-from .wording import effect_words, listed
+from .wording import dependence_words, effect_words, listed
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
@@ -117,7 +117,7 @@ def show(found: Plan) -> None:
     from ..simulation.command import in_words
 
     if found.verdict == "unknown":
-        on = f" (it depends on {', '.join(found.depends_on)})" if found.depends_on else ""
+        on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
         console.print(f"Something is left over that fits no effect{on}: no plan can be made for that part.\n")
     if not found.in_doubt:
         held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else ": nothing is missing"

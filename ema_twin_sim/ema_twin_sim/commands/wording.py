@@ -29,6 +29,11 @@ def effect_words(id: str) -> str:
     return " ".join(_NAMES.get(word, word) for word in id.split("_"))
 
 
+def dependence_words(depends_on: Iterable[str]) -> str:
+    """``the speed and time``."""
+    return listed(_DEPENDENCES.get(quantity, quantity) for quantity in depends_on)
+
+
 def listed(words: Iterable[str], last: str = "and") -> str:
     """``a, b and c``."""
     *first, end = words
@@ -47,7 +52,7 @@ def verdict_sentence(
         return "Nothing is missing that these recordings could show."
     if verdict == "explained":
         return f"{lacks}."
-    left = "" if not depends_on else "; what is left depends on " + listed(_DEPENDENCES.get(d, d) for d in depends_on)
+    left = f"; what is left depends on {dependence_words(depends_on)}" if depends_on else ""
     start = f"{lacks}; and something more" if lacks else "Something"
     looked_for = "effect of the catalogue explains"
     if without:

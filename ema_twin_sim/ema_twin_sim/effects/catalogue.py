@@ -63,7 +63,7 @@ def find_effect(id: str, place: str) -> Effect:
     """The effect of that id. Raises InputError, naming ``place`` and the nearest id, where there is none."""
     effects = catalogue()
     if id not in effects:
-        near = difflib.get_close_matches(id, effects, n=1)
+        near = difflib.get_close_matches(id, effects, n=1, cutoff=0.5)
         hint = f"did you mean '{near[0]}'? " if near else ""
         raise InputError(
             f"{place}: unknown effect '{id}'; {hint}If it is your own, name its file: --with FILE.py (of a node: "
