@@ -18,6 +18,7 @@ from .worth import FLOOR, unique
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
 STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
+STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it should have put them right
 OFF = 2.0  # tolerances that are worth telling then
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed", "coulomb": "speed"}
 SIGNIFICANT = 4.0  # standard errors from doing nothing
@@ -33,8 +34,9 @@ def strained(f: Fit) -> tuple[str, ...]:
         for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
         if free.prior is not None and free.path != LAG
     }
-    together = sum(z**2 for z in off.values()) > STRAINED_TOGETHER
-    limit = OFF if together else STRAINED
+    told_by_constants = any(catalogue()[id].depends_on in NOTHING_ELSE for id in f.hypothesis.effects)
+    most = STRAINED_BESIDE if told_by_constants else STRAINED_TOGETHER
+    limit = OFF if sum(z**2 for z in off.values()) > most else STRAINED
     over = [OVER[path.partition(".")[2].removeprefix("output_")] for path, z in off.items() if z > limit]
     return tuple(dict.fromkeys(over))
 

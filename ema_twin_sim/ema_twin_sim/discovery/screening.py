@@ -58,7 +58,28 @@ def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]
     for c, screened in POOL.map(lambda job: (job[0], _screened(eq, f, known, *job)), jobs):
         if screened is not None and (c.name not in found or screened.gain > found[c.name].gain):
             found[c.name] = screened
+    for c in options:
+        if c.effect == "torque_constant_error":
+            screened = _one_factor(f, c)
+            if c.name not in found or screened.gain > found[c.name].gain:
+                found[c.name] = screened
     return sorted(found.values(), key=lambda s: -s.gain)
+
+
+def _one_factor(f: Fit, c: Candidate) -> Screened:
+    """What a torque constant gains that only puts constants back: all torques are off by one factor.
+
+    No simulation would tell, and a straight line leads away from it beside a gearbox.
+    """
+    h = f.hypothesis
+    scaled = h.with_torques_times(2.0).values / np.where(h.values == 0.0, 1.0, h.values) == 2.0
+    known = [(v, *free.prior, by) for free, v, by in zip(h.free, h.values, scaled, strict=True) if free.prior]
+    moving = [(v / std, mean / std) for v, mean, std, by in known if by]
+    size = catalogue()[c.effect].parameters[0]
+    scale = sum(v * mean for v, mean in moving) / max(sum(v**2 for v, _ in moving), 1e-30)
+    scale = min(max(scale, size.lower), size.upper)
+    gained = sum((v - mean) ** 2 - (scale * v - mean) ** 2 for v, mean in moving)
+    return Screened(c, {size.name: scale}, gained, h.with_torques_times(scale).values - h.values)
 
 
 def _start_groups(effect: Effect) -> list[list[dict[str, float]]]:

@@ -250,14 +250,14 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
         if alike < 2 and len(picked) < ENTRANTS and s.gain > PROMISING * ranked[0].gain:
             picked.append(s)
-    lower = np.array([free.lower for free in current.hypothesis.free])
-    upper = np.array([free.upper for free in current.hypothesis.free])
-    return [
-        current.hypothesis.at(np.clip(current.hypothesis.values + s.shift, lower, upper)).with_effect(
-            s.candidate.effect, s.candidate.options, s.start
-        )
-        for s in picked
-    ]
+    return [_more(current.hypothesis, s) for s in picked]
+
+
+def _more(h: Hypothesis, s: Screened) -> Hypothesis:
+    """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
+    lower, upper = np.array([(free.lower, free.upper) for free in h.free]).T
+    room = h.at(np.clip(h.values + s.shift, lower, upper))
+    return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
 def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
