@@ -1,8 +1,8 @@
 """Company: effects that were found one after the other, and others that explain more together.
 
 One step at a time, what fits best alone comes in, and keeps out what fits best in company: a sum of two friction curves
-over the speed comes near many a sum of two others. So what came in is left out, the rest is sought without it, and then
-it may come back.
+over the speed comes near many a sum of two others. So others come in first, or what came in first is left out, the rest
+is sought without it, and then it may come back.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .plausible import strained
 from .rivals import BETTER, swapped
-from .search import Search, add_effects, search, significant
+from .search import Search, add_effects, entrants, search, significant, with_one_more
 from .worth import gain
 
 THOUGHTS = 3  # of the effects that were found first, those that are doubted where something is left
@@ -25,23 +25,23 @@ THOUGHTS = 3  # of the effects that were found first, those that are doubted whe
 def in_better_company(eq: Equation, found: Search, without: frozenset[str]) -> Search:
     """The search with other effects in the place of those that show over the speed, where these explain more together.
 
-    Asked where several do, or where the constants of friction were drawn far off.
+    Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
     """
     best = found.fit
-    alike = {n: held.effect for n, held in best.hypothesis.added.items() if _by_speed(held.effect)}
-    if best.parted or not alike or (len(alike) < 2 and "speed" not in strained(best)):
+    alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
+    if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
         return found
     bare = best.hypothesis
     for name in alike:
         bare = bare.without(name)
     start = fit(eq, bare)
     others = without | {id for id in catalogue() if not _by_speed(id)}
-    for effect in dict.fromkeys(alike.values()):
-        other, _ = add_effects(eq, start, others | {effect})
-        other, _ = add_effects(eq, other, others)
-        if gain(eq, best, other) > BETTER:
-            best = other
-    return found if best is found.fit else swapped(eq, found, best)
+    for effect in sorted(catalogue().keys() - others):
+        for h in entrants(eq, start, others | (catalogue().keys() - {effect}))[:1]:
+            other, _ = add_effects(eq, with_one_more(eq, start, h), others)
+            if gain(eq, best, other) > BETTER:
+                best = other
+    return found if best is found.fit else significant(eq, swapped(eq, found, best))
 
 
 def thought_again(

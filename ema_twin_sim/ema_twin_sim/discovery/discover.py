@@ -38,6 +38,7 @@ FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 BRISTLED = 2.0  # times that where friction gives way before it slides: every law of that does so a little differently
+MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
 REMAINDER = 0.3  # of what the start model leaves over, there
 
 
@@ -176,7 +177,9 @@ def apart(eq: Equation, f: Fit) -> bool:
 
 
 def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
-    """Whether more is left over than the sensors' noise lets expect."""
+    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
+    if not f.parted and float(eq.costs(f.raw)[: eq.size].sum()) > MISFIT_LEFT * eq.size:
+        return True
     for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
         if not len(o.rows):
             continue

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from .worth import ENCODER_ONLY, gain, matters, unique
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 PROMISING = 0.05  # of the largest gain by regression, from which on an effect is worth a fit
+SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
 ROUNDS = 10  # at most
 DECOYED = 4  # the same, where decoys are tried too: what an unknown depends on shows in the first of them
@@ -170,7 +171,7 @@ def add_effects(
     banned: frozenset[str] = frozenset()
     for _ in range(DECOYED if decoyed else most):
         progress("trying all effects")
-        tried = [_tried(eq, current, h) for h in entrants(eq, current, without | banned)]
+        tried = [with_one_more(eq, current, h) for h in entrants(eq, current, without | banned)]
         if decoyed:
             eq.decoys.update(order_decoys(eq, current))
             for name in [name for _, name in screen_decoys(eq, current) if name not in banned][:2]:
@@ -185,7 +186,7 @@ def add_effects(
     return current, rounds
 
 
-def _tried(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
+def with_one_more(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
     """A fit of a hypothesis that has one effect more, from where a regression would start it.
 
     Or from where that effect does next to nothing, if a straight line led too far.
@@ -227,18 +228,35 @@ def _with_gearbox_of(found: Hypothesis, h: Hypothesis) -> Hypothesis:
 
 def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
     """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
-    trials = sorted(
-        (Trial(new_names(current, g), g, gain(eq, current, g), unique(eq, current, g)) for g in tried),
-        # a decoy fits anything: an effect that does nearly as well goes first
-        key=lambda trial: -trial.gain * (DECOY_SHARE if set(trial.names) & set(trial.fit.hypothesis.decoys) else 1.0),
-    )
-    took = next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
+    trials = _ranked(_trial(eq, current, g) for g in tried)
+    took = _best(eq, current, trials)
+    if took is None and not current.parted:
+        # a trial keeps the slopes of what was there before: those that came near deserve their own
+        near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
+        again = [_trial(eq, current, fit(eq, t.fit.hypothesis)) for t in near]
+        trials = _ranked([*again, *(t for t in trials if t not in near)])
+        took = _best(eq, current, trials)
     if took is None:
-        return Round(current, tuple(trials), current)
+        return Round(current, trials, current)
     whole = fit(eq, took.fit.hypothesis)
     fresh = [name for name in took.names if name in whole.hypothesis.added]
     after = prune(eq, settle(eq, hopped(eq, whole, fresh) if whole.parted else whole))
-    return Round(current, tuple(trials), after, took.names, new_names(after, took.fit))
+    return Round(current, trials, after, took.names, new_names(after, took.fit))
+
+
+def _trial(eq: Equation, before: Fit, after: Fit) -> Trial:
+    return Trial(new_names(before, after), after, gain(eq, before, after), unique(eq, before, after))
+
+
+def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
+    """Best first; a decoy fits anything: an effect that does nearly as well goes before it."""
+    share = {True: DECOY_SHARE, False: 1.0}
+    return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.decoys})]))
+
+
+def _best(eq: Equation, current: Fit, trials: Iterable[Trial]) -> Trial | None:
+    """The first that is worth its price, and large enough to be named."""
+    return next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
 
 
 def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
