@@ -203,18 +203,41 @@ class Hypothesis:
 
     def with_torques_times(self, factor: float) -> Hypothesis:
         """Every free torque, stiffness, damping and inertia multiplied, as another torque constant would have them."""
-        values = self.values.copy()
-        for k, free in enumerate(self.free):
-            kind, _, rest = free.path.partition(".")
+        return self.at(np.where(self._mechanical, factor * self.values, self.values))
+
+    @property
+    def _mechanical(self) -> np.ndarray:
+        """Which numbers (k,) are torques, stiffnesses, dampings or inertias."""
+
+        def mechanical(path: str) -> bool:
+            kind, _, rest = path.partition(".")
+            if kind != "effects":
+                return kind in ("scale", "contact", "decoy")
             name, _, parameter = rest.partition(".")
-            if kind == "effects":
-                table = catalogue()[self.added[name].effect].parameters
-                mechanical = next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))
-            else:
-                mechanical = kind in ("scale", "contact", "decoy")
-            if mechanical:
-                values[k] *= factor
-        return self.at(values)
+            table = catalogue()[self.added[name].effect].parameters
+            return next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))
+
+        return np.array([mechanical(free.path) for free in self.free], bool)
+
+    def factor_to_file(self) -> float:
+        """The factor on all torques that brings the constants nearest to what the model's file says."""
+        rows = [
+            (value / free.prior[1], free.prior[0] / free.prior[1])
+            for free, value, moves in zip(self.free, self.values, self._mechanical, strict=True)
+            if free.prior is not None and moves
+        ]
+        return sum(v * mean for v, mean in rows) / max(sum(v**2 for v, _ in rows), 1e-30)
+
+    def balanced(self) -> Hypothesis:
+        """The same prediction with the constants nearest to their file, where an added torque constant allows it."""
+        for name, instance in self.added.items():
+            if instance.effect == "torque_constant_error":
+                path = f"effects.{name}.scale"
+                free = next(free for free in self.free if free.path == path)
+                scale = self.by_path[path]
+                factor = min(max(self.factor_to_file() * scale, free.lower), free.upper) / scale
+                return self.with_torques_times(factor).put({path: factor * scale})
+        return self
 
     def without(self, name: str) -> Hypothesis:
         """The hypothesis less one added effect."""

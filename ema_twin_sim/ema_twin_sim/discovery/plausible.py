@@ -7,6 +7,8 @@ has a cause of its own.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..effects import catalogue
@@ -44,18 +46,23 @@ def strained(f: Fit) -> tuple[str, ...]:
 def insignificant(eq: Equation, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
-    Not asked of what constants off their file show: how far they are off was that effect's worth.
+    A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. Not asked of
+    what constants off their file show: how far they are off was that effect's worth.
     """
-    spread = np.sqrt(np.diag(covariance(eq, f)))
-    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
     away = {}
+    spread = covariance(eq, f)
+    paths = [free.path for free in f.hypothesis.free]
     for name in f.hypothesis.added:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
         if size.neutral is not None and effect.depends_on not in NOTHING_ELSE:
-            off = abs(instance.parameters[size.name] - size.neutral)
-            away[name] = off / max(sure[f"effects.{name}.{size.name}"], 1e-300)
+            k = paths.index(f"effects.{name}.{size.name}")
+            shape = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
+            with_shape = spread[k, shape]
+            variance = spread[k, k] - with_shape @ np.linalg.pinv(spread[np.ix_(shape, shape)]) @ with_shape
+            off = instance.parameters[size.name] - size.neutral
+            away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
 

@@ -72,14 +72,11 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
     No simulation would tell, and a straight line leads away from it beside a gearbox.
     """
     h = f.hypothesis
-    scaled = h.with_torques_times(2.0).values / np.where(h.values == 0.0, 1.0, h.values) == 2.0
-    known = [(v, *free.prior, by) for free, v, by in zip(h.free, h.values, scaled, strict=True) if free.prior]
-    moving = [(v / std, mean / std) for v, mean, std, by in known if by]
     size = catalogue()[c.effect].parameters[0]
-    scale = sum(v * mean for v, mean in moving) / max(sum(v**2 for v, _ in moving), 1e-30)
-    scale = min(max(scale, size.lower), size.upper)
-    gained = sum((v - mean) ** 2 - (scale * v - mean) ** 2 for v, mean in moving)
-    return Screened(c, {size.name: scale}, gained, h.with_torques_times(scale).values - h.values)
+    scale = min(max(h.factor_to_file(), size.lower), size.upper)
+    moved = h.with_torques_times(scale)
+    pr, _ = prior_rows(moved)
+    return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), moved.values - h.values)
 
 
 def _start_groups(effect: Effect) -> list[list[dict[str, float]]]:

@@ -238,7 +238,7 @@ def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
         took = _best(eq, current, trials)
     if took is None:
         return Round(current, trials, current)
-    whole = fit(eq, took.fit.hypothesis)
+    whole = fit(eq, took.fit.hypothesis.balanced())
     fresh = [name for name in took.names if name in whole.hypothesis.added]
     after = prune(eq, settle(eq, hopped(eq, whole, fresh) if whole.parted else whole))
     return Round(current, trials, after, took.names, new_names(after, took.fit))
