@@ -33,6 +33,7 @@ from .worth import BY_CONSTANTS, CLIP, SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
 APART = 6.0  # the same of the encoders: an output that bounces is not followed to its last wiggle
+WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
@@ -113,14 +114,14 @@ def discover(
     null = null_hypothesis(model)
     barred = frozenset(without)
     found = search(eq, null, barred, progress)
-    start_left = left_over(eq, found.rounds[0].before)
+    start = found.rounds[0].before
     verdict = "none"
     depends_on: tuple[str, ...] = ()
     found = in_better_company(eq, found, barred)
-    if not (found.fit.parted or apart(eq, found.fit) or explained(eq, found.fit, start_left)):
+    if not (found.fit.parted or apart(eq, found.fit, start) or explained(eq, found.fit, start)):
         progress("something is left: thinking again of what was found")
-        found = thought_again(eq, null, barred, found, lambda f: explained(eq, f, start_left))
-    if not explained(eq, found.fit, start_left):
+        found = thought_again(eq, null, barred, found, lambda f: explained(eq, f, start))
+    if not explained(eq, found.fit, start):
         progress("something is left: looking for what it depends on")
         verdict = "unknown"
         found, depends_on = _beside_the_unknown(eq, null, barred, found, progress)
@@ -165,22 +166,24 @@ def discover(
     )
 
 
-def explained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
-    """Whether an end of a search explains the recordings, and is plausible."""
-    return not (unexplained(eq, f, at_start) or apart(eq, f) or strained(f) or only_constants(eq, f))
+def explained(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
+    return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
 
 
-def apart(eq: Equation, f: Fit) -> bool:
-    """Whether some recording's encoders still part by far more than their noise."""
-    rows = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
-    return any(float(np.sqrt(np.mean(r**2))) > APART for r in rows)
+def apart(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
+    before = eq.residual(start.predicted)[eq.size :]
+    allowed = max(APART, WIGGLE * float(np.sqrt(np.mean(before**2)))) if len(before) else APART
+    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
+    return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 
 
-def unexplained(eq: Equation, f: Fit, at_start: Sequence[float]) -> bool:
+def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
     if not f.parted and float(eq.costs(f.raw)[: eq.size].sum()) > MISFIT_LEFT * eq.size:
         return True
-    for o, left, before in zip(eq.observations, left_over(eq, f), at_start, strict=True):
+    for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
         if not len(o.rows):
             continue
         allowed = UNEXPLAINED * float(np.median(o.torque_noise))
