@@ -20,6 +20,7 @@ BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve 
 PARTING = ("backlash", "shaft_compliance")  # what lets the two encoders part
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
 STIFFEST = 9.0  # times the contact that samples resolve: what a stiffer one gives way by, no encoder shows
+SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
 LAG_PRIOR = 2e-4  # s, as are the next two
 LAG_LIMIT = 4e-4
 LAG_STEP = 1e-5
@@ -185,6 +186,16 @@ class Hypothesis:
             free=(*(self.free[k] for k in keep), *(free for free, _ in new)),
             values=np.append(self.values[keep], [value for _, value in new]),
         )
+
+    def as_the_file_shares(self) -> dict[str, float]:
+        """By path, the factors that keep the sums of inertia and dry friction, and the file's shares of both sides."""
+        model, base = self.model(), self.base
+        inertia = sum(model.value(path) for path in INERTIAS) / sum(base.value(path) for path in INERTIAS)
+        dry = [name for name, instance in base.active.items() if instance.effect == "coulomb_friction"]
+        torque, nominal = (sum(m.effects[name].parameters["torque"] for name in dry) for m in (model, base))
+        friction = torque / nominal if nominal > 0.0 else 1.0
+        factors = dict(zip(SHARES, (inertia, inertia, friction, friction), strict=True))
+        return {free.path: factors[free.path] for free in self.free if free.path in factors}
 
     def with_decoy(self, name: str, columns: int) -> Hypothesis:
         """One more dependence that is no effect: ``columns`` coefficients of the decoy of that name."""

@@ -14,7 +14,7 @@ import numpy as np
 from ..effects import catalogue
 from .equation import Equation
 from .fit import Fit, fit
-from .hypothesis import LAG
+from .hypothesis import LAG, SIDED
 from .uncertainty import covariance
 from .worth import FLOOR, unique
 
@@ -22,7 +22,7 @@ STRAINED = 4.0  # tolerances off, from which on a constant does not belong to th
 STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
 STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it should have put them right
 OFF = 2.0  # tolerances that are worth telling then
-OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed", "coulomb": "speed"}
+OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
 SIGNIFICANT = 4.0  # standard errors from doing nothing
 NOTHING_ELSE = ("acceleration", "current")  # effects over these only show in constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
@@ -30,16 +30,20 @@ LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_fricti
 
 
 def strained(f: Fit) -> tuple[str, ...]:
-    """What the constants act over that ended far from what the model's file says, one alone or all together."""
+    """What the constants act over that ended far from what the model's file says, one alone or all together.
+
+    Of inertia and friction that a gearbox parts, it is the sums: their shares are hardly known.
+    """
+    values = {**f.hypothesis.by_path, **f.hypothesis.as_the_file_shares()}
     off = {
-        free.path: abs(value - free.prior[0]) / free.prior[1]
-        for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
-        if free.prior is not None and free.path != LAG
+        free.path: abs(values[free.path] - free.prior[0]) / free.prior[1]
+        for free in f.hypothesis.free
+        if free.prior is not None and free.path != LAG and not free.path.startswith(SIDED)
     }
     told_by_constants = any(catalogue()[id].depends_on in NOTHING_ELSE for id in f.hypothesis.effects)
     most = STRAINED_BESIDE if told_by_constants else STRAINED_TOGETHER
     limit = OFF if sum(z**2 for z in off.values()) > most else STRAINED
-    over = [OVER[path.partition(".")[2].removeprefix("output_")] for path, z in off.items() if z > limit]
+    over = [OVER[path.partition(".")[2]] for path, z in off.items() if z > limit]
     return tuple(dict.fromkeys(over))
 
 

@@ -128,8 +128,7 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
     start[size.name] = clipped
     taken = x * ((clipped - size.neutral) / (value - size.neutral) if clipped != value else 1.0)
     gained = float(2.0 * taken @ along - taken @ square @ taken)
-    shift = known.shift(columns @ x) if clipped == value else np.zeros(len(known.upper))
-    return Screened(c, start, gained, shift)
+    return Screened(c, start, gained, known.shift(columns @ taken))
 
 
 def screen_decoys(eq: Equation, f: Fit) -> list[tuple[float, str]]:

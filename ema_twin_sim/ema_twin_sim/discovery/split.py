@@ -19,11 +19,10 @@ from ..model import Model
 from ..simulation.simulate import choose_input
 from .equation import POOL, Equation
 from .fit import fit
-from .hypothesis import INERTIAS, Hypothesis
+from .hypothesis import Hypothesis
 from .search import Search
 from .unseen import squares
 
-SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
 BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred
 
 
@@ -33,7 +32,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     inputs = [choose_input(recording) for recording in recordings]
     if not best.parted or not found.taken or "current" in inputs:
         return found
-    shared = _held(best.hypothesis, _as_the_model_shares(best.hypothesis))
+    shared = _held(best.hypothesis, best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are
     contact = {
         free.path: shared.base.value(free.path.replace("contact.", "transmission.contact_"))
@@ -55,17 +54,6 @@ def _held(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
     """A hypothesis with some numbers, by path, held at values."""
     free = tuple(replace(f, lower=values[f.path], upper=values[f.path]) if f.path in values else f for f in h.free)
     return replace(h, free=free).put(values)
-
-
-def _as_the_model_shares(h: Hypothesis) -> Mapping[str, float]:
-    """By path, the factors that keep the sums of a hypothesis and the shares of its model file."""
-    model, base = h.model(), h.base
-    inertia = sum(model.value(path) for path in INERTIAS) / sum(base.value(path) for path in INERTIAS)
-    dry = [name for name, instance in base.active.items() if instance.effect == "coulomb_friction"]
-    torque, nominal = (sum(m.effects[name].parameters["torque"] for name in dry) for m in (model, base))
-    friction = torque / nominal if nominal > 0.0 else 1.0
-    factors = dict(zip(SHARES, (inertia, inertia, friction, friction), strict=True))
-    return {free.path: factors[free.path] for free in h.free if free.path in factors}
 
 
 def _error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:
