@@ -43,6 +43,7 @@ EFFECT = Effect(
     id="position_friction",  # its name in models, commands and ROS parameters
     summary="dry friction that varies with the output's position: a tight spot, a worn stretch",
     equation="L = torque · (1 + sin(count·θ_o + phase)) / 2",
+    depends_on="output_position",  # what it shows over: where something unknown does too, the two are not told apart
     signature="current error against the motion that depends on the output's position, not on speed",
     source="a user's own; compare Armstrong-Hélouvry, Dupont, Canudas de Wit 1994 on position-dependent friction",
     # name, unit, typical value, least, greatest, meaning; the first one is the effect's size

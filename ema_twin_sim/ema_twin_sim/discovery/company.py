@@ -16,13 +16,17 @@ from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .plausible import strained
 from .rivals import BETTER, swapped
-from .search import Search, add_effects, entrants, search, significant, with_one_more
-from .worth import gain
+from .search import add_effects, entrants, search, significant, with_one_more
+from .trace import Search
+from .worth import ENCODER_ONLY, gain
 
-THOUGHTS = 3  # of the effects that were found first, those that are doubted where something is left
+MORE = 2  # friction curves that may join the one that came in first
+THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
-def in_better_company(eq: Equation, found: Search, without: frozenset[str]) -> Search:
+def in_better_company(
+    eq: Equation, found: Search, without: frozenset[str], progress: Callable[[str], None] = lambda text: None
+) -> Search:
     """The search with other effects in the place of those that show over the speed, where these explain more together.
 
     Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
@@ -31,30 +35,44 @@ def in_better_company(eq: Equation, found: Search, without: frozenset[str]) -> S
     alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
     if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
         return found
+    progress("trying other friction curves in company")
     bare = best.hypothesis
     for name in alike:
         bare = bare.without(name)
     start = fit(eq, bare)
     others = without | {id for id in catalogue() if not _by_speed(id)}
     for effect in sorted(catalogue().keys() - others):
-        for h in entrants(eq, start, others | (catalogue().keys() - {effect}))[:1]:
-            other, _ = add_effects(eq, with_one_more(eq, start, h), others)
+        for h in entrants(eq, start, frozenset(catalogue().keys() - {effect}))[:1]:
+            other, _ = add_effects(eq, with_one_more(eq, start, h), others, most=MORE)
+            eq.reach = found.reach  # misfits compare under one reach only
+            other = fit(eq, other.hypothesis)
             if gain(eq, best, other) > BETTER:
                 best = other
-    return found if best is found.fit else significant(eq, swapped(eq, found, best))
+    if best is not found.fit:
+        better = significant(eq, swapped(eq, found, best))
+        eq.reach = found.reach
+        if gain(eq, found.fit, fit(eq, better.fit.hypothesis)) > 0.0:
+            eq.reach = better.reach
+            return better
+    return found
 
 
 def thought_again(
-    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, content: Callable[[Fit], bool]
+    eq: Equation,
+    null: Hypothesis,
+    barred: frozenset[str],
+    found: Search,
+    content: Callable[[Fit], bool],
+    progress: Callable[[str], None] = lambda text: None,
 ) -> Search:
     """A search with a ``content`` end, begun without one of the effects that came first; else the one given."""
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect}, most=len(found.fit.hypothesis.added) + 1)
+        other = search(eq, null, barred | {effect}, progress, most=len(found.fit.hypothesis.added) + 1)
         if other.fit.parted:
             continue
-        fit_with_it, rounds = add_effects(eq, other.fit, barred)
-        other = significant(eq, replace(other, fit=fit_with_it, rounds=(*other.rounds, *rounds), reach=eq.reach))
+        after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress)
+        other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), reach=eq.reach))
         if content(other.fit):
             return other
     eq.reach = found.reach

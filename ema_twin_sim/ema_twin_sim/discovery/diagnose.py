@@ -26,7 +26,7 @@ from .equation import POOL, Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING
 from .rivals import substitutes
-from .search import Round, Trial, new_names
+from .trace import Round, Trial, new_names
 from .uncertainty import covariance, held_out
 from .worth import gain, matters, price, price_of_noise
 

@@ -17,30 +17,24 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from .company import in_better_company, thought_again
 from .contradictions import contradictions
-from .decoys import add_decoys, dependence
 from .equation import Equation
+from .explained import apart, explained
 from .fit import Fit, fit
 from .hypothesis import INERTIAS, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
-from .plausible import only_constants, strained
 from .rivals import Rivalry, judged_against_rivals
-from .search import Round, Search, parted_encoders, search, significant
+from .search import search, significant
 from .split import with_best_split
+from .trace import Round, Search
 from .uncertainty import covariance
+from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
-from .worth import BY_CONSTANTS, CLIP, SHAKY, left_over
 
-UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
-APART = 6.0  # the same of the encoders: an output that bounces is not followed to its last wiggle
-WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
-BRISTLED = 2.0  # times that where friction gives way before it slides: every law of that does so a little differently
-MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
-REMAINDER = 0.3  # of what the start model leaves over, there
 
 
 @dataclass(frozen=True)
@@ -113,42 +107,38 @@ def discover(
     eq = Equation(observe_all(list(recordings), model))
     null = null_hypothesis(model)
     barred = frozenset(without)
-    found = search(eq, null, barred, progress)
+    found = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
-    verdict = "none"
+    known = explained(eq, found.fit, start)
     depends_on: tuple[str, ...] = ()
-    found = in_better_company(eq, found, barred)
-    if not (found.fit.parted or apart(eq, found.fit, start) or explained(eq, found.fit, start)):
-        progress("something is left: thinking again of what was found")
-        found = thought_again(eq, null, barred, found, lambda f: explained(eq, f, start))
-    if not explained(eq, found.fit, start):
+    if not known:
         progress("something is left: looking for what it depends on")
-        verdict = "unknown"
-        found, depends_on = _beside_the_unknown(eq, null, barred, found, progress)
+        found, depends_on = beside_the_unknown(eq, null, barred, found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     found = with_best_split(eq, recordings, found)
     sure = significant(eq, found)
     if sure is not found:
         found = with_best_split(eq, recordings, sure)
-    best = found.fit
-    if verdict != "unknown" and best.hypothesis.added:
-        verdict = "explained"
+    known = known and explained(eq, found.fit, start)
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
-    if verdict == "unknown" and not unseen.rmse[-1] < unseen.rmse[0]:
-        # what is unknown may draw everything beside it away: then the model stays as it was
-        found = found.back_to(eq, fit(eq, null, 0), "beside the unknown it makes the model no better")
-        best, unseen = found.fit, judge_unseen(eq, recordings, found)
+    as_given = not known and not unseen.rmse[-1] < unseen.rmse[0]
+    if as_given:  # what is unknown may draw everything beside it away
+        found = found.ended(fit(eq, null, 0), eq.reach, "beside what is unknown it makes the model no better")
+        unseen = judge_unseen(eq, recordings, found, as_given=True)
+    best = found.fit
+    verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
+    rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     spread = np.sqrt(np.diag(covariance(eq, best)))
     added = tuple(dict.fromkeys(best.hypothesis.effects))
     return Discovery(
         verdict,
         added,
-        best.hypothesis.model().fitted_from(model),
+        model if as_given else best.hypothesis.model().fitted_from(model),
         _steps(found, unseen),
         MappingProxyType(_parameters(best, spread)),
-        MappingProxyType(_constants(best, spread)),
+        MappingProxyType({} if as_given else _constants(best, spread)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),
@@ -166,54 +156,14 @@ def discover(
     )
 
 
-def explained(eq: Equation, f: Fit, start: Fit) -> bool:
-    """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
-    return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
-
-
-def apart(eq: Equation, f: Fit, start: Fit) -> bool:
-    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
-    before = eq.residual(start.predicted)[eq.size :]
-    allowed = max(APART, WIGGLE * float(np.sqrt(np.mean(before**2)))) if len(before) else APART
-    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
-    return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
-
-
-def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
-    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
-    if not f.parted and float(eq.costs(f.raw)[: eq.size].sum()) > MISFIT_LEFT * eq.size:
-        return True
-    for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
-        if not len(o.rows):
-            continue
-        allowed = UNEXPLAINED * float(np.median(o.torque_noise))
-        if f.predicted.plant["bristle_stiffness"][0] > 0.0:
-            allowed *= BRISTLED
-        if f.parted:
-            allowed = max(SHAKY * allowed, REMAINDER * before)
-        if left > allowed:
-            return True
-    return False
-
-
-def _beside_the_unknown(
-    eq: Equation, null: Hypothesis, barred: frozenset[str], found: Search, progress: Callable[[str], None]
-) -> tuple[Search, tuple[str, ...]]:
-    """A search in which what is in no catalogue may stand beside the effects, and what that depends on.
-
-    Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
-    unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
-    """
-    suspect = set(BY_CONSTANTS if strained(found.fit) else ())
-    likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
-    kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
-    add_decoys(eq)
-    found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)
-    depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
-    suspect = {*depends_on, *strained(found.fit), *(["encoders"] if parted_encoders(eq, found.fit) else [])}
-    added = found.fit.hypothesis.added
-    alike = [name for name, instance in added.items() if catalogue()[instance.effect].depends_on in suspect]
-    return found.less(eq, alike, "may be nothing but the unknown's likeness"), depends_on or tuple(sorted(suspect))
+def _searched(eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]) -> Search:
+    """The best explanation by effects of the catalogue; where that leaves something, after second thoughts."""
+    found = in_better_company(eq, search(eq, null, barred, progress), barred, progress)
+    start = found.rounds[0].before
+    if found.fit.parted or apart(eq, found.fit, start) or explained(eq, found.fit, start):
+        return found
+    progress("something is left: thinking again of what was found")
+    return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)
 
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
@@ -313,7 +263,10 @@ def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unsee
         return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
     last = found.stopped
     if last is None:
-        return "as many effects were added as a search may add"
+        end = found.rounds[-1]
+        return (
+            "as many effects were added as a search may add" if end.added else f"what was added last went: {end.reason}"
+        )
     if not last.tried:
         return "nothing is left to try"
     if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:

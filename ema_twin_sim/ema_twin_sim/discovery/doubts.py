@@ -23,7 +23,8 @@ from .hypothesis import PARTING, Hypothesis
 from .observation import STANDSTILL
 from .rivals import Rivalry
 from .screening import screen
-from .search import Search, entrants
+from .search import entrants
+from .trace import Search
 from .worth import ENCODER_ONLY, FLOOR, gain
 
 OPEN = 16.0

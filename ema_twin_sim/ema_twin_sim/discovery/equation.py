@@ -83,14 +83,13 @@ class Equation:
         self.use_encoder = True
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-        """(lower, upper) (k,) of the free numbers. Dry friction that fades does so within the speeds driven: beyond
-        them it would be plain friction.
-        """
+        """(lower, upper) (k,) of the free numbers; a speed that only counts as far as it is driven ends there."""
         lower = np.array([free.lower for free in h.free])
         upper = np.array([free.upper for free in h.free])
         for k, free in enumerate(h.free):
             name, _, parameter = free.path.removeprefix("effects.").partition(".")
-            if name in h.added and parameter == "speed" and catalogue()[h.added[name].effect].place == DRY_LEVEL:
+            table = catalogue()[h.added[name].effect].parameters if name in h.added else ()
+            if any(p.driven for p in table if p.name == parameter):
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper
 

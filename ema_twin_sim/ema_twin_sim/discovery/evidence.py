@@ -20,7 +20,7 @@ from .discover import Discovery
 from .equation import Equation
 from .fit import Fit
 from .observation import STANDSTILL
-from .search import Round, Trial, new_names
+from .trace import Round, Trial, new_names
 
 BINS = 24
 FEWEST = 5  # rows of a bin that has a median
@@ -127,7 +127,7 @@ def step_evidence(found: Discovery) -> tuple[StepEvidence, ...]:
 def compared_fits(found: Discovery) -> list[Compared]:
     """The fits that each step of a discovery compares; at its end, those that the last refused step does."""
     steps = []
-    for turn in found.search.taken:
+    for turn in found.search.changes:
         names = new_names(turn.before, turn.after)
         if names:  # else what was added was needless at once
             steps.append(_compared(turn, names, turn.after, taken=True))

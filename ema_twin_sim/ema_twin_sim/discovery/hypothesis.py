@@ -240,7 +240,10 @@ class Hypothesis:
         return sum(v * mean for v, mean in rows) / max(sum(v**2 for v, _ in rows), 1e-30)
 
     def balanced(self) -> Hypothesis:
-        """The same prediction with the constants nearest to their file, where an added torque constant allows it."""
+        """The constants nearest to their file, where an added torque constant allows it.
+
+        The prediction stays, but for what torques the model's file has that are not free.
+        """
         for name, instance in self.added.items():
             if instance.effect == "torque_constant_error":
                 path = f"effects.{name}.scale"

@@ -28,7 +28,7 @@ from .equation import Equation
 from .hypothesis import Hypothesis
 from .observation import STANDSTILL, Observation, observe
 from .rivals import CLOSE, Rivalry
-from .search import Search
+from .trace import Search
 
 DECIDED = 5.0
 """Standard deviations by which rivals must come apart for a recording to decide between them."""
@@ -180,8 +180,7 @@ class _Field:
         h, known = contender.hypothesis, contender.information
         even = np.ones(eq.rows)
         heat = self.temperature
-        lower = np.array([free.lower for free in h.free])
-        upper = np.array([free.upper for free in h.free])
+        lower, upper = eq.bounds(h)
         moved = np.zeros(len(h.values))
         predicted = eq.predict(h)
         missed = eq.centred(truth - predicted.rows, even)

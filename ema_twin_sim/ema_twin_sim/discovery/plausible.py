@@ -15,7 +15,7 @@ from ..effects import catalogue
 from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import LAG, SIDED
-from .uncertainty import covariance
+from .uncertainty import covariance, scaled_inverse
 from .worth import FLOOR, unique
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
@@ -24,9 +24,9 @@ STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it
 OFF = 2.0  # tolerances that are worth telling then
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
 SIGNIFICANT = 4.0  # standard errors from doing nothing
-NOTHING_ELSE = ("acceleration", "current")  # effects over these only show in constants off their file
+NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
-"""Effects that only the model's own constants tell, where it has them."""
+"""Effects of which each may stand behind one constant that is off, where the model has it."""
 
 
 def strained(f: Fit) -> tuple[str, ...]:
@@ -64,7 +64,7 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
             k = paths.index(f"effects.{name}.{size.name}")
             shape = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
             with_shape = spread[k, shape]
-            variance = spread[k, k] - with_shape @ np.linalg.pinv(spread[np.ix_(shape, shape)]) @ with_shape
+            variance = spread[k, k] - with_shape @ scaled_inverse(spread[np.ix_(shape, shape)]) @ with_shape
             off = instance.parameters[size.name] - size.neutral
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
     least = min(away, key=lambda name: away[name], default=None)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import PARTING
-from .search import Round, Search, Trial, new_names, prune
+from .search import prune
+from .trace import Round, Search, Trial, new_names
 from .worth import ENCODER_ONLY, gain, unique
 
 CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
@@ -85,5 +86,5 @@ def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
     added, removed = new_names(best, rival), new_names(rival, best)
     after = prune(eq, fit(eq, rival.hypothesis))
     trial = Trial(added, rival, gain(eq, best, rival), unique(eq, best, rival))
-    turn = Round(best, (trial,), after, added, removed)
-    return replace(found, fit=after, rounds=(*found.rounds, turn))
+    turn = Round(best, (trial,), after, added, removed, "others explain more in its place")
+    return replace(found, fit=after, rounds=(*found.rounds, turn), reach=eq.reach)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +16,8 @@ from .hypothesis import PARTING, SIDED, Hypothesis
 from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
 from .structure import structural_fits
-from .valleys import NARROW, hopped
+from .trace import Round, Search, Trial, new_names
+from .valleys import NARROW, cost, hopped
 from .worth import ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
@@ -46,66 +46,6 @@ def parted_encoders(eq: Equation, f: Fit) -> bool:
     return any(p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > PARTED for p in eq.encoder_parts)
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """One thing that was tried in a round: what would be added, and what it would gain."""
-
-    names: tuple[str, ...]
-    fit: Fit
-    gain: float  # price paid, in units of the null's noise; above zero it is worth its price
-    unique: float  # largest rms, in noise standard deviations, that it takes from some recording
-
-
-@dataclass(frozen=True, eq=False)
-class Round:
-    """One round of the search: where it began, what was tried (best first), what came of it."""
-
-    before: Fit
-    tried: tuple[Trial, ...]
-    after: Fit
-    added: tuple[str, ...] = ()  # empty: nothing was worth its price
-    removed: tuple[str, ...] = ()  # what was needless beside it, which may be itself
-    reason: str = "needless beside what was added"  # why that was removed
-
-    def effect_of(self, name: str) -> str:
-        """The effect, or the decoy, behind a name that was tried."""
-        held = next((t.fit.hypothesis.added[name] for t in self.tried if name in t.fit.hypothesis.added), None)
-        return held.effect if held else name
-
-
-@dataclass(frozen=True, eq=False)
-class Search:
-    """The end of a search and the way there."""
-
-    fit: Fit
-    rounds: tuple[Round, ...]
-    reach: np.ndarray  # (m,) that the end was fitted with
-
-    @property
-    def taken(self) -> tuple[Round, ...]:
-        """The rounds in which an effect came or went."""
-        return tuple(t for t in self.rounds if t.after.hypothesis.added.keys() != t.before.hypothesis.added.keys())
-
-    @property
-    def stopped(self) -> Round | None:
-        """The last round in which nothing was worth its price; None where every round brought something."""
-        return next((turn for turn in reversed(self.rounds) if turn.after is turn.before), None)
-
-    def less(self, eq: Equation, names: Sequence[str], reason: str) -> Search:
-        """The search with one more round, in which effects were taken out, and what is needless without them."""
-        if not names:
-            return self
-        h = self.fit.hypothesis
-        for name in names:
-            h = h.without(name)
-        return self.back_to(eq, prune(eq, settle(eq, fit(eq, h))), reason)
-
-    def back_to(self, eq: Equation, after: Fit, reason: str) -> Search:
-        """The search with one more round, which ends at a fit that holds less."""
-        turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
-        return replace(self, fit=after, rounds=(*self.rounds, turn), reach=eq.reach)
-
-
 def search(
     eq: Equation,
     null: Hypothesis,
@@ -114,8 +54,9 @@ def search(
     wanting: Fit | None = None,
     most: int = ROUNDS,
 ) -> Search:
-    """Add up to ``most`` effects to ``null``, each worth its price, and drop what later ones make needless.
+    """Add effects to ``null``, each worth its price, and drop what later ones make needless.
 
+    In each of its phases a search goes ``most`` rounds; fewer where decoys stand by.
     Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
     gearbox can only be simulated with the right loads. After an earlier search whose end was ``wanting``, decoys may
     stand beside the effects, and play and spring are those of that end.
@@ -126,7 +67,7 @@ def search(
     rounds: list[Round] = []
     if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(PARTING)  # there is nothing behind the teeth
-    if parted_encoders(eq, current) and not without >= set(PARTING):
+    if parted_encoders(eq, current) and not without >= {*PARTING, *ENCODER_ONLY}:
         eq.use_encoder = False
         progress("looking at the torque alone")
         current, by_torque = add_effects(
@@ -149,8 +90,18 @@ def search(
 def significant(eq: Equation, found: Search) -> Search:
     """The search less what is not sure to be there."""
     while name := insignificant(eq, found.fit):
-        found = found.less(eq, [name], "too uncertain to be named")
+        found = less(eq, found, [name], "too uncertain to be named")
     return found
+
+
+def less(eq: Equation, found: Search, names: Sequence[str], reason: str) -> Search:
+    """The search with one more round, in which effects were taken out, and what is needless without them."""
+    if not names:
+        return found
+    h = found.fit.hypothesis
+    for name in names:
+        h = h.without(name)
+    return found.ended(prune(eq, settle(eq, fit(eq, h))), eq.reach, reason)
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
@@ -189,19 +140,19 @@ def add_effects(
 def with_one_more(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
     """A fit of a hypothesis that has one effect more, from where a regression would start it.
 
-    Or from where that effect does next to nothing, if a straight line led too far.
+    Or, if a straight line led too far, from a typical size, or from where the effect does next to nothing.
     """
-    found = fit(eq, h, 6, known=current)
-    if found.misfit + found.prior_cost <= current.misfit + current.prior_cost:
-        return found
     name = next(n for n in h.added if n not in current.hypothesis.added)
     size = catalogue()[h.added[name].effect].parameters[0]
-    if size.neutral is None:
-        return found
-    start = size.neutral + NEXT_TO_NOTHING * (h.instance(name).parameters[size.name] - size.neutral)
-    near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": start})
-    other = fit(eq, near, 6, known=current)
-    return min(found, other, key=lambda f: f.misfit + f.prior_cost)
+    tried = [fit(eq, h, 6, known=current)]
+    begun = h.instance(name).parameters[size.name]
+    if size.neutral is not None:
+        for value in (size.default, size.neutral + NEXT_TO_NOTHING * (begun - size.neutral)):
+            if cost(tried[-1]) <= cost(current):
+                break
+            near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": value})
+            tried.append(fit(eq, near, 6, known=current))
+    return min(tried, key=lambda f: cost(f) if math.isfinite(cost(f)) else math.inf)
 
 
 def _add_structure(eq: Equation, current: Fit, without: frozenset[str], wanting: Fit | None) -> tuple[Fit, list[Round]]:
@@ -231,7 +182,7 @@ def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
     trials = _ranked(_trial(eq, current, g) for g in tried)
     took = _best(eq, current, trials)
     if took is None and not current.parted:
-        # a trial keeps the slopes of what was there before: those that came near deserve their own
+        # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
         again = [_trial(eq, current, fit(eq, t.fit.hypothesis)) for t in near]
         trials = _ranked([*again, *(t for t in trials if t not in near)])
@@ -268,20 +219,14 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
         if alike < 2 and len(picked) < ENTRANTS and s.gain > PROMISING * ranked[0].gain:
             picked.append(s)
-    return [_more(current.hypothesis, s) for s in picked]
+    return [_more(eq, current.hypothesis, s) for s in picked]
 
 
-def _more(h: Hypothesis, s: Screened) -> Hypothesis:
+def _more(eq: Equation, h: Hypothesis, s: Screened) -> Hypothesis:
     """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
-    lower, upper = np.array([(free.lower, free.upper) for free in h.free]).T
+    lower, upper = eq.bounds(h)
     room = h.at(np.clip(h.values + s.shift, lower, upper))
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
-
-
-def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
-    """The effects and decoys that one fit has and another has not."""
-    held = {*before.hypothesis.added, *before.hypothesis.decoys}
-    return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.decoys) if n not in held)
 
 
 def prune(eq: Equation, f: Fit) -> Fit:

@@ -20,7 +20,7 @@ from ..simulation.simulate import choose_input
 from .equation import POOL, Equation
 from .fit import fit
 from .hypothesis import Hypothesis
-from .search import Search
+from .trace import Search
 from .unseen import squares
 
 BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred

@@ -52,8 +52,7 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
     _, pj = prior_rows(f.hypothesis)
     scale = eq.temperature(f.misfit)
     information = f.jacobian.T @ f.jacobian
-    lower = np.array([free.lower for free in f.hypothesis.free])
-    upper = np.array([free.upper for free in f.hypothesis.free])
+    lower, upper = eq.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
     moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []

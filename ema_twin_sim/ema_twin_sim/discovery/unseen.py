@@ -16,7 +16,7 @@ from ..model import Model
 from ..simulation.simulate import choose_input, simulate
 from .equation import POOL, Equation
 from .fit import Fit
-from .search import Search
+from .trace import Search
 from .uncertainty import held_out
 
 
@@ -71,8 +71,11 @@ def squares(model: Model, recording: Recording, source: str, signals: Sequence[s
     return np.array(found)
 
 
-def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -> Unseen:
-    """Simulate every recording after every round with the numbers that the other recordings gave."""
+def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *, as_given: bool = False) -> Unseen:
+    """Simulate every recording after every round with the numbers that the other recordings gave.
+
+    The end is the model ``as_given`` where nothing of it was changed.
+    """
     base = found.fit.hypothesis.base
     inputs = [choose_input(recording) for recording in recordings]
     driven = any(source == "current" for source in inputs)  # one headline for all
@@ -84,10 +87,11 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search) -
         fits.append(found.fit)
     jobs: list[tuple[int, Recording, str, Model]] = []
     for k, f in enumerate(fits):
-        alone = len(recordings) < 2
-        numbers = [f.hypothesis.values] * len(recordings) if alone or k == 0 else held_out(eq, f)
+        untouched = k == 0 or (as_given and f is found.fit)
+        fitted_to_all = untouched or len(recordings) < 2
+        numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(eq, f)
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
-            model = base if k == 0 else f.hypothesis.at(values).model()
+            model = base if untouched else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
 
     signals = (signal, "output_position")

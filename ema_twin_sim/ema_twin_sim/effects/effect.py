@@ -11,6 +11,19 @@ from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT
 
 __all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "TORQUE", "VISCOUS_COEFFICIENT", "Effect", "Parameter"]
 
+QUANTITIES = (
+    "speed",
+    "direction",
+    "output_position",
+    "order",  # of the motor's angle
+    "load",
+    "time",
+    "acceleration",
+    "current",
+    "encoders",  # their difference
+)
+"""What an effect may show over."""
+
 Values = Mapping[str, float]
 Options = Mapping[str, str]
 
@@ -23,7 +36,8 @@ class Parameter:
     for missing effects begins at each of ``starts`` (none: spread between the bounds); a ``periodic`` parameter is an
     angle. An effect's first parameter is its size; ``neutral`` is the size at which it does nothing and from which it
     grows in proportion (None: it has none, or does not grow in proportion, so that sizes too are tried from starts).
-    What acts ``at_rest`` only does not show in motion, and is not fitted to it.
+    What acts ``at_rest`` only does not show in motion, and is not fitted to it. A ``driven`` speed is one over which an
+    effect fades: beyond the speeds that recordings drive it would be another effect, and is not looked for there.
     """
 
     name: str
@@ -36,6 +50,7 @@ class Parameter:
     periodic: bool = False
     neutral: float | None = 0.0
     at_rest: bool = False
+    driven: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +64,7 @@ class Effect:
     options)`` instead changes the plant's own constants once, for what does not depend on the operating point or has a
     place of its own there.
 
-    ``depends_on`` is the one quantity that it shows over most: speed, direction, output_position, order (of the motor's
-    angle), load, time, acceleration, current or encoders (their difference).
+    ``depends_on`` is the one of QUANTITIES that it shows over most, or empty.
     """
 
     id: str
@@ -72,6 +86,8 @@ class Effect:
             raise ValueError(f"effect {self.id}: give either act or settle")
         if len(self.parameters) + (self.option_value is not None) > 4:
             raise ValueError(f"effect {self.id}: at most four parameters, a numeric option included")
+        if self.depends_on not in ("", *QUANTITIES):
+            raise ValueError(f"effect {self.id}: depends_on: one of {', '.join(QUANTITIES)}, not {self.depends_on!r}")
 
     def where(self, options: Options) -> int:
         """The place that ``act``'s value goes to under these options."""

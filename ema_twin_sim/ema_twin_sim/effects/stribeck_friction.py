@@ -31,6 +31,7 @@ EFFECT = Effect(
             1000.0,
             "speed at which it has fallen to 1/e, fast shaft",
             starts=(0.3, 0.6, 1.2, 2.5, 5.0),
+            driven=True,
         ),
     ),
     act=act,

@@ -1,0 +1,50 @@
+"""Explained: whether nothing is left that the sensors' noise does not account for, by an explanation to believe."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .equation import Equation
+from .fit import Fit
+from .plausible import only_constants, strained
+from .worth import CLIP, SHAKY, left_over
+
+UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
+BRISTLED = 2.0  # times these where friction gives way before it slides: every law of that does so a little differently
+REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
+APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
+WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
+
+
+def explained(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
+    return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
+
+
+def apart(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
+    before = eq.residual(start.predicted)[eq.size :]
+    excused = WIGGLE * float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
+    allowed = min(max(APART, excused), 0.5 * CLIP)
+    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
+    return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
+
+
+def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
+    bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
+    misfit = float(eq.costs(f.raw)[: eq.size].sum())
+    if not f.parted and misfit > eq.size * MISFIT_LEFT * (BRISTLED if bristled else 1.0):
+        return True
+    for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
+        if not len(o.rows):
+            continue
+        allowed = UNEXPLAINED * float(np.median(o.torque_noise))
+        if bristled:
+            allowed *= BRISTLED
+        if f.parted:
+            allowed = max(SHAKY * allowed, REMAINDER * before)
+        if left > allowed:
+            return True
+    return False

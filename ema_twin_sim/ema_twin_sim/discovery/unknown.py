@@ -1,0 +1,41 @@
+"""Unknown: what is left depends on something, though no effect of the catalogue explains it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..effects import catalogue
+from .decoys import add_decoys, dependence
+from .equation import Equation
+from .explained import apart
+from .hypothesis import Hypothesis
+from .plausible import only_constants, strained
+from .search import less, search
+from .trace import Search
+from .worth import BY_CONSTANTS
+
+
+def beside_the_unknown(
+    eq: Equation,
+    null: Hypothesis,
+    barred: frozenset[str],
+    found: Search,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Search, tuple[str, ...]]:
+    """A search in which what is in no catalogue may stand beside the effects, and what that depends on.
+
+    Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
+    unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
+    """
+    start = found.rounds[0].before
+    suspect = set(BY_CONSTANTS if strained(found.fit) else ())
+    likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
+    kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
+    add_decoys(eq)
+    found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)
+    depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+    suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(eq, found.fit, start) else [])}
+    added = found.fit.hypothesis.added
+    alike = [name for name, instance in added.items() if catalogue()[instance.effect].depends_on in suspect]
+    reason = "may be nothing but the likeness of what is unknown"
+    return less(eq, found, alike, reason), depends_on or tuple(sorted(suspect))
