@@ -82,15 +82,4 @@ def test_what_might_as_well_be_absent_is_not_sure(stock):
 
 
 def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
-    quantities = {
-        "speed",
-        "direction",
-        "output_position",
-        "order",
-        "load",
-        "time",
-        "acceleration",
-        "current",
-        "encoders",
-    }
-    assert {effect.depends_on for effect in catalogue().values()} <= quantities
+    assert {effect.depends_on for effect in catalogue().values()} == set(QUANTITIES)
