@@ -20,7 +20,8 @@ from .search import add_effects, entrants, search, significant, with_one_more
 from .trace import Search
 from .worth import ENCODER_ONLY, gain
 
-MORE = 2  # friction curves that may join the one that came in first
+MORE = 2  # effects that may join those that came in first
+SEVERAL = 4  # effects that another explanation may have
 THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
@@ -68,10 +69,10 @@ def thought_again(
     """A search with a ``content`` end, begun without one of the effects that came first; else the one given."""
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect}, progress, most=len(found.fit.hypothesis.added) + 1)
+        other = search(eq, null, barred | {effect}, progress, most=SEVERAL)
         if other.fit.parted:
             continue
-        after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress)
+        after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress, most=MORE)
         other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), reach=eq.reach))
         if content(other.fit):
             return other
