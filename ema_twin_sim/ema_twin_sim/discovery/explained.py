@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from .decoys import add_decoys
 from .equation import Equation
 from .fit import Fit
 from .plausible import only_constants, strained
+from .screening import screen_decoys
 from .worth import CLIP, SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
 MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
+MISFIT_DOUBTED = 1.1  # the same, from which on it is asked whether that depends on anything
+DEPENDS = 25.0  # gain of such a dependence; where nothing is missing, it stays below ten
 BRISTLED = 2.0  # times these where friction gives way before it slides: every law of that does so a little differently
 REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
 APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
@@ -31,12 +35,20 @@ def apart(eq: Equation, f: Fit, start: Fit) -> bool:
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 
 
+def depends(eq: Equation, f: Fit) -> bool:
+    """Whether what is left depends on anything."""
+    if not eq.decoys:
+        add_decoys(eq)
+    return any(gained > DEPENDS for gained, _ in screen_decoys(eq, f)[:1])
+
+
 def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
-    misfit = float(eq.costs(f.raw)[: eq.size].sum())
-    if not f.parted and misfit > eq.size * MISFIT_LEFT * (BRISTLED if bristled else 1.0):
-        return True
+    if not f.parted:
+        misfit = float(eq.costs(f.raw)[: eq.size].mean()) / (BRISTLED if bristled else 1.0)
+        if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(eq, f)):
+            return True
     for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
         if not len(o.rows):
             continue

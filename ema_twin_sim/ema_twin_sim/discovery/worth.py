@@ -20,8 +20,9 @@ COST_DECOY = 6.0  # of each column
 SHAKY = 3.0  # times more is gained by chance beside an output that bounces
 CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
-FLOOR = 0.35  # of a recording's noise: the smallest share worth a name
-SURE = 40.0  # gain from which on friction in proportion to a load may be smaller than that
+FLOOR = 0.2  # of a recording's noise: the smallest share worth a name
+SHAKY_FLOOR = 0.7  # the same beside an output that bounces, which is never known as well as one that does not
+SURE = 40.0  # gain from which on friction in proportion to a load may be half as small there
 VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
@@ -81,9 +82,8 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     if relief > COST_EFFECT + COST_PARAMETER and {catalogue()[id].depends_on for id in came.values()} <= BY_CONSTANTS:
         return True
     left = math.sqrt(max(1.0, after.misfit / eq.judged))
-    # an output that bounces is never known as well as one that does not
-    floor = FLOOR * (2.0 if after.parted else 1.0)
-    if [*came.values()] == ["mesh_friction"] and VARYING_LOADS & set(after.hypothesis.effects):
+    floor = SHAKY_FLOOR if after.parted else FLOOR
+    if after.parted and [*came.values()] == ["mesh_friction"] and VARYING_LOADS & set(after.hypothesis.effects):
         # a few per cent of a load are less than any other effect, and nothing else follows the load's size
         floor *= 0.5 if gain(eq, before, after) > SURE else 1.0
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
