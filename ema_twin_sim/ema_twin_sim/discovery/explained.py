@@ -12,6 +12,7 @@ from .screening import screen_decoys
 from .worth import CLIP, SHAKY, left_over
 
 UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+MUCH = 2.0  # times that, from which on it is not asked what it depends on
 MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
 MISFIT_DOUBTED = 1.1  # the same, from which on it is asked whether that depends on anything
 DEPENDS = 25.0  # gain of such a dependence; where nothing is missing, it stays below ten
@@ -57,6 +58,6 @@ def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
             allowed *= BRISTLED
         if f.parted:
             allowed = max(SHAKY * allowed, REMAINDER * before)
-        if left > allowed:
+        if left > allowed and (f.parted or left > MUCH * allowed or depends(eq, f)):
             return True
     return False

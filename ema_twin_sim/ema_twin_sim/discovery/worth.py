@@ -76,12 +76,17 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
     if any(_does_nothing(after, name) or _too_large(eq, after, name) for name in came):
         return False
-    fall = before.misfit - after.misfit
-    excess = max(before.misfit - eq.judged, 0.0)
+    over = {catalogue()[id].depends_on for id in came.values()}
     relief = before.prior_cost - after.prior_cost
-    if relief > COST_EFFECT + COST_PARAMETER and {catalogue()[id].depends_on for id in came.values()} <= BY_CONSTANTS:
+    if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
         return True
-    left = math.sqrt(max(1.0, after.misfit / eq.judged))
+    if before.parted or after.parted or "encoders" in over:
+        count, misfit, remains = eq.judged, before.misfit, after.misfit
+    else:  # encoders that do not fit are no matter of torques
+        count = eq.size
+        misfit, remains = (float(eq.costs(f.raw)[:count].sum()) for f in (before, after))
+    fall, excess = misfit - remains, max(misfit - count, 0.0)
+    left = math.sqrt(max(1.0, remains / count))
     floor = SHAKY_FLOOR if after.parted else FLOOR
     if after.parted and [*came.values()] == ["mesh_friction"] and VARYING_LOADS & set(after.hypothesis.effects):
         # a few per cent of a load are less than any other effect, and nothing else follows the load's size
