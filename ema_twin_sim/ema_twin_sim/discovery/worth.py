@@ -22,6 +22,7 @@ CLIP = 30.0  # noise standard deviations at which a row is cut off where what is
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
 FLOOR = 0.2  # of a recording's noise: the smallest share worth a name
 SHAKY_FLOOR = 0.7  # the same beside an output that bounces, which is never known as well as one that does not
+UNLOADED_FLOOR = 0.35  # the same of friction in proportion to a load where there is none: it looks like all friction
 SURE = 40.0  # gain from which on friction in proportion to a load may be half as small there
 VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
@@ -88,9 +89,12 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
     floor = SHAKY_FLOOR if after.parted else FLOOR
-    if after.parted and [*came.values()] == ["mesh_friction"] and VARYING_LOADS & set(after.hypothesis.effects):
-        # a few per cent of a load are less than any other effect, and nothing else follows the load's size
-        floor *= 0.5 if gain(eq, before, after) > SURE else 1.0
+    if [*came.values()] == ["mesh_friction"]:
+        if not VARYING_LOADS & after.hypothesis.held:
+            floor = max(floor, UNLOADED_FLOOR)
+        elif after.parted and gain(eq, before, after) > SURE:
+            # a few per cent of a load are less than any other effect, and nothing else follows the load's size
+            floor *= 0.5
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
 
 
