@@ -19,6 +19,7 @@ DEPENDS = 25.0  # gain of such a dependence; where nothing is missing, it stays 
 BRISTLED = 2.0  # times these where friction gives way before it slides: every law of that does so a little differently
 REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
 APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
+INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
 WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 
 
@@ -31,7 +32,7 @@ def apart(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
     before = eq.residual(start.predicted)[eq.size :]
     excused = WIGGLE * float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
-    allowed = min(max(APART, excused), 0.5 * CLIP)
+    allowed = min(max(APART if f.parted else INTERPOLATED, excused), 0.5 * CLIP)
     parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 
