@@ -20,18 +20,19 @@ from .contradictions import contradictions
 from .equation import Equation
 from .explained import apart, explained
 from .fit import Fit, fit
-from .hypothesis import INERTIAS, Hypothesis, null_hypothesis
+from .hypothesis import INERTIAS, PARTING, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
-from .search import search, significant
+from .search import less, search, significant
 from .split import with_best_split
-from .trace import Round, Search
+from .trace import Round, Search, new_names
 from .uncertainty import covariance
 from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
 
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
+FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
@@ -123,6 +124,10 @@ def discover(
     known = known and explained(eq, found.fit, start)
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
+    if known and (idle := _idle(found, unseen)):
+        known, depends_on = False, ("encoders",)
+        found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
+        unseen = judge_unseen(eq, recordings, found)
     as_given = not known and not unseen.rmse[-1] < unseen.rmse[0]
     if as_given:  # what is unknown may draw everything beside it away
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is unknown it makes the model no better")
@@ -164,6 +169,19 @@ def _searched(eq: Equation, null: Hypothesis, barred: frozenset[str], progress: 
         return found
     progress("something is left: thinking again of what was found")
     return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)
+
+
+def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
+    """Play or spring that the encoders suggest, but that takes little of the error away where it was not fitted to."""
+    for k, turn in enumerate(found.taken):
+        came = new_names(turn.before, turn.after)
+        parting = tuple(
+            n for n in came if n in found.fit.hypothesis.added and found.fit.hypothesis.added[n].effect in PARTING
+        )
+        removed = unseen.removed(k, len(unseen.rmse) - 1)
+        if parting and unseen.rmse[k] > NOISY * unseen.noise_floor and removed is not None and removed < FOLLOWED:
+            return parting
+    return ()
 
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
