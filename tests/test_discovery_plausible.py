@@ -31,7 +31,7 @@ def record(model, seconds=10.0):
         ("added_inertia", {"inertia": 4e-4}, "acceleration"),
         ("torque_constant_error", {"scale": 0.75}, "speed"),
         ("gravity_load", {"torque": 0.06, "angle": 0.3}, "output_position"),
-        ("encoder_eccentricity", {"amplitude": 3e-4, "phase": 1.0}, "encoders"),
+        ("encoder_eccentricity", {"amplitude": 2e-3, "phase": 1.0}, "encoders"),
         ("backlash", {"width": 0.003}, "encoders"),
     ],
 )
