@@ -71,7 +71,8 @@ def run(
     show_doubts(found.groups, found.next_recording)
     console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
     warn_of(found.warnings, given.recordings)
-    console.print(f"\n{output} is the new model. See how far off it is:", markup=False, soft_wrap=True)
+    what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
+    console.print(f"\n{output} is {what}. See how far off it is:", markup=False, soft_wrap=True)
     again = " ".join(f"--with {file}" for file in with_files or ())
     named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0].parent}/*{runs[0].suffix}"
     console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
