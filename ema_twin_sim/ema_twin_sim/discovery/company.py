@@ -25,9 +25,7 @@ SEVERAL = 4  # effects that another explanation may have
 THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
-def in_better_company(
-    eq: Equation, found: Search, without: frozenset[str], progress: Callable[[str], None] = lambda text: None
-) -> Search:
+def in_better_company(eq: Equation, found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
     """The search with other effects in the place of those that show over the speed, where these explain more together.
 
     Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
@@ -64,9 +62,12 @@ def thought_again(
     barred: frozenset[str],
     found: Search,
     content: Callable[[Fit], bool],
-    progress: Callable[[str], None] = lambda text: None,
-) -> Search:
-    """A search with a ``content`` end, begun without one of the effects that came first; else the one given."""
+    progress: Callable[[str], None],
+) -> tuple[Search, bool]:
+    """A search with a ``content`` end, begun without one of the effects that came first; else the one given.
+
+    With it, whether its end is ``content``.
+    """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
         other = search(eq, null, barred | {effect}, progress, most=SEVERAL)
@@ -75,9 +76,9 @@ def thought_again(
         after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress, most=MORE)
         other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), reach=eq.reach))
         if content(other.fit):
-            return other
+            return other, True
     eq.reach = found.reach
-    return found
+    return found, False
 
 
 def _by_speed(effect: str) -> bool:

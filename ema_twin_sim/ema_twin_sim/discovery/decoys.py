@@ -20,7 +20,9 @@ ORDERS = np.arange(0.1, 60.0, 0.03)
 
 
 def add_decoys(eq: Equation) -> None:
-    """Put all decoys that do not depend on a fit into an equation."""
+    """Put all decoys that do not depend on a fit into an equation, once."""
+    if eq.decoys:
+        return
     eq.decoys.update(_by_speed(eq))
     eq.decoys.update(_by_position(eq))
     eq.decoys.update(_by_time(eq))

@@ -21,13 +21,14 @@ from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
-from .discover import Discovery, discover, reported
+from .discover import Discovery, discover
 from .equation import POOL, Equation
+from .estimates import reported, standard_errors
 from .fit import Fit, fit
 from .hypothesis import PARTING
 from .rivals import substitutes
 from .trace import Round, Trial, new_names
-from .uncertainty import covariance, held_out
+from .uncertainty import held_out
 from .worth import gain, matters, price, price_of_noise
 
 BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
@@ -236,8 +237,7 @@ def _costs(eq: Equation, f: Fit, blocks: np.ndarray) -> np.ndarray:
 
 def _ranked(eq: Equation, contender: _Contender, probability: float, removed: float | None, found: bool) -> Ranked:
     f, instance = contender.after, contender.instance
-    spread = np.sqrt(np.diag(covariance(eq, f)))
-    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    sure = standard_errors(eq, f)
     parameters = {
         p.name: {
             "value": instance.parameters[p.name],

@@ -2,40 +2,33 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from ema_bench_replay.recording import Recording
 
-from ..effects import Parameter, catalogue
 from ..model import Model
-from ..model.constants import CONSTANTS
 from .company import in_better_company, thought_again
 from .contradictions import contradictions
 from .equation import Equation
+from .estimates import constants, far_off, parameters, standard_errors
 from .explained import apart, explained
-from .fit import Fit, fit
-from .hypothesis import INERTIAS, PARTING, Hypothesis, null_hypothesis
+from .fit import fit
+from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
 from .search import less, search, significant
 from .split import with_best_split
 from .trace import Round, Search, new_names
-from .uncertainty import covariance
 from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
 
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
-FAR_OFF = 3.0  # tolerances of a constant
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
-CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 
 
 @dataclass(frozen=True)
@@ -108,9 +101,8 @@ def discover(
     eq = Equation(observe_all(list(recordings), model))
     null = null_hypothesis(model)
     barred = frozenset(without)
-    found = _searched(eq, null, barred, progress)
+    found, known = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
-    known = explained(eq, found.fit, start)
     depends_on: tuple[str, ...] = ()
     if not known:
         progress("something is left: looking for what it depends on")
@@ -135,15 +127,15 @@ def discover(
     best = found.fit
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
-    spread = np.sqrt(np.diag(covariance(eq, best)))
+    errors = standard_errors(eq, best)
     added = tuple(dict.fromkeys(best.hypothesis.effects))
     return Discovery(
         verdict,
         added,
         model if as_given else best.hypothesis.model().fitted_from(model),
         _steps(found, unseen),
-        MappingProxyType(_parameters(best, spread)),
-        MappingProxyType({} if as_given else _constants(best, spread)),
+        MappingProxyType(parameters(best, errors)),
+        MappingProxyType({} if as_given else constants(best, errors)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),
@@ -151,7 +143,7 @@ def discover(
         (
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
-            *_far_off(best),
+            *far_off(best),
             *(ALONE if len(recordings) == 1 else ()),
         ),
         unseen,
@@ -161,23 +153,25 @@ def discover(
     )
 
 
-def _searched(eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]) -> Search:
-    """The best explanation by effects of the catalogue; where that leaves something, after second thoughts."""
+def _searched(
+    eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]
+) -> tuple[Search, bool]:
+    """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = in_better_company(eq, search(eq, null, barred, progress), barred, progress)
     start = found.rounds[0].before
-    if found.fit.parted or apart(eq, found.fit, start) or explained(eq, found.fit, start):
-        return found
+    if explained(eq, found.fit, start):
+        return found, True
+    if found.fit.parted or apart(eq, found.fit, start):
+        return found, False
     progress("something is left: thinking again of what was found")
     return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
     """Play or spring that the encoders suggest, but that takes little of the error away where it was not fitted to."""
+    held = {name for name, instance in found.fit.hypothesis.added.items() if instance.effect in PARTING}
     for k, turn in enumerate(found.taken):
-        came = new_names(turn.before, turn.after)
-        parting = tuple(
-            n for n in came if n in found.fit.hypothesis.added and found.fit.hypothesis.added[n].effect in PARTING
-        )
+        parting = tuple(name for name in new_names(turn.before, turn.after) if name in held)
         removed = unseen.removed(k, len(unseen.rmse) - 1)
         if parting and unseen.rmse[k] > NOISY * unseen.noise_floor and removed is not None and removed < FOLLOWED:
             return parting
@@ -214,65 +208,6 @@ def _tried(turn: Round) -> list[dict[str, object]]:
         {"names": list(trial.names), "gain": trial.gain, "unique": trial.unique, "misfit": trial.fit.misfit}
         for trial in turn.tried[:6]
     ]
-
-
-def _far_off(f: Fit) -> list[str]:
-    """What to say of constants that ended far outside of their tolerance."""
-    return [
-        f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
-        "is that file of this machine, or do these recordings tell too little of it?"
-        for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
-        if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > FAR_OFF * free.prior[1]
-    ]
-
-
-def _parameters(f: Fit, spread: np.ndarray) -> dict[str, dict[str, Any]]:
-    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
-    found: dict[str, dict[str, Any]] = {}
-    for name, instance in f.hypothesis.model().effects.items():
-        if name not in f.hypothesis.added:
-            continue
-        effect = catalogue()[instance.effect]
-        entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
-        for p in effect.parameters:
-            value = instance.parameters[p.name]
-            std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
-            entry[p.name] = {"value": value, "std": std, "unit": p.unit}
-        found[name] = entry
-    return found
-
-
-def reported(std: float | None, value: float, parameter: Parameter) -> float | None:
-    """A standard error with what two right formulations of the same physics differ by."""
-    return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
-
-
-def _constants(f: Fit, spread: np.ndarray) -> dict[str, dict[str, dict[str, object]]]:
-    """Machine constants and the start model's friction, refitted, with their nominal values."""
-    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
-    base, model = f.hypothesis.base, f.hypothesis.model()
-    found: dict[str, dict[str, dict[str, object]]] = {}
-    for path in INERTIAS:
-        part, _, name = path.partition(".")
-        std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
-        found.setdefault(part, {})[name] = _refitted(model.value(path), base.value(path), std, CONSTANTS[path].unit)
-    for path, std in ((path, std) for path, std in sure.items() if path.startswith("contact.")):
-        name = path.replace("contact.", "contact_")
-        value, nominal = model.value(f"transmission.{name}"), base.value(f"transmission.{name}")
-        entry = {"value": value, "std": std, "unit": CONSTANTS[f"transmission.{name}"].unit, "nominal": nominal}
-        found.setdefault("transmission", {})[name] = entry
-    for name, instance in base.effects.items():
-        output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
-        path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
-        if path in sure:
-            p = catalogue()[instance.effect].parameters[0]
-            value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
-            found.setdefault(name, {})[p.name] = _refitted(value, nominal, sure[path], p.unit)
-    return found
-
-
-def _refitted(value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
-    return {"value": value, "std": relative_std * nominal, "unit": unit, "nominal": nominal}
 
 
 def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:

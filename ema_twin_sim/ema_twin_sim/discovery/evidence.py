@@ -115,6 +115,7 @@ def evidence_json(found: Discovery) -> dict[str, object]:
                 "gain": _digits([t.gain for t in turn.tried]),
             }
             for turn in found.search.rounds
+            if turn.tried
         ],
     }
 

@@ -39,8 +39,7 @@ def apart(eq: Equation, f: Fit, start: Fit) -> bool:
 
 def depends(eq: Equation, f: Fit) -> bool:
     """Whether what is left depends on anything."""
-    if not eq.decoys:
-        add_decoys(eq)
+    add_decoys(eq)
     return any(gained > DEPENDS for gained, _ in screen_decoys(eq, f)[:1])
 
 

@@ -100,7 +100,7 @@ def less(eq: Equation, found: Search, names: Sequence[str], reason: str) -> Sear
         return found
     h = found.fit.hypothesis
     for name in names:
-        h = h.without(name)
+        h = _without(h, name)
     return found.ended(prune(eq, settle(eq, fit(eq, h))), eq.reach, reason)
 
 
@@ -232,7 +232,7 @@ def _more(eq: Equation, h: Hypothesis, s: Screened) -> Hypothesis:
 def prune(eq: Equation, f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included."""
     while f.hypothesis.added or f.hypothesis.decoys:
-        trials = [fit(eq, _less(f, n), 6, known=f) for n in f.hypothesis.added]
+        trials = [fit(eq, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
         trials += [fit(eq, f.hypothesis.without_decoy(n), 4, known=f) for n in f.hypothesis.decoys]
         needless = [g for g in trials if gain(eq, f, g) >= 0.0 or not matters(eq, g, f)]
         if not needless:
@@ -242,10 +242,10 @@ def prune(eq: Equation, f: Fit) -> Fit:
     return f
 
 
-def _less(f: Fit, name: str) -> Hypothesis:
-    """A fit's hypothesis less one effect, from where the others make up for it."""
-    instance = f.hypothesis.instance(name)
-    rest = f.hypothesis.without(name)
+def _without(h: Hypothesis, name: str) -> Hypothesis:
+    """A hypothesis less one effect, from where the others make up for it."""
+    instance = h.instance(name)
+    rest = h.without(name)
     if instance.effect != "torque_constant_error":
         return rest
     return rest.with_torques_times(1.0 / instance.parameters["scale"])

@@ -45,7 +45,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     if not errors[least] < BETTER * fitted:
         return found
     other = fit(eq, others[least], 0)
-    last = found.taken[-1]
+    last = found.changes[-1]
     rounds = tuple(replace(turn, after=other) if turn is last else turn for turn in found.rounds)
     return replace(found, fit=other, rounds=rounds)
 

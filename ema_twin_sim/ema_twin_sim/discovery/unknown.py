@@ -20,7 +20,7 @@ def beside_the_unknown(
     null: Hypothesis,
     barred: frozenset[str],
     found: Search,
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[str], None],
 ) -> tuple[Search, tuple[str, ...]]:
     """A search in which what is in no catalogue may stand beside the effects, and what that depends on.
 

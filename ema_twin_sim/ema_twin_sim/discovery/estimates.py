@@ -1,0 +1,83 @@
+"""Estimates: what the numbers of a fit ended at, with their standard errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..effects import Parameter, catalogue
+from ..model.constants import CONSTANTS
+from .equation import Equation
+from .fit import Fit
+from .hypothesis import INERTIAS
+from .uncertainty import covariance
+
+FAR_OFF = 3.0  # tolerances of a constant
+CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
+
+
+def standard_errors(eq: Equation, f: Fit) -> dict[str, float]:
+    """Standard errors of the free numbers, by path."""
+    spread = np.sqrt(np.diag(covariance(eq, f)))
+    return {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+
+
+def far_off(f: Fit) -> list[str]:
+    """What to say of constants that ended far outside of their tolerance."""
+    return [
+        f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
+        "is that file of this machine, or do these recordings tell too little of it?"
+        for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
+        if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > FAR_OFF * free.prior[1]
+    ]
+
+
+def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
+    """Parameters of the added effects, with unit and standard error."""
+    found: dict[str, dict[str, Any]] = {}
+    for name, instance in f.hypothesis.model().effects.items():
+        if name not in f.hypothesis.added:
+            continue
+        effect = catalogue()[instance.effect]
+        entry: dict[str, Any] = {"effect": instance.effect, "options": dict(instance.options)}
+        for p in effect.parameters:
+            value = instance.parameters[p.name]
+            std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
+            entry[p.name] = {"value": value, "std": std, "unit": p.unit}
+        found[name] = entry
+    return found
+
+
+def reported(std: float | None, value: float, parameter: Parameter) -> float | None:
+    """A standard error with what two right formulations of the same physics differ by."""
+    return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
+
+
+def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str, object]]]:
+    """Machine constants and the start model's friction, refitted, with their nominal values."""
+    base, model = f.hypothesis.base, f.hypothesis.model()
+    found: dict[str, dict[str, dict[str, object]]] = {}
+    for path in INERTIAS:
+        part, _, name = path.partition(".")
+        std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
+        found.setdefault(part, {})[name] = _refitted(model.value(path), base.value(path), std, CONSTANTS[path].unit)
+    for path, std in ((path, std) for path, std in sure.items() if path.startswith("contact.")):
+        name = path.replace("contact.", "contact_")
+        value, nominal = model.value(f"transmission.{name}"), base.value(f"transmission.{name}")
+        entry = {"value": value, "std": std, "unit": CONSTANTS[f"transmission.{name}"].unit, "nominal": nominal}
+        found.setdefault("transmission", {})[name] = entry
+    for name, instance in base.effects.items():
+        output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
+        path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
+        if path in sure:
+            p = catalogue()[instance.effect].parameters[0]
+            value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
+            found.setdefault(name, {})[p.name] = _refitted(value, nominal, sure[path], p.unit)
+    return found
+
+
+def _refitted(value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
+    return {"value": value, "std": relative_std * nominal, "unit": unit, "nominal": nominal}
