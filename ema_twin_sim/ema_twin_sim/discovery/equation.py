@@ -212,9 +212,11 @@ class Equation:
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
         rows = rows.copy()
-        for e in self.encoder_pieces if self.use_encoder else ():
+        for e in self.encoder_pieces:
             noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
             w = weights[e] ** 2
+            if not w.any():  # the torque alone is looked at
+                continue
             rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
         return rows
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache, partial
 
 import numpy as np
 
@@ -13,15 +15,23 @@ from .hypothesis import Hypothesis
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not."""
+    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not.
+
+    The slopes are found when they are first asked for: of most fits, only the misfit is.
+    """
 
     hypothesis: Hypothesis
     predicted: Prediction
     raw: np.ndarray  # (m,) measured minus predicted, in units of noise
     weights: np.ndarray  # (m,) square roots of what each row counts
-    jacobian: np.ndarray  # (m, k) weighted slopes of the prediction to the free numbers
+    differentiate: Callable[[], np.ndarray]  # gives the slopes; the same at every call
     misfit: float  # without the priors
     prior_cost: float
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """(m, k) weighted slopes of the prediction to the free numbers."""
+        return self.differentiate()
 
     @property
     def residual(self) -> np.ndarray:
@@ -125,8 +135,9 @@ def fit(
     cost = equation.misfit(raw) + float(pr @ pr)
     damping = 0.0
     weights = equation.weights(raw)
-    jac = equation.jacobian(h, predicted, weights, slopes)
+    differentiate = cache(partial(equation.jacobian, h, predicted, weights, slopes))
     for _ in range(iterations):
+        jac = differentiate()
         a = jac.T @ jac + pj.T @ pj
         g = jac.T @ (raw * weights) + pj.T @ pr
         # numbers held on a bound that they push against
@@ -157,7 +168,7 @@ def fit(
         h, predicted, raw, pr, cost = trial, p, r, q, c
         damping = 0.1 * damping if damping > 1e-5 else 0.0
         weights = equation.weights(raw)
-        jac = equation.jacobian(h, predicted, weights, slopes)
+        differentiate = cache(partial(equation.jacobian, h, predicted, weights, slopes))
         if fall < tolerance + 1e-5 * cost:
             break
-    return Fit(h, predicted, raw, weights, jac, equation.misfit(raw), float(pr @ pr))
+    return Fit(h, predicted, raw, weights, differentiate, equation.misfit(raw), float(pr @ pr))
