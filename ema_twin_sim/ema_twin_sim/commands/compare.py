@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from ..quantities import quantity
 from . import options
 from .output import console, progress_bar, sparkline
+from .tables import ReportTable
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
@@ -76,16 +75,13 @@ def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
         _show_where(comparison, titled=len(comparisons) > 1)
 
 
-def _errors(comparisons: Sequence[Comparison]) -> Table:
+def _errors(comparisons: Sequence[Comparison]) -> ReportTable:
     first = comparisons[0]
     names = shown_signals(first.input, first.overall)
     several = len(comparisons) > 1
-    table = Table(title=f"RMSE, measured minus twin (input: {first.input})", title_justify="left", pad_edge=False)
-    table.add_column("recording")
-    if several:
-        table.add_column("model")
-    for name in names:
-        table.add_column(name.replace("_", " "), justify="right")
+    table = ReportTable(f"RMSE, measured minus twin (input: {first.input})")
+    table.words("recording", *(["model"] if several else []))
+    table.numbers(*(name.replace("_", " ") for name in names))
     floors = [quantity(first.overall[n]["noise_floor"], first.overall[n]["unit"]) for n in names]
     table.add_row("noise floor of the sensors", *([""] if several else []), *floors, style="dim")
     table.add_section()
@@ -147,14 +143,12 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         )
         console.print(f"\nAbove the sensors' noise{of}: {names}; {why}.", soft_wrap=True)
         return
-    table = Table(title=f"\nWhere the model fails{of}", title_justify="left", pad_edge=False)
-    for column in ("error of", "against"):
-        table.add_column(column)
-    table.add_column("share of power", justify="right")
-    table.add_column("RMSE, low … high")
-    table.add_column("largest")
-    table.add_column("RMSE there", justify="right")
-    table.add_column("elsewhere", justify="right")
+    table = ReportTable(f"\nWhere the model fails{of}")
+    table.words("error of", "against")
+    table.numbers("share of power")
+    table.numbers("RMSE, low … high", justify="left")
+    table.words("largest")
+    table.numbers("RMSE there", "elsewhere")
     for signal in dict.fromkeys(d.signal for d in found):
         best, *others = (d for d in found if d.signal == signal)
         for d in (best, *(d for d in others if d.share >= WEAK)):

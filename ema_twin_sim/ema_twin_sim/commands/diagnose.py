@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.table import Table
-
 from ..quantities import estimate
 from . import options
 from .discover import show_doubts
 from .output import console, status
+from .tables import ReportTable
 from .wording import effect_words, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -72,12 +71,11 @@ def run(
 
 def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
-    table = Table(title="\nWhat the model may lack", title_justify="left", pad_edge=False)
-    table.add_column("effect")
-    table.add_column("options")
-    table.add_column("probability")
-    table.add_column("error removed", justify="right")
-    table.add_column("parameters")
+    table = ReportTable("\nWhat the model may lack")
+    table.words("effect", "options")
+    table.numbers("probability", justify="left")
+    table.numbers("error removed")
+    table.words("parameters")
     for entry in diagnosis.ranking:
         removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")

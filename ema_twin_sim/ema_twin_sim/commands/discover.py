@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.table import Table
 
 from ..quantities import estimate, quantity
 from . import options
 from .output import console, status
+from .tables import ReportTable
 from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -103,24 +103,19 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
         console.print(f"\nRecord next: {next_recording}", markup=False, soft_wrap=True)
 
 
-def _steps(found: Discovery) -> Table:
+def _steps(found: Discovery) -> ReportTable:
     from ..effects import catalogue
 
     several = len(found.unseen.recordings) > 1
     signal = found.unseen.signal.replace("_", " ")
-    table = Table(
-        title=f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
-        f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})",
-        title_justify="left",
-        pad_edge=False,
+    table = ReportTable(
+        f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
+        f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})"
     )
-    table.add_column("step")
-    table.add_column("what it is", max_width=44)
+    table.words("step", "what it is", widest=44)
     output = any(step.output_before is not None for step in found.steps)
-    columns = ("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
-    for column in columns:
-        table.add_column(column, justify="right", max_width=15)
-    table.add_column("runner-up")
+    table.numbers("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
+    table.words("runner-up")
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
             table.add_row(f"− {effect_words(step.instance)}", step.reason)
@@ -149,10 +144,9 @@ def _runner_up(step: Step) -> str:
     return f"{name}, not worth its price" if share <= 0.0 else f"{name}, {100.0 * share:.2g} % of the gain"
 
 
-def _parameters(found: Discovery) -> Table:
-    table = Table(title="\nParameters, with standard errors", title_justify="left", pad_edge=False)
-    for column in ("effect", "options", "parameter", "value"):
-        table.add_column(column)
+def _parameters(found: Discovery) -> ReportTable:
+    table = ReportTable("\nParameters, with standard errors")
+    table.words("effect", "options", "parameter", "value")
     for name, entry in found.parameters.items():
         first = (effect_words(name), options_words(entry["options"]))
         for parameter, held in entry.items():
@@ -163,11 +157,11 @@ def _parameters(found: Discovery) -> Table:
     return table
 
 
-def _constants(found: Discovery) -> Table:
+def _constants(found: Discovery) -> ReportTable:
     """The constants that moved by more than their standard error."""
-    table = Table(title="\nConstants that were refitted", title_justify="left", pad_edge=False)
-    for column in ("part", "constant", "in your model", "refitted", "change"):
-        table.add_column(column)
+    table = ReportTable("\nConstants that were refitted")
+    table.words("part", "constant", "in your model", "refitted")
+    table.numbers("change")
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():
         for name, held in entries.items():

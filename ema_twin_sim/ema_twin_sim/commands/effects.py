@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
-from rich.table import Table
 
 from . import options
 from .output import console
+from .tables import ReportTable
 
 if TYPE_CHECKING:
     from ..effects import Effect
@@ -46,9 +46,8 @@ def run(
     if id:
         _show_one(chosen[0], files.get(id, id))
     else:
-        table = Table(pad_edge=False)
-        for column in ("effect", "equation", "parameters", "what a residual shows"):
-            table.add_column(column, overflow="fold")
+        table = ReportTable()
+        table.words("effect", "equation", "parameters", "what a residual shows")
         for effect in chosen:
             parameters = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
             table.add_row(effect.id, *map(escape, (effect.equation, parameters, effect.signature)))
@@ -87,9 +86,10 @@ def _show_one(effect: Effect, name: str | Path) -> None:
     console.print(f"  equation   {effect.equation}", markup=False)
     console.print(f"  residual   {effect.signature}", markup=False)
     console.print(f"  source     {effect.source}\n", markup=False)
-    table = Table(pad_edge=False)
-    for column in ("parameter", "unit", "default", "from", "to", "meaning"):
-        table.add_column(column)
+    table = ReportTable()
+    table.words("parameter", "unit")
+    table.numbers("default", "from", "to")
+    table.words("meaning")
     for p in effect.parameters:
         numbers = (f"{number:g}" for number in (p.default, p.lower, p.upper))
         table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from ..quantities import estimate, quantity
 from . import options
 from .output import console, status, warn
+from .tables import ReportTable
 from .wording import effect_words, options_words
 
 if TYPE_CHECKING:
@@ -108,12 +108,9 @@ def show(found: FitResult, before: Model) -> None:
     _warn(found.warnings)
 
 
-def _parameters(found: FitResult, before: Model) -> Table:
-    table = Table(
-        title=f"Parameters, with standard errors (method {found.method})", title_justify="left", pad_edge=False
-    )
-    for column in ("effect", "options", "parameter", "before", "fitted"):
-        table.add_column(column)
+def _parameters(found: FitResult, before: Model) -> ReportTable:
+    table = ReportTable(f"Parameters, with standard errors (method {found.method})")
+    table.words("effect", "options", "parameter", "before", "fitted")
     for name, entry in found.parameters.items():
         first = (effect_words(name), options_words(entry["options"]))
         for parameter, held in entry.items():
@@ -126,10 +123,10 @@ def _parameters(found: FitResult, before: Model) -> Table:
     return table
 
 
-def _constants(found: FitResult) -> Table:
-    table = Table(title="\nConstants, within their tolerances", title_justify="left", pad_edge=False)
-    for column in ("part", "constant", "before", "fitted", "change"):
-        table.add_column(column)
+def _constants(found: FitResult) -> ReportTable:
+    table = ReportTable("\nConstants, within their tolerances")
+    table.words("part", "constant", "before", "fitted")
+    table.numbers("change")
     for part, entries in found.constants.items():
         for name, held in entries.items():
             numbers = (
@@ -141,11 +138,10 @@ def _constants(found: FitResult) -> Table:
     return table
 
 
-def _errors(found: FitResult) -> Table:
-    table = Table(title=f"\nErrors: {found.judged_on}", title_justify="left", pad_edge=False)
-    table.add_column("signal")
-    for column in ("RMSE before", "after", "noise floor"):
-        table.add_column(column, justify="right")
+def _errors(found: FitResult) -> ReportTable:
+    table = ReportTable(f"\nErrors: {found.judged_on}")
+    table.words("signal")
+    table.numbers("RMSE before", "after", "noise floor")
     for signal, error in found.before.items():
         if not error["driven"]:
             numbers = (error["rmse"], found.after[signal]["rmse"], error["noise_floor"])

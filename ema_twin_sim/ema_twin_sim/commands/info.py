@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
 from ..quantities import quantity
 from . import options
 from .output import console
+from .tables import ReportTable
 
 EXAMPLES = """Examples:
 
@@ -59,9 +59,9 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
     contents = []
     for recording in load_runs([path], import_map=import_map):
         console.print(f"[bold]{recording.name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s")
-        table = Table(pad_edge=False)
-        for column in ("signal", "least", "mean", "greatest"):
-            table.add_column(column, justify="left" if column == "signal" else "right")
+        table = ReportTable()
+        table.words("signal")
+        table.numbers("least", "mean", "greatest")
         for name, values in recording.signals.items():
             unit = SIGNAL_UNITS.get(name, "A")
             table.add_row(name, *(quantity(float(v), unit) for v in (values.min(), values.mean(), values.max())))
@@ -96,15 +96,17 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
     console.print(
         f"[bold]{model.name}[/bold]: machine {model.machine}; {', '.join(map(' '.join, model.kinds.items()))}"
     )
-    table = Table(pad_edge=False)
-    for column in ("constant", "value", "unit", "±", "source"):
-        table.add_column(column, justify="right" if column in ("value", "±") else "left")
+    table = ReportTable()
+    table.words("constant")
+    table.numbers("value")
+    table.words("unit")
+    table.numbers("±")
+    table.words("source")
     for path, held in model.constants.items():
         table.add_row(path, f"{held.value:g}", CONSTANTS[path].unit, f"{100 * held.tolerance:g} %", held.source)
     console.print(table)
-    effects = Table(pad_edge=False)
-    for column in ("effect", "options", "parameters"):
-        effects.add_column(column)
+    effects = ReportTable()
+    effects.words("effect", "options", "parameters")
     for instance_name, instance in model.effects.items():
         effects.add_row(
             instance_name + ("" if instance.enabled else " (off)"),

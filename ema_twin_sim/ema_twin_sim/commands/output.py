@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
@@ -11,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 _WIDTH_WITHOUT_TERMINAL = 140
+_SECONDS_BETWEEN_LOG_LINES = 5.0
 
 console = Console(highlight=False, width=None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL)
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -41,12 +43,25 @@ def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]
 
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
-    """What takes a line of what is being done, and shows it on the error output where somebody watches."""
+    """What takes a line of what is being done, and shows it on the error output; in a log, now and then."""
     if not sys.stderr.isatty():
-        yield lambda text: None
+        yield _now_and_then()
         return
     with messages.status("starting") as shown:
         yield lambda text: shown.update(f"{text} …")
+
+
+def _now_and_then() -> Callable[[str], None]:
+    begun = shown = time.monotonic()
+
+    def show(text: str) -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if now - shown >= _SECONDS_BETWEEN_LOG_LINES:
+            shown = now
+            messages.print(f"{now - begun:.0f} s: {text} …", markup=False)
+
+    return show
 
 
 def progress_bar() -> Progress:

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.table import Table
 
 from . import options
 from .output import console, status
+from .tables import ReportTable
 from .wording import dependence_words, effect_words, listed
 
 if TYPE_CHECKING:
@@ -146,18 +146,12 @@ def show(found: Plan) -> None:
             console.print(f"  {hint}", markup=False, soft_wrap=True)
 
 
-def _commands(proposals: Sequence[Proposal]) -> Table:
+def _commands(proposals: Sequence[Proposal]) -> ReportTable:
     from ..discovery.next_command import DECIDED
 
-    table = Table(
-        title=f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)",
-        title_justify="left",
-        pad_edge=False,
-    )
-    table.add_column("command")
-    table.add_column("seconds", justify="right")
-    for pair in proposals[0].separation:
-        table.add_column(" or ".join(map(_name, pair)), justify="right")
+    table = ReportTable(f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)")
+    table.words("command")
+    table.numbers("seconds", *(" or ".join(map(_name, pair)) for pair in proposals[0].separation))
     for k, proposal in enumerate(proposals):
         values = (f"{value:.0f}" if value >= 1.0 else "0" for value in proposal.separation.values())
         table.add_row(proposal.command, f"{proposal.seconds:g}", *values, style="bold" if k == 0 else "")
