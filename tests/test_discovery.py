@@ -13,27 +13,7 @@ from ema_twin_sim.discovery.fit import fit
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.discovery.observation import despiked, observe, observe_all
 from ema_twin_sim.discovery.smoothing import gaussian, smooth
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
-
-COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
-
-
-def record(model, commands=COMMANDS, seconds=10.0, seed=1):
-    return [
-        virtual_bench(model, parse_command(text), seconds, seed=seed + k, name=f"run{k}")
-        for k, text in enumerate(commands)
-    ]
-
-
-def changed(recording, **signals):
-    return Recording(
-        recording.name,
-        recording.stamps,
-        {**recording.signals, **signals},
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-    )
+from tests.recorded import COMMANDS, record, with_signals
 
 
 @pytest.fixture(scope="module")
@@ -166,7 +146,7 @@ def test_a_gap_and_a_nan_do_not_matter(stock):
     runs = record(stock.with_effect("constant_load", {"torque": 0.02}))
     current = runs[0].signals["current"].copy()
     current[1000:1040] = np.nan
-    found = discover([changed(runs[0], current=current), *runs[1:]], stock)
+    found = discover([with_signals(runs[0], {**runs[0].signals, "current": current}), *runs[1:]], stock)
     assert found.added == ("constant_load",)
 
 

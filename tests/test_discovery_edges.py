@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.equation import Equation
@@ -16,25 +15,7 @@ from ema_twin_sim.discovery.structure import structural_fits
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-
-COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
-
-
-def record(model, commands=COMMANDS, seconds=10.0):
-    return [
-        virtual_bench(model, parse_command(text), seconds, seed=1 + k, name=f"run{k}")
-        for k, text in enumerate(commands)
-    ]
-
-
-def with_signals(recording, signals, stamps=None):
-    return Recording(
-        recording.name,
-        recording.stamps if stamps is None else stamps,
-        signals,
-        motor_angle_origin=recording.motor_angle_origin,
-        output_angle_origin=recording.output_angle_origin,
-    )
+from tests.recorded import COMMANDS, record, with_signals
 
 
 @pytest.mark.parametrize("step", [0.01, 0.02])

@@ -4,6 +4,7 @@ import pytest
 
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.explained import apart
 from ema_twin_sim.discovery.fit import fit
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.discovery.observation import observe_all
@@ -11,17 +12,9 @@ from ema_twin_sim.discovery.plausible import insignificant, only_constants, stra
 from ema_twin_sim.discovery.search import search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.recorded import record
 
-COMMANDS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
-
-
-def record(model, seconds=10.0):
-    return [
-        virtual_bench(model, parse_command(text), seconds, seed=1 + k, name=f"run{k}")
-        for k, text in enumerate(COMMANDS)
-    ]
+RUNS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
 
 
 @pytest.mark.parametrize(
@@ -36,7 +29,7 @@ def record(model, seconds=10.0):
     ],
 )
 def test_with_the_true_effect_left_out_nothing_is_named(id, parameters, depends_on, stock):
-    found = discover(record(stock.with_effect(id, parameters)), stock, without=(id,))
+    found = discover(record(stock.with_effect(id, parameters), RUNS), stock, without=(id,))
     assert (found.verdict, found.added) == ("unknown", ())
     assert depends_on in found.depends_on
     assert not found.parameters
@@ -47,13 +40,13 @@ def test_friction_curves_that_look_alike_are_told_apart_in_company(stock):
     """A Stribeck friction alone fits first, and would keep out the two that are there."""
     without_friction = stock.without_effect("coulomb_friction")
     true = stock.with_effect("quadratic_drag", {"coefficient": 5e-4})
-    found = discover(record(true), without_friction)
+    found = discover(record(true, RUNS), without_friction)
     assert found.verdict == "explained"
     assert set(found.added) == {"coulomb_friction", "quadratic_drag"}
 
 
 def test_constants_far_from_their_file_are_noticed(stock):
-    eq = Equation(observe_all(record(stock), stock))
+    eq = Equation(observe_all(record(stock, RUNS), stock))
     assert strained(fit(eq, null_hypothesis(stock))) == ()
     heavier = stock.with_value("machine.motor_inertia", 2.0 * stock.value("machine.motor_inertia"))
     assert strained(fit(eq, null_hypothesis(heavier))) == ("acceleration",)
@@ -61,7 +54,7 @@ def test_constants_far_from_their_file_are_noticed(stock):
 
 def test_a_cause_for_each_constant_is_no_explanation(stock):
     """All torques off by one factor: without a torque constant, each number would need a cause of its own."""
-    recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}))
+    recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}), RUNS)
     eq = Equation(observe_all(recordings, stock))
     found = search(eq, null_hypothesis(stock), frozenset({"torque_constant_error"}))
     assert len(only_constants(eq, found.fit)) > 1
@@ -73,11 +66,31 @@ def test_a_cause_for_each_constant_is_no_explanation(stock):
     assert only_constants(eq, fit(eq, one.with_effect("added_inertia", {}, {"inertia": 1e-5}))) == ()
 
 
+def test_a_torque_constant_stands_behind_all_constants_or_none(stock):
+    """One that is off, and half put right by a factor on all of them, tells nothing of the torque constant."""
+    heavier = stock.with_effect("added_inertia", {"inertia": 4.6e-4})
+    eq = Equation(observe_all(record(heavier, RUNS), stock))
+    scaled = null_hypothesis(stock).with_effect("torque_constant_error", {}, {"scale": 0.9})
+    assert only_constants(eq, fit(eq, scaled)) == ("torque_constant_error",)
+    true = Equation(observe_all(record(stock.with_effect("torque_constant_error", {"scale": 0.8}), RUNS), stock))
+    assert only_constants(true, fit(true, scaled)) == ()
+
+
+def test_encoders_that_part_less_than_before_may_part_too_much_still(stock):
+    soft = stock.with_effect("shaft_compliance", {"stiffness": 20.0, "damping": 0.01})
+    eq = Equation(observe_all(record(soft, RUNS), stock))
+    start = fit(eq, null_hypothesis(stock))
+    play = null_hypothesis(stock).with_effect("backlash", {}, {"width": 4e-5})
+    assert apart(eq, fit(eq, play), start)
+    spring = null_hypothesis(stock).with_effect("shaft_compliance", {}, {"stiffness": 20.0, "damping": 0.01})
+    assert not apart(eq, fit(eq, spring), start)
+
+
 def test_what_might_as_well_be_absent_is_not_sure(stock):
-    eq = Equation(observe_all(record(stock), stock))
+    eq = Equation(observe_all(record(stock, RUNS), stock))
     h = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 1e-4})
     assert insignificant(eq, fit(eq, h)) == "constant_load"
-    loaded = Equation(observe_all(record(stock.with_effect("constant_load", {"torque": 0.02})), stock))
+    loaded = Equation(observe_all(record(stock.with_effect("constant_load", {"torque": 0.02}), RUNS), stock))
     assert insignificant(loaded, fit(loaded, h)) is None
 
 

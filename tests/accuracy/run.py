@@ -109,11 +109,14 @@ def _report(verdicts: list[Verdict]) -> dict[str, Any]:
 
 
 def _left_out(verdicts: list[Verdict]) -> dict[str, Any]:
-    """Without the true effect in the catalogue, ``explained`` is a false claim, whatever it names."""
+    """Without the true effect in the catalogue, naming anything is false, but for what else was hidden."""
     said = {verdict: sum(v.verdict == verdict for v in verdicts) for verdict in ("unknown", "none", "explained")}
-    claims = [v for v in verdicts if v.verdict == "explained"]
+    said["wrong"] = sum(bool(v.wrong) for v in verdicts)
     print("", f"true effect left out: {len(verdicts)} cases, unknown {said['unknown']}, none {said['none']}", sep="\n")
-    print(f"false explanations {said['explained']}: " + ", ".join(f"{v.kind} as {'+'.join(v.added)}" for v in claims))
+    rest = [v for v in verdicts if v.verdict == "explained" and not v.wrong]
+    print(f"explained by what else was hidden {len(rest)}: {', '.join(v.case for v in rest)}")
+    wrong = (f"{v.kind} as {'+'.join(v.wrong)}" for v in verdicts if v.wrong)
+    print(f"wrong names in {said['wrong']} ({said['wrong'] / max(len(verdicts), 1):.1%}): {', '.join(wrong)}")
     return {"left_out": said, "cases": [verdict.as_json() for verdict in verdicts]}
 
 

@@ -212,7 +212,7 @@ def _tried(turn: Round) -> list[dict[str, object]]:
 
 def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
     if verdict == "unknown":
-        on = ", ".join(depends_on)
+        on = ", ".join(depends_on).replace("_", " ")
         return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
     last = found.stopped
     if last is None:

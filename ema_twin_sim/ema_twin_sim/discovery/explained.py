@@ -21,6 +21,9 @@ REMAINDER = 0.3  # of what the start model leaves over, beside an output that bo
 APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
 INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
 WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
+REMAINS = (
+    0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
+)
 
 
 def explained(eq: Equation, f: Fit, start: Fit) -> bool:
@@ -31,8 +34,9 @@ def explained(eq: Equation, f: Fit, start: Fit) -> bool:
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
     before = eq.residual(start.predicted)[eq.size :]
-    excused = WIGGLE * float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
-    allowed = min(max(APART if f.parted else INTERPOLATED, excused), 0.5 * CLIP)
+    parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
+    usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
+    allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
     parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 

@@ -13,10 +13,10 @@ import numpy as np
 
 from ..effects import catalogue
 from .equation import Equation
-from .fit import Fit, fit
+from .fit import Fit, fit, prior_rows
 from .hypothesis import LAG, SIDED
 from .uncertainty import covariance, scaled_inverse
-from .worth import FLOOR, unique
+from .worth import COST_PARAMETER, FLOOR, unique
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
 STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
@@ -27,6 +27,7 @@ SIGNIFICANT = 4.0  # standard errors from doing nothing
 NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
 """Effects of which each may stand behind one constant that is off, where the model has it."""
+BEHIND_ALL = "torque_constant_error"  # what may stand behind all of them at once
 
 
 def strained(f: Fit) -> tuple[str, ...]:
@@ -74,11 +75,23 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
 def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
     """Added effects that nothing but constants far from their file calls for, where these are several.
 
-    One cause may stand behind one constant; a cause for each is no explanation.
+    One cause may stand behind one constant; a cause for each is no explanation. And what is to stand behind all of
+    them must do so: where one constant alone is off, and only half put right, it is not what all have in common.
     """
+    for name, instance in f.hypothesis.added.items():
+        if instance.effect == BEHIND_ALL:
+            bare = fit(eq, f.hypothesis.without(name), 4, known=f)
+            if f.prior_cost > _beside_the_worst(bare) + COST_PARAMETER:
+                return (name,)
     alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
     if len(alike) < 2:
         return ()
     bare = {name: fit(eq, f.hypothesis.without(name), 4, known=f) for name in alike}
     found = tuple(name for name in alike if unique(eq, bare[name], f) < FLOOR)
     return found if len(found) > 1 else ()
+
+
+def _beside_the_worst(f: Fit) -> float:
+    """What the constants cost that are off their file, but for the one that is off the most."""
+    residuals, _ = prior_rows(f.hypothesis)
+    return float(residuals @ residuals - np.max(residuals**2, initial=0.0))

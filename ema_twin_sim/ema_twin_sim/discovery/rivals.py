@@ -84,7 +84,13 @@ def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
     """The search with one more round, in which a rival took the place of one effect, or of several."""
     best = found.fit
     added, removed = new_names(best, rival), new_names(rival, best)
+    bare = best.hypothesis
+    for name in removed:
+        bare = bare.without(name)
+    nothing = fit(eq, bare, 8, known=best)
+    tried = tuple(
+        Trial(names, f, gain(eq, nothing, f), unique(eq, nothing, f)) for names, f in ((added, rival), (removed, best))
+    )
     after = prune(eq, fit(eq, rival.hypothesis))
-    trial = Trial(added, rival, gain(eq, best, rival), unique(eq, best, rival))
-    turn = Round(best, (trial,), after, added, removed, "others explain more in its place")
+    turn = Round(best, tried, after, added, removed, "others explain more in its place")
     return replace(found, fit=after, rounds=(*found.rounds, turn), reach=eq.reach)

@@ -1,0 +1,26 @@
+"""Recordings that tests make: of the virtual bench, and with other signals than it gave."""
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+COMMANDS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
+
+
+def record(model, commands=COMMANDS, seconds=10.0, seed=1):
+    """One recording a command, named run0, run1, …"""
+    return [
+        virtual_bench(model, parse_command(text), seconds, seed=seed + k, name=f"run{k}")
+        for k, text in enumerate(commands)
+    ]
+
+
+def with_signals(recording, signals, stamps=None):
+    """The recording with these signals only, and with other stamps where given."""
+    return Recording(
+        recording.name,
+        recording.stamps if stamps is None else stamps,
+        signals,
+        motor_angle_origin=recording.motor_angle_origin,
+        output_angle_origin=recording.output_angle_origin,
+    )
