@@ -80,8 +80,8 @@ def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
     """
     for name, instance in f.hypothesis.added.items():
         if instance.effect == BEHIND_ALL:
-            bare = fit(eq, f.hypothesis.without(name), 4, known=f)
-            if f.prior_cost > _beside_the_worst(bare) + COST_PARAMETER:
+            unscaled = fit(eq, f.hypothesis.without(name), 4, known=f)
+            if f.prior_cost > _beside_the_worst(unscaled) + COST_PARAMETER:
                 return (name,)
     alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
     if len(alike) < 2:
