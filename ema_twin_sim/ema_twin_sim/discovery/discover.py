@@ -20,7 +20,7 @@ from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
-from .search import less, search, significant
+from .search import ROUNDS, less, search, significant
 from .split import with_best_split
 from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown
@@ -157,7 +157,10 @@ def _searched(
     eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]
 ) -> tuple[Search, bool]:
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
-    found = in_better_company(eq, search(eq, null, barred, progress), barred, progress)
+    found = search(eq, null, barred, progress)
+    if sum(bool(turn.added) for turn in found.rounds) >= ROUNDS:
+        return found, False
+    found = in_better_company(eq, found, barred, progress)
     start = found.rounds[0].before
     if explained(eq, found.fit, start):
         return found, True
