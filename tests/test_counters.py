@@ -102,6 +102,21 @@ def test_a_spike_and_several_jumps():
     assert [(finding.sample, finding.revolutions) for finding in findings] == [(50, 2), (51, -2), (120, 1), (122, -5)]
 
 
+@pytest.mark.parametrize("kind", ["rest", "ramp", "sine"])
+@pytest.mark.parametrize("place", [50, 200, 397])
+@pytest.mark.parametrize("size", [-2500, 900, 40000])
+def test_one_wrong_reading_leaves_no_offset(kind, place, size):
+    """Stamps are unequal, so that the way there may be possible and the way back not, or the other way round."""
+    time, counts = motion(kind)
+    time = time + 4e-4 * np.sin(np.arange(len(time)) ** 2)
+    shown = counts.copy()
+    shown[place] += size
+    repaired, findings = unwrap_counts(shown, time, PER_REVOLUTION, **LIMITS)
+    others = np.arange(len(counts)) != place
+    assert np.array_equal(repaired[others], counts[others])
+    assert [finding.sample for finding in findings] in ([], [place, place + 1])
+
+
 def test_motion_across_a_gap_is_no_jump():
     time, counts = motion("ramp")
     kept = np.r_[0:100, 250:400]

@@ -9,6 +9,8 @@ import numpy as np
 
 # A jump is taken for a power of two or for whole revolutions where it comes this near to it (in revolutions).
 _NEAR = 0.005
+# A jump that the next step takes back to within this share of it is one wrong reading.
+_WAY_BACK = 0.1
 # Powers of two below this one are taken for no word of a counter.
 _SMALLEST_POWER = 12
 # Deviations of this many robust standard deviations are still noise of the encoder.
@@ -48,7 +50,7 @@ def unwrap_counts(
     A step of more than half the counter's word is a wrap. A step is a jump where it is more than `maximum_speed`
     allows, or leaves the path that its neighbours predict by more than `maximum_acceleration` allows in one sample
     period (and by more than the encoder's noise). What the neighbours predict is kept of it; where the rest is near to
-    whole revolutions or to a power of two, exactly these are taken out.
+    whole revolutions or to a power of two, exactly these are taken out; and what the next step takes back, exactly so.
 
     Args:
         raw: counter readings, int64 (n,), or float64 where they have fractions.
@@ -79,8 +81,10 @@ def unwrap_counts(
     noise = 1.4826 * float(np.median(np.abs(excess)))
     possible = maximum_acceleration * radian * period**2 + _NOISE_FACTOR * noise + 2.0
     too_fast = np.abs(steps) > maximum_speed * radian * period + _NOISE_FACTOR * noise + 2.0
-    for place in np.flatnonzero(too_fast | (np.abs(excess) > possible)):
-        size, whole = _jump_size(float(excess[place]), counts_per_revolution)
+    places = _with_the_way_back(np.flatnonzero(too_fast | (np.abs(excess) > possible)), excess)
+    size, whole = 0, False
+    for place, comes_back in places.items():
+        size, whole = (-size, whole) if comes_back else _jump_size(float(excess[place]), counts_per_revolution)
         if size:
             findings.append(Finding("jump", int(place) + 1, size, size / counts_per_revolution, whole))
             steps[place] -= size
@@ -88,6 +92,24 @@ def unwrap_counts(
         return raw.copy(), []
     counts = np.concatenate((raw[:1], raw[0] + np.cumsum(steps)))
     return counts, sorted(findings, key=lambda finding: finding.sample)
+
+
+def _with_the_way_back(places: np.ndarray, excess: np.ndarray) -> dict[int, bool]:
+    """The steps that are jumps, in order, and whether each takes back the one before it.
+
+    A single wrong reading is a jump there and one back; where only one of them is beyond what is possible, the other
+    one is a jump all the same.
+    """
+    found = dict.fromkeys(places.tolist(), False)
+    for place in places.tolist():
+        for first in (place - 1, place):
+            if first < 0 or first + 1 >= len(excess) or found.get(first):
+                continue
+            there, back = float(excess[first]), float(excess[first + 1])
+            if abs(there + back) <= _WAY_BACK * abs(float(excess[place])):
+                found[first] = False
+                found[first + 1] = True
+    return dict(sorted(found.items()))
 
 
 def _predicted_speed(speed: np.ndarray) -> np.ndarray:
