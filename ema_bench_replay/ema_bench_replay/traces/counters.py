@@ -81,12 +81,12 @@ def unwrap_counts(
     noise = 1.4826 * float(np.median(np.abs(excess)))
     possible = maximum_acceleration * radian * period**2 + _NOISE_FACTOR * noise + 2.0
     too_fast = np.abs(steps) > maximum_speed * radian * period + _NOISE_FACTOR * noise + 2.0
-    places = _with_the_way_back(np.flatnonzero(too_fast | (np.abs(excess) > possible)), excess)
+    jumps = np.flatnonzero(too_fast | (np.abs(excess) > possible)).tolist()
     size, whole = 0, False
-    for place, comes_back in places.items():
+    for place, comes_back in _with_the_way_back(jumps, excess).items():
         size, whole = (-size, whole) if comes_back else _jump_size(float(excess[place]), counts_per_revolution)
         if size:
-            findings.append(Finding("jump", int(place) + 1, size, size / counts_per_revolution, whole))
+            findings.append(Finding("jump", place + 1, size, size / counts_per_revolution, whole))
             steps[place] -= size
     if not findings:
         return raw.copy(), []
@@ -94,14 +94,14 @@ def unwrap_counts(
     return counts, sorted(findings, key=lambda finding: finding.sample)
 
 
-def _with_the_way_back(places: np.ndarray, excess: np.ndarray) -> dict[int, bool]:
+def _with_the_way_back(places: list[int], excess: np.ndarray) -> dict[int, bool]:
     """The steps that are jumps, in order, and whether each takes back the one before it.
 
     A single wrong reading is a jump there and one back; where only one of them is beyond what is possible, the other
     one is a jump all the same.
     """
-    found = dict.fromkeys(places.tolist(), False)
-    for place in places.tolist():
+    found = dict.fromkeys(places, False)
+    for place in places:
         for first in (place - 1, place):
             if first < 0 or first + 1 >= len(excess) or found.get(first):
                 continue
