@@ -70,9 +70,9 @@ def unwrap_counts(
     findings = []
     if raw.min() >= -word // 2 and raw.max() < word:
         turns = np.rint(steps / word).astype(steps.dtype)
-        for place in np.flatnonzero(turns):
+        for place in np.flatnonzero(turns).tolist():
             size = int(turns[place]) * word
-            findings.append(Finding("wrap", int(place) + 1, size, size / counts_per_revolution, False))
+            findings.append(Finding("wrap", place + 1, size, size / counts_per_revolution, False))
         steps -= turns * word
     period = np.diff(time)
     radian = counts_per_revolution / (2 * math.pi)
