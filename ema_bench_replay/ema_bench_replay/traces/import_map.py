@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,8 @@ from typing import Any
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.recording import SIGNALS
+from ema_bench_replay.units import ALL_UNITS, MOTIONS, units_of
 
-#: SI value of one of each unit that a map may name.
-UNITS: dict[str, float] = {
-    **{"1": 1.0, "A": 1.0, "mA": 1e-3, "V": 1.0, "mV": 1e-3, "degC": 1.0},
-    **{"rad": 1.0, "deg": math.pi / 180, "rev": 2 * math.pi, "m": 1.0, "mm": 1e-3},
-    **{"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": 2 * math.pi / 60, "m/s": 1.0, "mm/s": 1e-3},
-    **{"N m": 1.0, "mN m": 1e-3, "N": 1.0},
-}
 #: Nanoseconds in one of each unit of time.
 TIME_UNITS: dict[str, float] = {"s": 1e9, "ms": 1e6, "us": 1e3, "µs": 1e3, "ns": 1.0}
 
@@ -58,6 +53,7 @@ class SignalMap:
     bits: int = 32  # width of that counter
     maximum_speed: float = math.inf  # rad/s of the shaft that the counter sits on
     maximum_acceleration: float = math.inf  # rad/s²
+    at_output: bool = False  # whether a motor's position is given as the output's, to be multiplied by the gear ratio
     write_as: str = ""  # the column's name when a trace is written
     decimals: int = 4  # of the column when a trace is written
 
@@ -71,6 +67,7 @@ class ImportMap:
     time: Column
     time_unit: str
     signals: tuple[SignalMap, ...]
+    motion: str = "rotary"  # or linear: then positions are m, speeds m/s, torques forces in N
     delimiter: str | None = None  # None: found out
     number_format: str | None = None  # "german" or "english"; None: found out
     time_name: str = "X [ms]"  # names of columns when a trace is written
@@ -85,7 +82,7 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     top = check.mapping(
         content,
         "",
-        ("version", "description", "delimiter", "number_format", "time", "signals", "column_name"),
+        ("version", "description", "motion", "delimiter", "number_format", "time", "signals", "column_name"),
         required=("version", "time", "signals"),
     )
     check.choice(top["version"], "version", (1,))
@@ -93,6 +90,7 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     signals = check.mapping(top["signals"], "signals", SIGNALS)
     if not signals:
         raise check.error("signals", "names no signal", f"map at least one of {', '.join(SIGNALS)}")
+    motion = check.choice(top.get("motion", "rotary"), "motion", MOTIONS)
     delimiter = check.choice(top.get("delimiter", "auto"), "delimiter", ("auto", ";", ",", "tab"))
     number_format = check.choice(top.get("number_format", "auto"), "number_format", ("auto", "german", "english"))
     return ImportMap(
@@ -100,7 +98,8 @@ def load_map(name_or_path: str | Path) -> ImportMap:
         text=text,
         time=_column(check, time["column"], "time.column"),
         time_unit=check.choice(time["unit"], "time.unit", TIME_UNITS),
-        signals=tuple(_signal(check, name, value) for name, value in signals.items()),
+        signals=tuple(_signal(check, name, value, motion) for name, value in signals.items()),
+        motion=motion,
         delimiter={"auto": None, "tab": "\t"}.get(delimiter, delimiter),
         number_format=None if number_format == "auto" else number_format,
         time_name=check.text(time.get("write_as", time["column"]), "time.write_as"),
@@ -108,10 +107,11 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     )
 
 
-def _signal(check: Checker, name: str, content: Any) -> SignalMap:
+def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     place = f"signals.{name}"
     counter_keys = _COUNTER_KEYS if name in _POSITIONS else ()
-    keys = ("columns", "unit", "factor", "write_as", "decimals", *counter_keys)
+    shaft_key = ("shaft",) if name == "motor_position" else ()
+    keys = ("columns", "unit", "factor", "gain", "write_as", "decimals", *shaft_key, *counter_keys)
     value = check.mapping(content, place, keys, required=("columns",))
     if not isinstance(value["columns"], list) or not value["columns"]:
         raise check.error(f"{place}.columns", "is no list of columns", "write for instance `columns: [r4821]`")
@@ -120,7 +120,7 @@ def _signal(check: Checker, name: str, content: Any) -> SignalMap:
     if factor == 0.0:
         raise check.error(f"{place}.factor", "is 0", "give another one, or remove the signal")
     is_counter = "counts_per_revolution" in value
-    for key in ("unit",) if is_counter else counter_keys:
+    for key in ("unit", "gain") if is_counter else counter_keys:
         if key in value:
             if is_counter:
                 raise check.error(f"{place}.{key}", "does not go with counts_per_revolution", "remove one of them")
@@ -131,17 +131,44 @@ def _signal(check: Checker, name: str, content: Any) -> SignalMap:
         if key in value
     }
     if is_counter:
+        if motion != "rotary":
+            raise check.error(
+                f"{place}.counts_per_revolution", "a linear machine's counter has no revolutions",
+                "give unit m, and the length of a count as factor",
+            )  # fmt: skip
         factor *= 2 * math.pi / positive["counts_per_revolution"]
     else:
-        factor *= UNITS[check.choice(value.get("unit", "1"), f"{place}.unit", UNITS)]
+        factor *= _in_si(check, value, place, name, motion)
     return SignalMap(
         signal=name,
         columns=columns,
         factor=factor,
         bits=check.choice(value.get("bits", 32), f"{place}.bits", (16, 24, 32)),
         write_as=check.text(value.get("write_as", columns[0].name), f"{place}.write_as"),
+        at_output=check.choice(value.get("shaft", "motor"), f"{place}.shaft", ("motor", "output")) == "output",
         decimals=int(check.number(value.get("decimals", 0 if is_counter else 4), f"{place}.decimals", 0, 12)),
         **positive,
+    )
+
+
+def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, motion: str) -> float:
+    """SI value of one of the column's units; of one that measures something else, through the ``gain`` given for it."""
+    allowed = units_of(signal, motion)
+    unit = value.get("unit", next(iter(allowed)))
+    if "gain" not in value:
+        if unit in ALL_UNITS and unit not in allowed:
+            raise check.error(
+                f"{place}.unit", f"{unit!r} is no unit of the {signal.replace('_', ' ')} of a {motion} machine",
+                f"use one of {', '.join(allowed)}, or say by `gain: {{value: …, unit: {next(iter(allowed))}/{unit}}}` "
+                "what one of it is worth",
+            )  # fmt: skip
+        return allowed[check.choice(unit, f"{place}.unit", allowed)]
+    check.choice(unit, f"{place}.unit", ALL_UNITS)
+    gain = check.mapping(value["gain"], f"{place}.gain", ("value", "unit"), required=("value", "unit"))
+    possible = {f"{own}/{unit}": size for own, size in allowed.items()}
+    return (
+        check.number(gain["value"], f"{place}.gain.value")
+        * possible[check.choice(gain["unit"], f"{place}.gain.unit", possible)]
     )
 
 

@@ -62,8 +62,9 @@ class _Trace:
         signals = {name: self._values(maps[name], time) for name in self.columns}
         if "output_command" in signals:
             # Measured from the same zero as the output position where both show one scale, else from its own start.
-            same_scale = "output_position" in signals and not maps["output_position"].counts_per_revolution
-            zero = self.origins["output_position"] if same_scale else signals["output_command"][0]
+            beside = "output_position" if "output_position" in signals else "motor_position"
+            same_scale = beside in signals and not maps[beside].counts_per_revolution
+            zero = self.origins[beside] if same_scale else signals["output_command"][0]
             signals["output_command"] = signals["output_command"] - zero
             self.origins["output_command"] = float(zero)
         return Recording(
@@ -186,7 +187,10 @@ class _Trace:
         ]
         style = asdict(self.table.style)
         text = {"columns": columns, "time_origin": time_origin, "origins": self.origins, "style": style}
+        at_output = any(signal.at_output and signal.signal in self.columns for signal in self.map.signals)
         return {
+            **({"motor_position_at": "output"} if at_output else {}),
+            **({"motion": self.map.motion} if self.map.motion != "rotary" else {}),
             "source": self.table.path.name,
             "sha256": self.table.sha256,
             "map": self.map.name,

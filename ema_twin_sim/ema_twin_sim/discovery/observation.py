@@ -40,6 +40,7 @@ NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were 
 LEAST_ROWS = 100  # of motion, in all recordings together: a second
 FEWEST = 10  # samples
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
+LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
 CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
 
@@ -119,7 +120,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     motion, motion_noise = _motion(signals, time, period, width, model)
     acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
-    hit = hardest(acceleration, SHAKEN, 2.0 * width, period)
+    # where nothing stands behind teeth or a spring, nothing is shaken
+    free = float(model.value("machine.output_inertia") > 0.0)
+    hit = free * hardest(acceleration, SHAKEN, 2.0 * width, period)
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
     moving = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2) == 0.0
@@ -130,7 +133,8 @@ def observe(recording: Recording, model: Model) -> Observation:
     white = _torque_noise(signals["current"], kernel, model)
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
-    noise = np.maximum(noise, LEAST_NOISE * model.value("drive.torque_limit"))
+    largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
+    noise = np.maximum(noise, LEAST_NOISE * largest)
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
     jumps = _jumps(difference, motion[:, SPEED] * period / ratio)
@@ -139,7 +143,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    thrown = hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    thrown = free * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
     if not thrown[encoder_rows].all():
         encoder_rows = encoder_rows[~thrown[encoder_rows]]
     parting = np.hypot(

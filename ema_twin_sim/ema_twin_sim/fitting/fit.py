@@ -15,6 +15,7 @@ from ..discovery.observation import observe_all
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
+from ..model.equivalent import as_rotary, given_back, shown, shown_entry
 from ..simulation.simulate import choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
@@ -100,6 +101,7 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
+    recordings, model = as_rotary(recordings, model)
     sources = [choose_input(recording, source) for recording in recordings]
     method = method or ("equation" if "current" in sources else "simulation")
     if method not in METHODS:
@@ -121,13 +123,13 @@ def fit_model(
         number = solution.freedom.numbers[k]
         notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        fitted,
+        given_back(fitted),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
         _constants(model, fitted, solution, sure),
-        before,
-        after,
+        _shown_errors(model, before),
+        _shown_errors(model, after),
         judged_on,
         tuple(solution.freedom.numbers[k].path for k in shown),
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
@@ -202,7 +204,9 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
         for p in catalogue()[instance.effect].parameters:
             value = instance.parameters[p.name]
             std = _spread(f"effects.{name}.{p.name}", solution, sure)
-            found[name][p.name] = {"value": value, "std": std, "unit": p.unit}
+            found[name][p.name] = shown_entry(fitted, value, std, "1" if p.periodic else p.unit) | (
+                {"unit": p.unit} if p.periodic else {}
+            )
     return found
 
 
@@ -210,7 +214,17 @@ def _constants(model: Model, fitted: Model, solution: Solution, sure: Uncertaint
     found: dict[str, dict[str, dict]] = {}
     for path, constant in CONSTANTS.items():
         if solution.freedom.index(path) is not None:
-            value = fitted.value(path)
-            entry = {"value": value, "std": _spread(path, solution, sure), "unit": constant.unit}
-            found.setdefault(constant.part, {})[constant.name] = {**entry, "nominal": model.value(path)}
+            entry = shown_entry(fitted, fitted.value(path), _spread(path, solution, sure), constant.unit)
+            nominal = shown(model, model.value(path), constant.unit)[0]
+            name = model.shown_path(path).partition(".")[2]
+            found.setdefault(constant.part, {})[name] = {**entry, "nominal": nominal}
+    return found
+
+
+def _shown_errors(model: Model, errors: Errors) -> Errors:
+    """The errors in the machine's own units."""
+    found: Errors = {}
+    for signal, error in errors.items():
+        (rmse, unit), (floor, _) = (shown(model, error[key], error["unit"]) for key in ("rmse", "noise_floor"))
+        found[signal] = {**error, "rmse": rmse, "noise_floor": floor, "unit": unit}
     return found

@@ -20,6 +20,7 @@ FRICTION = ("viscous_friction", "coulomb_friction")
 FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
 WEAK = 3.0  # times its typical size that a number wanders where the recordings say nothing of it
 WEAK_ANGLE = 10.0  # rad
+OPEN = 10.0  # relative: what keeps a constant from running away of which nothing is known
 WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
@@ -187,7 +188,9 @@ def waves(freedom: Freedom) -> list[tuple[int, int]]:
 
 def _named(model: Model, known: Sequence[str], given: Sequence[str], option: str) -> list[str]:
     found: dict[str, None] = {}
+    names = {model.shown_path(path): path for path in model.constants}
     for text in given:
+        text = names.get(text, text)
         here = [path for path in known if path == text or path.startswith(f"{text}.")]
         if not here or text in ("effects", *(c.part for c in CONSTANTS.values())):
             raise InputError(f"{option} {text}: model {model.name} has no such number; {nearest(text, tuple(known))}")
@@ -246,7 +249,8 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     if p.periodic:
         lower, upper = -math.inf, math.inf
     size = p is effect.parameters[0]
-    known = size and not asked and instance.effect in FRICTION and value > 0.0 and not _doubled(model, name)
+    told = value > 0.0 and not instance.open and not _doubled(model, name)
+    known = size and not asked and instance.effect in FRICTION and told
     side = parted and instance.effect == "coulomb_friction" and instance.options["side"] == "output"
     prior = (SIDES_PRIOR if side else FRICTION_PRIOR) * value if known else _weak(scale, p.periodic)
     return Number(
@@ -286,7 +290,7 @@ def _constant(model: Model, paths: tuple[str, ...]) -> Number:
         constant.upper,
         abs(held.value),
         STEP * (1.0 if constant.lower > 0.0 else abs(held.value)),
-        (held.value, tolerance * abs(held.value)),
-        known=True,
+        (held.value, min(tolerance, OPEN) * abs(held.value)),
+        known=math.isfinite(tolerance),
         log=constant.lower > 0.0,
     )

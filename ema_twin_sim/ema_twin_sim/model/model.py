@@ -8,14 +8,22 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.units import unit_in
 
-from ..effects import Effect, find_effect
+from ..effects import Effect, Parameter, find_effect
 from .constants import CONSTANTS
+
+_SIZES = 1e6  # by how much a linear machine's numbers may go beyond those of rotary ones
+LUMPED = "inertia"
+"""The name of the one inertia of a machine that has no gearbox to part it."""
 
 
 @dataclass(frozen=True)
 class ConstantValue:
-    """The value of a constant: SI unit as in ``constants.CONSTANTS``, relative tolerance (one standard deviation)."""
+    """The value of a constant: SI unit as in ``constants.CONSTANTS``, relative tolerance (one standard deviation).
+
+    Where nothing is known of it (open), the tolerance is infinite, and the value is where a fit starts.
+    """
 
     value: float
     tolerance: float = 0.05
@@ -24,12 +32,16 @@ class ConstantValue:
 
 @dataclass(frozen=True)
 class EffectInstance:
-    """One effect in a model: options and parameters by name, all of them given."""
+    """One effect in a model: options and parameters by name, all of them given.
+
+    Where it is ``open``, the values are not known: they are where a fit starts.
+    """
 
     effect: str
     options: Mapping[str, str]
     parameters: Mapping[str, float]
     enabled: bool = True
+    open: bool = False
 
 
 @dataclass(frozen=True)
@@ -46,6 +58,9 @@ class Model:
     kinds: Mapping[str, str]
     constants: Mapping[str, ConstantValue]
     effects: Mapping[str, EffectInstance] = field(default_factory=dict)
+    motion: str = "rotary"  # or linear: then inertias are masses, torques forces, and an angle of the motor is its way
+    lumped: bool = False  # whether all inertia is one number
+    radius: float | None = None  # m, of the drum that stands in for a carriage (equivalent.py)
 
     def __post_init__(self) -> None:
         for name in ("kinds", "constants", "effects"):
@@ -59,6 +74,22 @@ class Model:
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
         return self.constants[path].value
+
+    def unit(self, path: str) -> str:
+        """The unit of a constant, or of ``effects.NAME.PARAMETER``, in this machine's motion."""
+        if not path.startswith("effects."):
+            return unit_in(CONSTANTS[path].unit, self.motion)
+        _, name, parameter = path.split(".")
+        return self.parameter_unit(self.effects[name].effect, parameter)
+
+    def parameter_unit(self, effect: str, parameter: str) -> str:
+        """The unit of an effect's parameter in this machine's motion; angles of waves are angles in any."""
+        row = next(p for p in find_effect(effect, "effect").parameters if p.name == parameter)
+        return row.unit if row.periodic else unit_in(row.unit, self.motion)
+
+    def shown_path(self, path: str) -> str:
+        """The path of a constant as people know it: one ``machine.inertia`` where all of it is one number."""
+        return f"machine.{LUMPED}" if self.lumped and path == "machine.motor_inertia" else path
 
     def fitted_from(self, nominal: Model) -> Model:
         """The same model, the source of each constant that has moved from ``nominal`` saying so."""
@@ -78,7 +109,7 @@ class Model:
     ) -> Model:
         """A model with one more instance of an effect; what is not given takes the catalogue's defaults."""
         effect = find_effect(id, "effect")
-        instance = checked_instance(effect, parameters or {}, options or {}, id, complete=False)
+        instance = checked_instance(effect, parameters or {}, options or {}, id, complete=False, motion=self.motion)
         if id in self.effects and not effect.repeatable:
             raise InputError(f"model {self.name}: effect '{id}' is there already; change its parameters instead")
         name, number = id, 2
@@ -109,13 +140,19 @@ class Model:
             instance = self.effects[name]
             effect = find_effect(instance.effect, path)
             changed = checked_instance(
-                effect, {**instance.parameters, parameter: value}, instance.options, name, complete=True
+                effect,
+                {**instance.parameters, parameter: value},
+                instance.options,
+                name,
+                complete=True,
+                motion=self.motion,
             )
-            return replace(self, effects={**self.effects, name: replace(changed, enabled=instance.enabled)})
+            changed = replace(changed, enabled=instance.enabled, open=instance.open)
+            return replace(self, effects={**self.effects, name: changed})
         constant = CONSTANTS.get(path)
         if constant is None:
             raise InputError(f"model {self.name}: unknown constant '{path}'; {nearest(path, CONSTANTS)}")
-        check_range(value, constant.lower, constant.upper, constant.unit, path)
+        check_range(value, constant.lower, constant.upper, self.unit(path), path)
         before = self.constants.get(path, ConstantValue(value))
         return replace(self, constants={**self.constants, path: replace(before, value=float(value))})
 
@@ -143,8 +180,23 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
     return number
 
 
+def _range(parameter: Parameter, motion: str) -> tuple[float, float, str]:
+    """(lower, upper, unit) of a parameter; machines on rails come in more sizes than those that turn."""
+    unit = parameter.unit if parameter.periodic else unit_in(parameter.unit, motion)
+    if unit == parameter.unit:
+        return parameter.lower, parameter.upper, unit
+    lower = parameter.lower / _SIZES if parameter.lower > 0.0 else parameter.lower * _SIZES
+    return lower, parameter.upper * _SIZES, unit
+
+
 def checked_instance(
-    effect: Effect, parameters: Mapping[str, object], options: Mapping[str, object], place: str, *, complete: bool
+    effect: Effect,
+    parameters: Mapping[str, object],
+    options: Mapping[str, object],
+    place: str,
+    *,
+    complete: bool,
+    motion: str = "rotary",
 ) -> EffectInstance:
     """An instance whose names, options and ranges are right. Raises InputError naming ``place`` otherwise.
 
@@ -161,7 +213,8 @@ def checked_instance(
                 f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
             )
         given = parameters.get(name, parameter.default)
-        values[name] = check_range(given, parameter.lower, parameter.upper, parameter.unit, f"{place}.{name}")
+        lower, upper, unit = _range(parameter, motion)
+        values[name] = check_range(given, lower, upper, unit, f"{place}.{name}")
     chosen = effect.default_options()
     for name, choice in options.items():
         if name not in effect.options:

@@ -1,11 +1,14 @@
 """Model files: YAML, ``{version, machine, drive, transmission, sensors, effects}``, read strictly and written whole.
 
 A file may name a ``base`` beside it (models of one bench share one file of constants); its own entries then overrule
-the base's. What is written is always whole: a file that stands alone.
+the base's. What is written is always whole: a file that stands alone. A machine of which less is known may
+give its one ``inertia`` (of a linear machine: its mass) in place of the motor's, the gearbox's and the output's, and
+leave out what it does not have. ``tolerance: open`` says that a value is not known, but for where a fit starts.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping
@@ -18,12 +21,15 @@ from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
+from ema_bench_replay.units import MOTIONS, unit_in
 
 from ..effects import find_effect
 from .constants import CONSTANTS, KINDS, PARTS, Constant
-from .model import ConstantValue, EffectInstance, Model, check_range, checked_instance
+from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, checked_instance
 
 VERSION = 1
+OPEN = "open"
+ABSENT = "not given: the machine has none"
 _KEYS = ("version", "base", *PARTS, "effects")
 
 
@@ -43,20 +49,27 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
     path = Path(path)
     check_model_name(path)
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
+    if model.motion != "rotary":
+        content["machine"] = {"name": model.machine, "motion": model.motion}
     for part in PARTS[1:]:
         content[part] = {"kind": model.kinds[part]} if part in model.kinds else {}
     for constant_path, held in model.constants.items():
         constant = CONSTANTS[constant_path]
-        entry: dict[str, object] = {"value": float(held.value), "unit": constant.unit, "tolerance": held.tolerance}
+        if held.source == ABSENT:
+            continue
+        tolerance = OPEN if math.isinf(held.tolerance) else held.tolerance
+        entry: dict[str, object] = {"value": float(held.value), "unit": model.unit(constant_path)}
+        entry["tolerance"] = tolerance
         if held.source:
             entry["source"] = held.source
-        content[constant.part][constant.name] = entry  # type: ignore[index]
+        content[constant.part][model.shown_path(constant_path).partition(".")[2]] = entry  # type: ignore[index]
     content["effects"] = {
         name: {
             "effect": instance.effect,
             "options": dict(instance.options),
             "parameters": {parameter: float(value) for parameter, value in instance.parameters.items()},
             **({} if instance.enabled else {"enabled": False}),
+            **({"open": True} if instance.open else {}),
         }
         for name, instance in model.effects.items()
     }
@@ -114,41 +127,55 @@ def _merged(below: Mapping, above: Mapping) -> dict:
 def _model(path: Path, content: Mapping) -> Model:
     check = Checker(path)
     check.choice(content.get("version"), "version", (VERSION,))
+    machine = check.mapping(content.get("machine"), "machine")
+    motion = check.choice(machine.get("motion", MOTIONS[0]), "machine.motion", MOTIONS)
+    lumped = LUMPED in machine
     kinds: dict[str, str] = {}
     constants: dict[str, ConstantValue] = {}
     for part in PARTS:
         names = {c.name: c for c in CONSTANTS.values() if c.part == part}
-        words = ("name",) if part == "machine" else (("kind",) if part in KINDS else ())
-        section = check.mapping(content.get(part), part, (*words, *names))
+        words = ("name", "motion", LUMPED) if part == "machine" else (("kind",) if part in KINDS else ())
+        section = check.mapping(content.get(part, {}), part, (*words, *names))
         if part in KINDS:
             kinds[part] = check.choice(section.get("kind", KINDS[part][0]), f"{part}.kind", KINDS[part])
         for name, constant in names.items():
-            if section.get(name) is None:
-                if constant.optional:
-                    continue
-                raise check.error(f"{part}.{name}", "is missing", f"give its value in {constant.unit}")
-            constants[constant.path] = _constant(check, constant, section[name])
-    name = check.text(content["machine"].get("name", path.stem), "machine.name")
+            given = LUMPED if lumped and name == "motor_inertia" else name
+            if lumped and given in section and name.endswith("_inertia") and given != LUMPED:
+                raise check.error(
+                    f"machine.{given}", "stands beside the machine's one inertia", "give one or the other"
+                )
+            if section.get(given) is not None:
+                constants[constant.path] = _constant(check, constant, section[given], f"{part}.{given}", motion)
+            elif lumped and constant.absent is not None:
+                constants[constant.path] = ConstantValue(constant.absent, 0.0, ABSENT)
+            elif not constant.optional:
+                raise check.error(f"{part}.{name}", "is missing", f"give its value in {unit_in(constant.unit, motion)}")
+    name = check.text(machine.get("name", path.stem), "machine.name")
     effects = content.get("effects")
-    return Model(path.stem, name, kinds, constants, {} if effects is None else _effects(check, effects))
+    parts = {} if effects is None else _effects(check, effects, motion)
+    return Model(path.stem, name, kinds, constants, parts, motion, lumped)
 
 
-def _constant(check: Checker, constant: Constant, content: object) -> ConstantValue:
-    place = constant.path
+def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:
+    unit = unit_in(constant.unit, motion)
     entry = check.mapping(content, place, ("value", "unit", "tolerance", "source"), required=("value", "unit"))
-    if str(entry["unit"]) != constant.unit:
-        raise check.error(place, f"unit '{entry['unit']}' but '{constant.unit}' is needed", "convert the value")
+    if str(entry["unit"]) != unit:
+        raise check.error(place, f"unit '{entry['unit']}' but '{unit}' is needed", "convert the value")
     place = f"{check.path}: {place}"
-    value = check_range(entry["value"], constant.lower, constant.upper, constant.unit, place)
-    tolerance = check_range(entry.get("tolerance", 0.05), 0.0, 10.0, "(relative)", f"{place}.tolerance")
-    return ConstantValue(value, tolerance, str(entry.get("source", "")))
+    value = check_range(entry["value"], constant.lower, constant.upper, unit, place)
+    tolerance = entry.get("tolerance", 0.05)
+    if tolerance == OPEN:
+        return ConstantValue(value, math.inf, str(entry.get("source", "")))
+    return ConstantValue(
+        value, check_range(tolerance, 0.0, 10.0, "(relative)", f"{place}.tolerance"), str(entry.get("source", ""))
+    )
 
 
-def _effects(check: Checker, content: object) -> dict[str, EffectInstance]:
+def _effects(check: Checker, content: object, motion: str) -> dict[str, EffectInstance]:
     effects = {}
     for name, value in check.mapping(content, "effects").items():
         place = f"effects.{name}"
-        entry = check.mapping(value, place, ("effect", "options", "parameters", "enabled"))
+        entry = check.mapping(value, place, ("effect", "options", "parameters", "enabled", "open"))
         effect = find_effect(str(entry.get("effect", name)), f"{check.path}: {place}")
         later = "(_([2-9]|[1-9][0-9]+))?" if effect.repeatable else ""
         if not re.fullmatch(effect.id + later, str(name)):
@@ -156,6 +183,10 @@ def _effects(check: Checker, content: object) -> dict[str, EffectInstance]:
             raise check.error(place, f"an instance of {effect.id} {names}", "rename or remove this one")
         given = {key: entry.get(key) for key in ("parameters", "options")}
         parameters, options = ({} if v is None else check.mapping(v, f"{place}.{k}") for k, v in given.items())
-        instance = checked_instance(effect, parameters, options, f"{check.path}: {place}", complete=True)
-        effects[str(name)] = replace(instance, enabled=check.boolean(entry.get("enabled", True), f"{place}.enabled"))
+        instance = checked_instance(effect, parameters, options, f"{check.path}: {place}", complete=True, motion=motion)
+        enabled, is_open = (
+            check.boolean(entry.get(key, usual), f"{place}.{key}")
+            for key, usual in (("enabled", True), ("open", False))
+        )
+        effects[str(name)] = replace(instance, enabled=enabled, open=is_open)
     return effects

@@ -1,0 +1,76 @@
+"""Units: of every signal, of rotary and of linear machines, and what other units are worth in them."""
+
+from __future__ import annotations
+
+import math
+
+MOTIONS: tuple[str, ...] = ("rotary", "linear")
+"""How a machine moves: in rad, rad/s, N m and kg m², or in m, m/s, N and kg."""
+
+_POSITION = {"rad": 1.0, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "mrad": 1e-3}
+_SPEED = {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": 2.0 * math.pi / 60.0, "rev/s": 2.0 * math.pi}
+_TORQUE = {"N m": 1.0, "mN m": 1e-3, "kN m": 1e3}
+_LENGTH = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
+_VELOCITY = {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0}
+_FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3}
+_CURRENT = {"A": 1.0, "mA": 1e-3}
+_VOLTAGE = {"V": 1.0, "mV": 1e-3}
+_TEMPERATURE = {"degC": 1.0}
+
+_QUANTITIES: dict[str, tuple[dict[str, float], dict[str, float]]] = {
+    "position": (_POSITION, _LENGTH),
+    "speed": (_SPEED, _VELOCITY),
+    "torque": (_TORQUE, _FORCE),
+    "current": (_CURRENT, _CURRENT),
+    "voltage": (_VOLTAGE, _VOLTAGE),
+    "temperature": (_TEMPERATURE, _TEMPERATURE),
+}
+"""Of each quantity, the SI value of one of each unit; the first is the unit that recordings hold it in."""
+
+_QUANTITY_OF = {
+    "speed": "speed",
+    "speed_setpoint": "speed",
+    "motor_position": "position",
+    "output_position": "position",
+    "output_command": "position",
+    "voltage": "voltage",
+    "motor_torque": "torque",
+    "load_torque": "torque",
+    "unexplained_torque": "torque",
+    "temperature": "temperature",
+}
+
+ALL_UNITS: dict[str, float] = {
+    unit: value for kinds in _QUANTITIES.values() for kind in kinds for unit, value in kind.items()
+}
+"""The SI value of one of each unit."""
+
+_LINEAR = {
+    "rad": "m",
+    "rad/s": "m/s",
+    "rad/s^2": "m/s^2",
+    "N m": "N",
+    "N m/A": "N/A",
+    "N m/rad": "N/m",
+    "N m s/rad": "N s/m",
+    "N m s^2/rad^2": "N s^2/m^2",
+    "kg m^2": "kg",
+    "V s/rad": "V s/m",
+    "1/rev": "1/m",
+}
+"""What takes the place of a rotary machine's unit where a machine is linear; other units stay."""
+
+
+def units_of(signal: str, motion: str = "rotary") -> dict[str, float]:
+    """The units that a signal may be given in, and the SI value of one of each."""
+    return _QUANTITIES[_QUANTITY_OF.get(signal, "current")][MOTIONS.index(motion)]
+
+
+def signal_unit(signal: str, motion: str = "rotary") -> str:
+    """The unit that recordings hold a signal in."""
+    return next(iter(units_of(signal, motion)))
+
+
+def unit_in(unit: str, motion: str) -> str:
+    """A rotary machine's unit (``N m s/rad``) as it is in a machine of that motion (``N s/m``)."""
+    return _LINEAR.get(unit, unit) if motion == "linear" else unit

@@ -1,0 +1,46 @@
+"""Matching: a recording as a model's twin can take it, whatever signals and units its machine came with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from .model import Model
+
+AT_OUTPUT = "motor_position_at"
+"""The metadata of a recording whose motor position is given as the output's: ``{AT_OUTPUT: "output"}``."""
+
+
+def matched(recording: Recording, model: Model) -> Recording:
+    """The recording with the motor's position at the fast shaft, and a current where it has but the drive's torque.
+
+    Raises InputError where recording and model are of different motions (rotary, linear).
+    """
+    motion = recording.metadata.get("motion", "rotary")
+    if motion != model.motion:
+        raise InputError(
+            f"{recording.name}: is of a {motion} machine, model {model.name} of a {model.motion} one; name the right "
+            "import map (--map) or model (--model)"
+        )
+    signals: dict[str, np.ndarray] = dict(recording.signals)
+    origin = recording.motor_angle_origin
+    metadata = dict(recording.metadata)
+    if metadata.pop(AT_OUTPUT, None) is not None and "motor_position" in signals:
+        ratio = model.value("machine.gear_ratio")
+        signals["motor_position"] = signals["motor_position"] * ratio
+        origin *= ratio
+    if "current" not in signals and "motor_torque" in signals:
+        signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
+    if len(signals) == len(recording.signals) and metadata == recording.metadata:
+        return recording
+    return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata)
+
+
+def all_matched(recordings: Sequence[Recording], model: Model) -> list[Recording]:
+    """``matched``, of several recordings."""
+    return [matched(recording, model) for recording in recordings]
