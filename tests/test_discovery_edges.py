@@ -34,13 +34,14 @@ def test_a_recording_at_standstill_among_others_is_no_error(stock):
     found = discover(recordings, stock)
     assert found.added == ("gravity_load",)
     assert evidence_json(found)["steps"]
-    assert diagnose(recordings, stock, without=["gravity_load", "constant_load"]).verdict != "gravity_load"
+    assert diagnose(recordings, stock, without=["gravity_load", "constant_load"]).verdict == "unknown"
 
 
 def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
     bare = [with_signals(r, {n: v for n, v in r.signals.items() if n != "output_position"}) for r in record(stock)]
     fitted = fit_model(bare, stock.with_effect("backlash", {"width": 0.002}), method="equation")
-    assert 0.0 < fitted.parameters["backlash"]["width"]["value"] < 0.0021  # the torque has none to show
+    width = fitted.parameters["backlash"]["width"]
+    assert 0.0 < width["value"] < 0.002 and width["std"] > 1e-5  # the torque has none to show
 
 
 def test_counts_that_a_counter_lost_are_no_play(plain_pair, stock):
@@ -91,6 +92,53 @@ def test_play_that_is_barred_leaves_the_spring_to_be_tried(stock):
 def test_the_numbers_of_teeth_that_were_fitted_are_told(stock):
     found = discover(record(stock.with_effect("backlash", {"width": 0.003})), stock)
     assert found.added == ("backlash",)
-    told = found.constants["transmission"]["contact_stiffness"]
-    assert told["value"] == found.model.value("transmission.contact_stiffness")
-    assert told["nominal"] == stock.value("transmission.contact_stiffness")
+    stiffness, nominal = (m.value("transmission.contact_stiffness") for m in (found.model, stock))
+    if stiffness == nominal:  # the file's follows the recordings better: held, and no estimate
+        assert "transmission" not in found.constants
+    else:
+        told = found.constants["transmission"]["contact_stiffness"]
+        assert (told["value"], told["nominal"]) == (stiffness, nominal)
+    sure = [held for part in found.constants.values() for held in part.values()]
+    assert sure and all(0.0 < held["std"] < held["nominal"] for held in sure)
+
+
+def test_in_one_direction_play_is_not_named_but_not_overlooked_either(stock):
+    """The output hangs back by half the gap from the start on, and nothing else ever shows."""
+    found = discover(record(stock.with_effect("backlash", {"width": 0.004}), ("ramp:0.05",)), stock)
+    assert (found.verdict, found.added, found.depends_on) == ("unknown", (), ("encoders",))
+    assert "2.00 mrad off the motor" in found.stopped and "reversals" in found.stopped
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_a_missing_sample_does_not_hide_how_coarse_a_current_is(hidden, stock):
+    """Values that are filled in between lie on no step of the current's resolution."""
+    true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5}) if hidden else stock
+    runs = []
+    for r in record(true):
+        kept = np.arange(len(r)) != 1000
+        current = 0.02 * np.round(r.signals["current"] / 0.02)
+        signals = {name: values[kept] for name, values in {**r.signals, "current": current}.items()}
+        runs.append(with_signals(r, signals, r.stamps[kept]))
+    found = discover(runs, stock)
+    assert found.added == (("gravity_load",) if hidden else ())
+    assert found.verdict == ("explained" if hidden else "none")
+
+
+def test_what_comes_and_goes_is_told_with_its_times(stock):
+    """For a while the machine needs more torque: no lasting dependence, and an outlier to any fit."""
+    runs = []
+    for k, run in enumerate(record(stock)):
+        shaken = run.signals["current"].copy()
+        there = (run.time > 3.0 + k) & (run.time < 3.8 + k)
+        shaken[there] += 0.08 * np.sign(run.signals["speed"][there])
+        runs.append(with_signals(run, {**run.signals, "current": shaken}))
+    found = discover(runs, stock)
+    assert (found.verdict, found.added, found.depends_on) == ("unknown", (), ("time",))
+    assert "run0 from 3.0" in found.stopped and "against the motion" in found.stopped
+
+
+def test_a_current_that_does_not_change_is_refused(stock):
+    (run,) = record(stock, COMMANDS[:1])
+    dead = with_signals(run, {**run.signals, "current": np.zeros(len(run))})
+    with pytest.raises(InputError, match="0 A all along"):
+        observe(dead, stock)

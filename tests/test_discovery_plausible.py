@@ -96,3 +96,13 @@ def test_what_might_as_well_be_absent_is_not_sure(stock):
 
 def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
     assert {effect.depends_on for effect in catalogue().values()} == set(QUANTITIES)
+
+
+def test_a_bristle_that_no_recording_bends_is_not_sure(stock):
+    """Its stiffness is open to both sides; as a softness it is as many standard errors from none as of itself."""
+    eq = Equation(observe_all(record(stock, ("ramp:0.05",)), stock))
+    h = null_hypothesis(stock).with_effect("presliding_friction", {}, {"stiffness": 1.0, "damping": 0.0})
+    assert insignificant(eq, fit(eq, h)) == "presliding_friction"
+    bent = stock.with_effect("presliding_friction", {"stiffness": 4.0, "damping": 0.0})
+    eq = Equation(observe_all(record(bent, RUNS), stock))
+    assert insignificant(eq, fit(eq, h)) is None

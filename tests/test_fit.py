@@ -16,6 +16,7 @@ from ema_twin_sim.fitting.freedom import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
+from tests.recorded import with_signals
 
 RIGID = {
     "stribeck_friction": {"torque": 0.08, "speed": 2.0},
@@ -244,3 +245,19 @@ def test_what_was_not_fitted_to_judges(stock):
     for result in (several, one):
         assert result.after["current"]["rmse"] < 0.5 * result.before["current"]["rmse"]
         assert result.after["current"]["rmse"] < 1.5 * result.before["current"]["noise_floor"]
+
+
+def test_numbers_that_one_recording_alone_knows_may_go_anywhere_without_it(stock):
+    """Play and a soft shaft fitted to a bench that has neither: straight lines lead out of every range."""
+    recordings = bench(stock.with_effect("presliding_friction", {"stiffness": 0.7, "damping": 0.0}), SLOW[1:], 4.0)
+    fitted = fit_model(recordings, stock.with_effect("backlash", {}).with_effect("shaft_compliance", {}))
+    assert all(math.isfinite(value) for _, value, _ in estimates(fitted))
+
+
+def test_a_start_that_no_twin_can_be_made_of_is_not_taken(stock):
+    bare = []
+    for recording in bench(stock, SLOW):
+        signals = {name: values for name, values in recording.signals.items() if name != "output_position"}
+        bare.append(with_signals(recording, signals))
+    fitted = fit_model(bare, stock.with_effect("backlash", {"width": 0.004}), method="simulation")
+    assert fitted.method == "simulation" and "width" in fitted.parameters["backlash"]

@@ -8,7 +8,7 @@ from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
 from ema_twin_sim.fitting.findings import SHOWN_BY
 from ema_twin_sim.fitting.fit import METHODS, fit_model
-from tests.fitted_bench import FAST, SLOW, bench, warned
+from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
 
 
 def test_on_bound(stock):
@@ -92,3 +92,13 @@ def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
         assert id in SHOWN_BY
     for rule in RULES:
         assert rule.parameter in catalogue()[rule.effect].default_parameters()
+
+
+@pytest.mark.parametrize("method", ["equation", "simulation"])
+def test_a_fit_that_leaves_much_says_so(method, stock):
+    """Whatever its rows are weighed by, what is left is held against the sensors' noise."""
+    true = with_effects(stock, {"gravity_load": {"torque": 0.05, "angle": 0.3}, "cogging": {"torque": 0.05}})
+    fitted = fit_model(bench(true, SLOW), stock, method=method)
+    assert any("times the noise: the model lacks something" in note for note in fitted.notes)
+    right = fit_model(bench(stock, SLOW), stock, method=method)
+    assert not any("times the noise" in note or "as it was is better" in note for note in right.notes)

@@ -140,6 +140,12 @@ class _Trace:
         slope, error = _slope(self.table.columns[leaders[0]], self.table.columns[place])
         if slope + 3 * error >= column.slope:
             return place
+        if slope <= -column.slope:
+            self._warn(
+                f"{column.name} runs against {column.follows} (slope {slope:.2f}): its sign is turned round. Give it "
+                f"`factor: -1` in the import map; until then {column.follows} is used in its stead"
+            )
+            return leaders[0]
         self._warn(
             f"{column.name} hardly follows {column.follows} (slope {slope:.2f}, less than {column.slope:g}), so it is "
             f"not the {signal.replace('_', ' ')}; {column.follows} is used in its stead"

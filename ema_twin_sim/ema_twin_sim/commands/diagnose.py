@@ -62,7 +62,9 @@ def run(
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
-    sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without)
+    sentence = verdict_sentence(
+        found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without, diagnosis.groups
+    )
     console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
     show(diagnosis)
     warn_of(diagnosis.warnings, given.recordings)

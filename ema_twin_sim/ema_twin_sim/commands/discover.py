@@ -83,9 +83,15 @@ def run(
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    console.print(
-        f"[bold]{verdict_sentence(found.verdict, found.added, found.depends_on, without)}[/bold]", soft_wrap=True
-    )
+    sentence = verdict_sentence(found.verdict, found.added, found.depends_on, without, found.groups)
+    console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
+    if found.verdict == "unknown":
+        left = found.unseen
+        console.print(
+            f"What is left over: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}, where "
+            f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}.",
+            soft_wrap=True,
+        )
     if found.steps:
         console.print(_steps(found))
     if found.parameters:

@@ -41,13 +41,19 @@ def listed(words: Iterable[str], last: str = "and") -> str:
 
 
 def verdict_sentence(
-    verdict: str, effects: Sequence[str], depends_on: Sequence[str], without: Sequence[str] = ()
+    verdict: str,
+    effects: Sequence[str],
+    depends_on: Sequence[str],
+    without: Sequence[str] = (),
+    groups: Sequence[Sequence[str]] = (),
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
-    ``without`` are effects that were not looked for.
+    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
     """
-    lacks = f"Your model lacks {listed(map(effect_words, effects))}" if effects else ""
+    lacks = (
+        f"Your model lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
+    )
     if verdict == "none":
         return "Nothing is missing that these recordings could show."
     if verdict == "explained":
@@ -58,6 +64,12 @@ def verdict_sentence(
     if without:
         looked_for = f"effect but perhaps {listed(map(effect_words, without), 'or')} (not looked for) explains"
     return f"{start} is missing that no {looked_for}{left}."
+
+
+def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:
+    """``Stribeck friction (or quadratic drag)`` where the recordings do not tell which."""
+    likes = dict.fromkeys(other for group in groups if effect in group for other in group if other not in effects)
+    return f"{effect_words(effect)} (or {listed(map(effect_words, likes), 'or')})" if likes else effect_words(effect)
 
 
 def options_words(options: Mapping[str, str]) -> str:

@@ -24,7 +24,7 @@ def contradictions(eq: Equation, f: Fit) -> tuple[str, ...]:
     groups = {name: columns for name, columns in groups.items() if columns}
     if len(eq.observations) < 2 or not groups:
         return ()
-    scale = eq.temperature(f.misfit)
+    scale = f.temperature
     moves, errors = [], []
     for part in eq.torque_parts:
         slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)
@@ -38,7 +38,7 @@ def contradictions(eq: Equation, f: Fit) -> tuple[str, ...]:
             if abs(share) > max(LARGE, APART * error):
                 more = "more" if share > 0.0 else "less"
                 found.append(
-                    f"{o.name}: needs {abs(share):.0%} {more} {name} than the other recordings do; it is of another "
-                    "machine, or of one in another state: judge it alone"
+                    f"{o.name}: needs {abs(share):.0%} {more} {name} than the other recordings do; it may be of "
+                    "another machine, or of one in another state (then judge it alone), or show what no effect explains"
                 )
     return tuple(found)

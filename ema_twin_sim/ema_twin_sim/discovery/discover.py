@@ -9,9 +9,11 @@ from typing import Any
 
 from ema_bench_replay.recording import Recording
 
+from ..effects import catalogue
 from ..model import Model
 from .company import in_better_company, thought_again
 from .contradictions import contradictions
+from .ending import NOISY, why_ended
 from .equation import Equation
 from .estimates import constants, far_off, parameters, standard_errors
 from .explained import apart, explained
@@ -26,7 +28,6 @@ from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
 
-NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
 
@@ -117,7 +118,7 @@ def discover(
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
     if known and (idle := _idle(found, unseen)):
-        known, depends_on = False, ("encoders",)
+        known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
         unseen = judge_unseen(eq, recordings, found)
     as_given = not known and not unseen.rmse[-1] < unseen.rmse[0]
@@ -139,7 +140,7 @@ def discover(
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),
-        _why(verdict, found, depends_on, unseen),
+        why_ended(eq, verdict, found, depends_on, unseen),
         (
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
@@ -171,14 +172,29 @@ def _searched(
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
-    """Play or spring that the encoders suggest, but that takes little of the error away where it was not fitted to."""
-    held = {name for name, instance in found.fit.hypothesis.added.items() if instance.effect in PARTING}
+    """Play or spring that the encoders suggest, but that takes little of the error away where it was not fitted to.
+
+    And a bristle that takes nothing away there: it shows in the first moments of a motion only.
+    """
+    added = found.fit.hypothesis.added
     for k, turn in enumerate(found.taken):
-        parting = tuple(name for name in new_names(turn.before, turn.after) if name in held)
+        came = [name for name in new_names(turn.before, turn.after) if name in added]
+        parting = tuple(name for name in came if added[name].effect in PARTING)
+        bending = tuple(name for name in came if added[name].effect == "presliding_friction")
+        if unseen.rmse[k] <= NOISY * unseen.noise_floor:
+            continue
         removed = unseen.removed(k, len(unseen.rmse) - 1)
-        if parting and unseen.rmse[k] > NOISY * unseen.noise_floor and removed is not None and removed < FOLLOWED:
+        if parting and removed is not None and removed < FOLLOWED:
             return parting
+        there = unseen.removed(k, k + 1)
+        if bending and there is not None and there <= 0.0:
+            return bending
     return ()
+
+
+def _shows_over(found: Search, name: str) -> str:
+    """The quantity that an effect shows over."""
+    return catalogue()[found.fit.hypothesis.added[name].effect].depends_on
 
 
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
@@ -211,23 +227,3 @@ def _tried(turn: Round) -> list[dict[str, object]]:
         {"names": list(trial.names), "gain": trial.gain, "unique": trial.unique, "misfit": trial.fit.misfit}
         for trial in turn.tried[:6]
     ]
-
-
-def _why(verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
-    if verdict == "unknown":
-        on = ", ".join(depends_on).replace("_", " ")
-        return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
-    last = found.stopped
-    if last is None:
-        end = found.rounds[-1]
-        return (
-            "as many effects were added as a search may add" if end.added else f"what was added last went: {end.reason}"
-        )
-    if not last.tried:
-        return "nothing is left to try"
-    if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
-        return (
-            "no effect explains more; what the simulated current still misses lies at impacts, whose instants a loop "
-            "with play or spring does not meet to the millisecond"
-        )
-    return "no effect explains more of what is left than the sensors' noise would let it by chance"

@@ -113,7 +113,7 @@ def reverses(eq: Equation) -> bool:
 def information(eq: Equation, f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
-    return f.jacobian.T @ f.jacobian / eq.temperature(f.misfit) + pj.T @ pj
+    return f.jacobian.T @ f.jacobian / f.temperature + pj.T @ pj
 
 
 def _about(

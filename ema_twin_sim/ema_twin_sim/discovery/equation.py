@@ -203,12 +203,6 @@ class Equation:
         """How many rows are judged."""
         return self.rows if self.use_encoder else self.size
 
-    def temperature(self, misfit: float) -> float:
-        """What a difference of misfits is divided by to count in units of the noise: rows are correlated, and what is
-        left over makes all of them count less.
-        """
-        return CORRELATION * max(1.0, misfit / self.judged)
-
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
         rows = rows.copy()

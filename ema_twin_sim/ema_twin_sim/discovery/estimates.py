@@ -20,9 +20,9 @@ CALIBRATION = 0.005  # of a number: what two right formulations of the same phys
 
 
 def standard_errors(eq: Equation, f: Fit) -> dict[str, float]:
-    """Standard errors of the free numbers, by path."""
+    """Standard errors of the free numbers, by path; those that are held at a value have none."""
     spread = np.sqrt(np.diag(covariance(eq, f)))
-    return {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True)}
+    return {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True) if free.lower < free.upper}
 
 
 def far_off(f: Fit) -> list[str]:

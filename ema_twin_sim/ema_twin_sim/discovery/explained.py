@@ -20,6 +20,7 @@ BRISTLED = 2.0  # times these where friction gives way before it slides: every l
 REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
 APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
 INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
+LAGGING = 8.0  # standard deviations of a single reading: the first sample's own noise stays below four
 WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 REMAINS = (
     0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
@@ -32,13 +33,35 @@ def explained(eq: Equation, f: Fit, start: Fit) -> bool:
 
 
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:
-    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses."""
+    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses.
+
+    And whether the output has lagged behind since the start, which nothing but play and springs lets it: a fit leaves
+    the encoders' zeros open, and in one direction no more than that shows.
+    """
+    if lagging(eq, f):
+        return True
     before = eq.residual(start.predicted)[eq.size :]
     parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
     usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
     allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
     parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
+
+
+def lagging(eq: Equation, f: Fit) -> dict[str, float]:
+    """By recording, how far [rad, slow shaft] its output lies off the motor since the first sample, beyond its noise.
+
+    Nothing beside play or a spring, where it may begin anywhere.
+    """
+    found = {}
+    for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
+        first = o.encoder_piece == o.encoder_piece[0] if len(o.encoder_rows) else np.zeros(0, bool)
+        if not f.parted and first.any():
+            off = float(np.median((eq.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
+            reading = float(o.encoder_noise.min()) / float(np.linalg.norm(o.kernel))
+            if abs(off) > LAGGING * reading:
+                found[o.name] = off
+    return found
 
 
 def depends(eq: Equation, f: Fit) -> bool:

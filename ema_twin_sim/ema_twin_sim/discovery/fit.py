@@ -9,7 +9,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from .equation import POOL, Equation, Prediction
+from .equation import CORRELATION, POOL, Equation, Prediction
 from .hypothesis import Hypothesis
 
 
@@ -27,6 +27,14 @@ class Fit:
     differentiate: Callable[[], np.ndarray]  # gives the slopes; the same at every call
     misfit: float  # without the priors
     prior_cost: float
+    judged: int  # rows that the misfit is over
+
+    @property
+    def temperature(self) -> float:
+        """What a difference of misfits is divided by to count in units of the noise: rows are correlated, and what is
+        left over makes all of them count less.
+        """
+        return CORRELATION * max(1.0, self.misfit / self.judged)
 
     @property
     def jacobian(self) -> np.ndarray:
@@ -171,4 +179,4 @@ def fit(
         differentiate = cache(partial(equation.jacobian, h, predicted, weights, slopes))
         if fall < tolerance + 1e-5 * cost:
             break
-    return Fit(h, predicted, raw, weights, differentiate, equation.misfit(raw), float(pr @ pr))
+    return Fit(h, predicted, raw, weights, differentiate, equation.misfit(raw), float(pr @ pr), equation.judged)

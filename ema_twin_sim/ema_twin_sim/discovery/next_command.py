@@ -103,7 +103,7 @@ class _Field:
 
     def __init__(self, eq: Equation, held: Sequence[Doubt], signals: frozenset[str]) -> None:
         self.base = held[0].rivals[0].fit.hypothesis.base
-        self.temperature = min(eq.temperature(rival.fit.misfit) for doubt in held for rival in doubt.rivals)
+        self.temperature = min(rival.fit.temperature for doubt in held for rival in doubt.rivals)
         self.contenders: dict[int, _Explanation] = {}
         self.nested: set[Pair] = set()
         self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
@@ -387,7 +387,9 @@ def suggest(
     choice = best_command(eq, held, signals_of(recordings), few=True)
     if choice.best is None:
         return f"no command tells apart {' or '.join(dict.fromkeys(n for d in held for n in d.names))}"
-    return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}"
+    further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
+    beyond = further if choice.best.beyond else ""
+    return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"
 
 
 def signals_of(recordings: Sequence[Recording]) -> frozenset[str]:

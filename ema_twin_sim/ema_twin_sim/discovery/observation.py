@@ -37,7 +37,7 @@ THROWN = 2.0  # s after such a throw in which the encoders' difference is not ju
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
 SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
-LEAST_ROWS = 100  # of motion, in all recordings together: a second
+LEAST_ROWS = 100  # of motion, in all recordings together: a second, or two where the speed is not recorded
 FEWEST = 10  # samples
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
@@ -110,6 +110,11 @@ def observe(recording: Recording, model: Model) -> Observation:
             "cut it there (--to, --from)"
         )
     period, time, signals, whole = _even(recording)
+    if np.ptp(signals["current"]) == 0.0:
+        raise InputError(
+            f"{recording.name}: its current is {signals['current'][0]:g} A all along; is that the right column of the "
+            "trace? Name it in the import map"
+        )
     width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
     if len(time) < 4 * len(kernel):
@@ -130,7 +135,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )
     rows = centres[(judged & moving & driven)[centres]]
-    white = _torque_noise(signals["current"], kernel, model)
+    white = _torque_noise(signals["current"], recording.signals["current"], kernel, model)
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
@@ -176,7 +181,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     if not recordings:
         raise InputError("no recording is given; a diagnosis needs at least one")
     found = [observe(recording, model) for recording in recordings]
-    moving = sum(len(o.rows) * 2.0 * max(WIDTH, LEAST_PERIODS * o.period) for o in found)
+    moving = sum(len(o.rows) * o.period * float(np.diff(o.rows).min(initial=len(o.motion))) for o in found)
     if sum(len(o.rows) for o in found) < LEAST_ROWS:
         raise InputError(
             f"{', '.join(o.name for o in found)}: {moving:.2g} s of motion faster than {STANDSTILL:g} rad/s at the "
@@ -277,12 +282,13 @@ def _jumps(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
     return np.where(np.abs(out) > most, out, 0.0)
 
 
-def _torque_noise(current: np.ndarray, kernel: np.ndarray, model: Model) -> float:
+def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model: Model) -> float:
     """Standard deviation [N m] of a smoothed current's torque: its white noise and its resolution.
 
-    Steps that are wide beside the noise are not white: smoothing takes nothing of them away.
+    Steps that are wide beside the noise are not white: smoothing takes nothing of them away. They are those of the
+    ``raw`` values, as they stand in the recording: between samples that were filled in, there are no steps.
     """
-    levels = np.unique(current)
+    levels = np.unique(raw[np.isfinite(raw)])
     step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
     noise = model.value("sensors.current_noise")
     smoothed = float(np.linalg.norm(kernel))

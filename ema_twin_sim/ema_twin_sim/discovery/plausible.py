@@ -61,12 +61,14 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
-        if size.neutral is not None and effect.depends_on not in NOTHING_ELSE:
+        if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
             k = paths.index(f"effects.{name}.{size.name}")
-            shape = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
+            others = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
+            shape = others if size.neutral is not None else []
             with_shape = spread[k, shape]
             variance = spread[k, k] - with_shape @ scaled_inverse(spread[np.ix_(shape, shape)]) @ with_shape
-            off = instance.parameters[size.name] - size.neutral
+            # of a stiffness, it is the softness that is there or not: as many standard errors from none
+            off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None

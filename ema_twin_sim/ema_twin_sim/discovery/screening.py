@@ -38,7 +38,7 @@ class _Known:
     @classmethod
     def of(cls, eq: Equation, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
-        heat = math.sqrt(eq.temperature(f.misfit))
+        heat = math.sqrt(f.temperature)
         slopes = np.concatenate([f.jacobian / heat, pj])
         size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-30)
         basis, upper = np.linalg.qr(slopes / size)
@@ -80,12 +80,17 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
 
 
 def _start_groups(effect: Effect) -> list[list[dict[str, float]]]:
-    """Starts that differ in an angle only stand together: a wave of any angle is a sum of theirs."""
-    turning = [p.name for p in effect.parameters if p.periodic and not p.starts]
+    """Starts that differ in one angle only stand together: a wave of any angle is a sum of theirs."""
+    turning = _turning(effect)
     groups: dict[tuple[float, ...], list[dict[str, float]]] = {}
     for s in starts(effect):
-        groups.setdefault(tuple(v for k, v in s.items() if k not in turning), []).append(s)
+        groups.setdefault(tuple(v for k, v in s.items() if k != turning), []).append(s)
     return list(groups.values())
+
+
+def _turning(effect: Effect) -> str | None:
+    """The angle that a regression finds: the first one; others are shapes, of which each is tried."""
+    return next((p.name for p in effect.parameters if p.periodic and not p.starts), None)
 
 
 def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence[dict[str, float]]) -> Screened | None:
@@ -118,9 +123,9 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
     if math.sqrt(max(np.diag(square).max(), 0.0)) < 1e-9:
         return None
     x = np.linalg.lstsq(square, along, rcond=1e-9)[0]
-    turning = [p.name for p in effect.parameters if p.periodic and not p.starts]
-    if turning and len(group) == 2:
-        start[turning[0]] = math.atan2(x[1], x[0])
+    turning = _turning(effect)
+    if turning is not None:
+        start[turning] = math.atan2(x[1], x[0])
         value = size.neutral + math.hypot(*x)
     else:
         value = size.neutral + float(x[0])
@@ -132,7 +137,7 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
 
 
 def screen_decoys(eq: Equation, f: Fit) -> list[tuple[float, str]]:
-    """(gain before its price, name) of each decoy by linear regression, best first."""
+    """(gain, less two a column for chance; name) of each decoy by linear regression, best first."""
     known = _Known.of(eq, f)
     q, r = known.basis, known.left
     found = []

@@ -21,7 +21,7 @@ class Trial:
 
     names: tuple[str, ...]
     fit: Fit
-    gain: float  # price paid, in units of the null's noise; above zero it is worth its price
+    gain: float  # price paid, in units of the noise that the better fit leaves; above zero it is worth it
     unique: float  # largest rms, in noise standard deviations, that it takes from some recording
 
 

@@ -33,7 +33,7 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
     after the other (Tukey's jackknife, linearised) shows how far the numbers really move.
     """
     _, pj = prior_rows(f.hypothesis)
-    scale = eq.temperature(f.misfit)
+    scale = f.temperature
     information = f.jacobian.T @ f.jacobian
     posterior = scaled_inverse(information / scale + pj.T @ pj)
     which = blocks(eq.parts)
@@ -50,7 +50,7 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
 def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
     """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
     _, pj = prior_rows(f.hypothesis)
-    scale = eq.temperature(f.misfit)
+    scale = f.temperature
     information = f.jacobian.T @ f.jacobian
     lower, upper = eq.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it

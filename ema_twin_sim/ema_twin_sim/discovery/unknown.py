@@ -6,10 +6,13 @@ from collections.abc import Callable
 
 from ..effects import catalogue
 from .decoys import add_decoys, dependence
+from .episodes import episodes
 from .equation import Equation
 from .explained import apart
+from .fit import Fit
 from .hypothesis import Hypothesis
 from .plausible import only_constants, strained
+from .screening import screen_decoys
 from .search import less, search
 from .trace import Search
 from .worth import BY_CONSTANTS
@@ -38,4 +41,12 @@ def beside_the_unknown(
     added = found.fit.hypothesis.added
     alike = [name for name, instance in added.items() if catalogue()[instance.effect].depends_on in suspect]
     reason = "may be nothing but the likeness of what is unknown"
-    return less(eq, found, alike, reason), depends_on or tuple(sorted(suspect))
+    found = less(eq, found, alike, reason)
+    # what comes and goes is an outlier to a fit, and no lasting dependence
+    passing = ("time",) if not suspect and episodes(eq, found.fit) else ()
+    return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(eq, found.fit)
+
+
+def _most_likely(eq: Equation, f: Fit) -> tuple[str, ...]:
+    """What the residual depends on the most, however little that explains."""
+    return tuple(dependence(name) for _, name in screen_decoys(eq, f)[:1])

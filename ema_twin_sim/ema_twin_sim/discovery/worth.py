@@ -49,7 +49,7 @@ def gain(eq: Equation, before: Fit, after: Fit) -> float:
 def price_of_noise(eq: Equation, before: Fit, after: Fit) -> float:
     """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
     shaky = SHAKY if before.parted and after.parted else 1.0
-    return shaky * eq.temperature(min(before.misfit, after.misfit))
+    return shaky * min(before.temperature, after.temperature)
 
 
 def unique(eq: Equation, before: Fit, after: Fit) -> float:

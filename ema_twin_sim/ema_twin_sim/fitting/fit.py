@@ -7,9 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..comparison.running_comparison import SignalError
 from ..discovery.equation import Equation
 from ..discovery.observation import observe_all
 from ..effects import catalogue
@@ -31,6 +34,8 @@ from .unseen import Errors, judge
 METHODS = ("equation", "simulation")
 CONTRADICTED = 3.0  # standard deviations of a prior beyond which the recordings have it wrong
 TOO_MUCH = 3.0  # times the noise that is left where a model is right
+WORSE = 1.05  # times the error before: a fit that ends there on unseen data has made it worse
+NOISY = 1.5  # times the noise, below which no error tells which model is better
 MUCH = 1.5  # change of what rows are worth after which a fit is made again
 
 Progress = Callable[[str], None]
@@ -116,9 +121,7 @@ def fit_model(
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     notes = list(freedom.notes)
-    left = math.sqrt(solution.misfit / misfit.rows)
-    if left > TOO_MUCH:
-        notes.append(f"what is left is {left:.0f} times the noise: the model lacks something, or does not fit at all")
+    notes += _doubts(before, after)
     for k in loosened:
         number = solution.freedom.numbers[k]
         notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
@@ -156,7 +159,7 @@ def _solution(
         progress("simulating")
         simulated = SimulationMisfit(recordings, observations, freedom, sources)
         starts += [solution.values[: len(freedom.numbers)], freedom.start]
-        start = min(starts, key=lambda values: simulated.cost(simulated.residual(values)))
+        start = min(starts, key=lambda values: _cost(simulated, values))
         simulated.doubt(start)
         simulated.reweigh(simulated.residual(start))
         solution = solve(simulated, start, progress=progress)
@@ -172,6 +175,38 @@ def _solution(
         if number.periodic:
             values[k] = math.remainder(values[k], 2.0 * math.pi)
     return misfit, replace(solution, values=values), loosened
+
+
+def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
+    """What a start costs; infinitely much where no twin can be made of it, at the coarsest step that will be used."""
+    try:
+        misfit.check(values)
+        return misfit.cost(misfit.residual(values))
+    except InputError:
+        return math.inf
+
+
+def _doubts(before: Errors, after: Errors) -> list[str]:
+    """What to say of a fit that leaves much, or makes worse what it was not fitted to."""
+    told = {signal: error for signal, error in after.items() if _tells(signal, error, after)}
+    notes = []
+    worst = max(told, key=lambda s: told[s]["rmse"] / max(told[s]["noise_floor"], 1e-300), default=None)
+    if worst is not None and told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
+        times = told[worst]["rmse"] / told[worst]["noise_floor"]
+        notes.append(
+            f"what is left of the {worst.replace('_', ' ')} is {times:.0f} times the noise: the model lacks something, "
+            "or does not fit at all; diagnose tells what"
+        )
+    for signal, error in told.items():
+        if error["rmse"] > WORSE * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
+            notes.append(f"{signal.replace('_', ' ')}: on what was not fitted to, the model as it was is better")
+    return notes
+
+
+def _tells(signal: str, error: SignalError, errors: Errors) -> bool:
+    """Whether a signal's error tells of the model: not what drives it, nor what drifts beside a driving current."""
+    by_current = errors.get("current", {"driven": False})["driven"]
+    return not error["driven"] and (signal == "unexplained_torque" or not by_current)
 
 
 def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:

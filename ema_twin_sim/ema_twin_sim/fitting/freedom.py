@@ -54,6 +54,12 @@ class Number:
         """The value as it is solved for."""
         return math.log(max(value, 1e-300)) if self.log else value
 
+    @property
+    def solved_bounds(self) -> tuple[float, float]:
+        """(lower, upper) of what is solved for."""
+        lower, upper = (self.inward(b) if math.isfinite(b) else b for b in (self.lower, self.upper))
+        return lower, upper
+
     def outward(self, solved: float) -> float:
         """The value from what was solved."""
         return math.exp(solved) if self.log else solved

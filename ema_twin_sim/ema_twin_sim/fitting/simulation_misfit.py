@@ -90,6 +90,10 @@ class SimulationMisfit:
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
         self._run(freedom.start, 0, DEFAULT_STEP)  # an effect compiles here, and not in several threads at once
 
+    def check(self, values: np.ndarray) -> None:
+        """Raise InputError where no twin can be made of these values at the coarsest step that is used of them."""
+        self._run(values, 0, COARSE)
+
     def doubt(self, values: np.ndarray) -> None:
         """Count those rows less at which a small change of the numbers acts by leaps: an impact or a break-away, sooner
         or later. No straight line describes them, neither in a step of the fit nor in a standard error.

@@ -68,10 +68,7 @@ def _descend(
     misfit: Misfit, start: np.ndarray, iterations: int, enough: float, progress: Callable[[str], None]
 ) -> Solution:
     numbers = misfit.freedom.numbers
-    lower, upper = (
-        np.array([n.inward(bound) if math.isfinite(bound) else bound for n, bound in zip(numbers, bounds, strict=True)])
-        for bounds in ([n.lower for n in numbers], [n.upper for n in numbers])
-    )
+    lower, upper = np.array([n.solved_bounds for n in numbers]).T
 
     def out(solved: np.ndarray) -> np.ndarray:
         return np.array([n.outward(v) for n, v in zip(numbers, solved, strict=True)])

@@ -41,11 +41,11 @@ def judge(
         first = [int(LAST * len(recordings[0]))]
         said = "the last third with numbers fitted to the rest"
     numbers = freedom.numbers
-    lower, upper = ([n.lower for n in numbers], [n.upper for n in numbers])
-    models = [
-        freedom.at(np.clip([n.outward(x) for n, x in zip(numbers, found, strict=False)], lower, upper))
-        for found in left_out(misfit, solution, which, len(recordings))
-    ]
+    lower, upper = np.array([n.solved_bounds for n in numbers]).T
+    models = []
+    for found in left_out(misfit, solution, which, len(recordings)):
+        inside = np.clip(found[: len(numbers)], lower, upper)  # a straight line may lead anywhere
+        models.append(freedom.at(np.array([n.outward(x) for n, x in zip(numbers, inside, strict=True)])))
     given = [freedom.model] * len(recordings)
     return _errors(recordings, sources, given, given, first), _errors(recordings, sources, models, given, first), said
 
@@ -68,7 +68,7 @@ def _errors(
     with ThreadPoolExecutor() as pool:
         twins = list(pool.map(twin_of, recordings, sources, models, given))
     together = sources[0] if len(set(sources)) == 1 else MIXED
-    pooled = RunningComparison(given[0], together)
+    pooled = RunningComparison(given[0], together, period=float(np.median([r.sample_period for r in recordings])))
     for recording, source, model, twin, start in zip(recordings, sources, given, twins, first, strict=True):
         one = RunningComparison(model, source, period=recording.sample_period)
         one.add_rows(*({name: v[start:] for name, v in r.signals.items()} for r in (recording, twin)))

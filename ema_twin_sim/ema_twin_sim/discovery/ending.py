@@ -1,0 +1,47 @@
+"""The ending: why a search added no more, in a sentence or two."""
+
+from __future__ import annotations
+
+from ..quantities import quantity
+from .episodes import episodes, listed_episodes
+from .equation import Equation
+from .explained import lagging
+from .trace import Search
+from .unseen import Unseen
+
+NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
+
+
+def why_ended(eq: Equation, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
+    """What is left of what kind; or, where that is nothing, that nothing more is worth its price."""
+    if lags := lagging(eq, found.fit) if "encoders" in depends_on else {}:
+        run = max(lags, key=lambda name: abs(lags[name]))
+        return (
+            f"the output of {run} lies {quantity(abs(lags[run]), 'rad')} off the motor almost since its start; play, "
+            "or a shaft that winds up, would do that, and recordings with reversals would tell which"
+        )
+    if passing := episodes(eq, found.fit) if "time" in depends_on else ():
+        longest = max(passing, key=lambda episode: episode.end - episode.start)
+        torque = quantity(abs(longest.against), "N m")
+        how = f"{torque} {'more' if longest.against > 0.0 else 'less'} against the motion"
+        return (
+            f"what is left comes and goes: {listed_episodes(passing)}; on average {how} in the longest of them. "
+            "No effect of the catalogue does that"
+        )
+    if verdict == "unknown":
+        on = ", ".join(depends_on).replace("_", " ")
+        return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
+    last = found.stopped
+    if last is None:
+        end = found.rounds[-1]
+        return (
+            "as many effects were added as a search may add" if end.added else f"what was added last went: {end.reason}"
+        )
+    if not last.tried:
+        return "nothing is left to try"
+    if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
+        return (
+            "no effect explains more; what the simulated current still misses lies at impacts, whose instants a loop "
+            "with play or spring does not meet to the millisecond"
+        )
+    return "no effect explains more of what is left than the sensors' noise would let it by chance"
