@@ -114,15 +114,23 @@ class _Field:
                     continue  # neither is likely
                 if _holds(other, one):  # the larger of nested ones first
                     one, other = other, one
-                self.pairs.setdefault((one.name, other.name), (id(one.fit), id(other.fit)))
+                pair = self._named(one, other)
+                self.pairs[pair] = (id(one.fit), id(other.fit))
                 if _holds(one, other):
-                    self.nested.add((one.name, other.name))
+                    self.nested.add(pair)
             for rival in doubt.rivals:
                 self.contenders.setdefault(id(rival.fit), _contender(eq, rival))
         self.noise = float(np.median([o.torque_noise.min() for o in eq.observations if len(o.rows)]))
         self.signals = signals
         self.reversed = reverses(eq)
         self.origins = (eq.observations[0].motor_origin, eq.observations[0].output_origin)
+
+    def _named(self, one: Rival, other: Rival) -> Pair:
+        """What a pair is called: two effects of one kind, each beside the same rival, are numbered as their names are."""
+        pair, number = (one.name, other.name), 2
+        while self.pairs.get(pair, (id(one.fit), id(other.fit))) != (id(one.fit), id(other.fit)):
+            pair, number = (f"{one.name}_{number}", other.name), number + 1
+        return pair
 
     def grid(self, limits: Limits, *, few: bool) -> tuple[Planned, ...]:
         """The commands within limits."""
