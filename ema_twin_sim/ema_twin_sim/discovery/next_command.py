@@ -126,7 +126,7 @@ class _Field:
         self.origins = (eq.observations[0].motor_origin, eq.observations[0].output_origin)
 
     def _named(self, one: Rival, other: Rival) -> Pair:
-        """What a pair is called: two effects of one kind, each beside the same rival, are numbered as their names are."""
+        """What a pair is called: of two effects of one kind beside the same rival, the second is numbered."""
         pair, number = (one.name, other.name), 2
         while self.pairs.get(pair, (id(one.fit), id(other.fit))) != (id(one.fit), id(other.fit)):
             pair, number = (f"{one.name}_{number}", other.name), number + 1
