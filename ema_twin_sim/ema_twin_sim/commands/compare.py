@@ -11,6 +11,7 @@ from ..quantities import quantity
 from . import options
 from .output import console, progress_bar, sparkline
 from .tables import ReportTable
+from .torque_errors import show_torque_errors
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
@@ -71,6 +72,9 @@ def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
         console.print(
             "The current drives the twin open loop: its speed and positions drift and are left out (JSON has them)."
         )
+    for comparison in comparisons:
+        errors = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
+        show_torque_errors(errors, comparison.motion, comparison.model if len(comparisons) > 1 else "")
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
 

@@ -12,6 +12,7 @@ from ..quantities import estimate, quantity
 from . import options
 from .output import console, status, warn
 from .tables import ReportTable
+from .torque_errors import show_torque_errors
 from .wording import effect_words, options_words
 
 if TYPE_CHECKING:
@@ -103,6 +104,7 @@ def show(found: FitResult, before: Model) -> None:
     if found.constants:
         console.print(_constants(found))
     console.print(_errors(found))
+    show_torque_errors(found.torque_errors, found.model.motion)
     for note in found.notes:
         console.print(f"Note: {note}.", markup=False, soft_wrap=True)
     _warn(found.warnings)

@@ -10,10 +10,12 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
+from ..model.equivalent import as_rotary, shown
 from ..simulation.simulate import choose_input, simulate
 from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison, SignalError
-from .where import Dependence, Stretch, find_dependences
+from .torque_error import TorqueError, torque_error
+from .where import STANDSTILL, Dependence, Stretch, find_dependences
 
 MIXED = "mixed"
 """The input of a comparison whose recordings are driven by different signals."""
@@ -29,6 +31,17 @@ class RecordingComparison:
     samples: int
     duration: float
     signals: Signals
+    torque_error: TorqueError | None = None
+
+    def as_json(self) -> dict[str, object]:
+        """For ``compare --json``."""
+        found: dict[str, object] = {
+            "name": self.name,
+            "samples": self.samples,
+            "duration": self.duration,
+            "signals": self.signals,
+        }
+        return found if self.torque_error is None else {**found, "torque_error": self.torque_error.as_json()}
 
 
 @dataclass(frozen=True)
@@ -41,13 +54,14 @@ class Comparison:
     overall: Signals
     where: tuple[Dependence, ...]
     warnings: tuple[str, ...]
+    motion: str = "rotary"
 
     def as_json(self) -> dict[str, object]:
         """For ``compare --json``."""
         return {
             "model": self.model,
             "input": self.input,
-            "recordings": [vars(recording) for recording in self.recordings],
+            "recordings": [recording.as_json() for recording in self.recordings],
             "overall": self.overall,
             "where": [dependence.as_json() for dependence in self.where],
             "warnings": list(self.warnings),
@@ -67,6 +81,7 @@ def compare(
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``progress``
     is called with each recording's name when it is done. Raises InputError where a recording lacks the input's signal.
     """
+    recordings, model = as_rotary(recordings, model)
     inputs = [choose_input(recording, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
     pooled = RunningComparison(model, together)
@@ -78,7 +93,9 @@ def compare(
         residuals = running.add_rows(recording.signals, twin.signals)
         for name in residuals.keys() & set(_explained(chosen)):
             stretches[name].append(_stretch(recording, twin, residuals[name]))
-        compared.append(RecordingComparison(recording.name, len(recording), recording.duration, running.result()))
+        error = torque_error(recording, model) if chosen == "current" else None
+        result = shown_errors(model, running.result())
+        compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
         pooled.include(running)
         progress(recording.name)
     torques = {"current": model.value("machine.torque_constant"), "unexplained_torque": 1.0}
@@ -86,16 +103,38 @@ def compare(
         dependence
         for name, parts in stretches.items()
         if parts
-        for dependence in find_dependences(name, UNITS[name], parts, torques.get(name))
+        for dependence in _dependences(model, name, parts, torques.get(name))
     ]
     return Comparison(
         model.name,
         together,
         tuple(compared),
-        pooled.result(),
+        shown_errors(model, pooled.result()),
         tuple(where),
         tuple(warning for recording in recordings for warning in recording.warnings),
+        "rotary" if model.radius is None else "linear",
     )
+
+
+def _dependences(model: Model, name: str, parts: Sequence[Stretch], torque: float | None) -> list[Dependence]:
+    """Where a signal's residual is large, in the machine's own units."""
+    if model.radius is None:
+        return find_dependences(name, UNITS[name], parts, torque)
+    (residual, unit), (way, _) = shown(model, 1.0, UNITS[name]), shown(model, 1.0, "rad")
+    own = [
+        Stretch(p.residual * residual, p.speed * way, p.motor_angle * way, p.output_position * way, p.time)
+        for p in parts
+    ]
+    return find_dependences(name, unit, own, torque, motion="linear", standstill=STANDSTILL * way)
+
+
+def shown_errors(model: Model, signals: Signals) -> Signals:
+    """The errors in the machine's own units."""
+    found: Signals = {}
+    for name, error in signals.items():
+        (rmse, unit), (floor, _) = (shown(model, error[key], error["unit"]) for key in ("rmse", "noise_floor"))
+        found[name] = {**error, "rmse": rmse, "noise_floor": floor, "unit": unit}
+    return found
 
 
 def _explained(source: str) -> tuple[str, ...]:

@@ -12,12 +12,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_bench_replay.units import unit_in
+
 from ..quantities import quantity
 from .orders import Periodicity, find_order
 
 _BINS = 16
 _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
-_STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
+STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
 _NEARLY = 0.9  # of the best share: then the simpler variable is what the error depends on
 
 FEWEST_SAMPLES = 10 * _BINS
@@ -114,28 +116,36 @@ class Dependence:
 
 
 def find_dependences(
-    signal: str, unit: str, stretches: Sequence[Stretch], torque: float | None = None
+    signal: str,
+    unit: str,
+    stretches: Sequence[Stretch],
+    torque: float | None = None,
+    *,
+    motion: str = "rotary",
+    standstill: float = STANDSTILL,
 ) -> list[Dependence]:
     """The residual of ``signal`` against each variable, what it depends on first; empty where there is too little.
 
     Of variables that explain nearly alike, the simplest comes first: an error that a direction explains is also a
-    function of speed. ``torque`` is the N m that one unit of the signal stands for, if it does.
+    function of speed. ``torque`` is the N m that one unit of the signal stands for, if it does. Of a linear machine,
+    ``motion`` says so; ``standstill`` [rad/s or m/s] is the speed below which a direction means little.
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = np.concatenate([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
     if len(residual) < FEWEST_SAMPLES or not np.any(residual):
         return []
     speed = np.concatenate([stretch.speed for stretch in stretches])
-    direction = np.where(np.abs(speed) < _STANDSTILL, 0.0, np.sign(speed))
+    direction = np.where(np.abs(speed) < standstill, 0.0, np.sign(speed))
     variables = (
         ("direction", "", direction, np.array([-1.5, -0.5, 0.5, 1.5])),
-        ("speed", "rad/s", speed, _speed_edges(speed)),
-        ("output_position", "rad", *_even([stretch.output_position for stretch in stretches])),
+        ("speed", unit_in("rad/s", motion), speed, _speed_edges(speed)),
+        ("output_position", unit_in("rad", motion), *_even([stretch.output_position for stretch in stretches])),
         ("time", "s", *_even([stretch.time for stretch in stretches])),
     )
     found = [_constant(signal, unit, residual)]
     found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
-    periodic = _periodic(signal, unit, residual, stretches, torque)
+    # a carriage has no revolutions
+    periodic = _periodic(signal, unit, residual, stretches, torque) if motion == "rotary" else None
     if periodic is not None:
         found.insert(1, periodic)
     best = max(dependence.share for dependence in found)
@@ -206,7 +216,7 @@ def _in_words(variable: str, unit: str, edges: np.ndarray, place: int) -> str:
     if variable == "direction":
         return ("moving backward", "near standstill and at reversals", "moving forward")[place]
     name = {"speed": "at", "output_position": "at an output position of", "time": "at"}[variable]
-    of = " of the motor shaft" if variable == "speed" else ""
+    of = " of the motor shaft" if variable == "speed" and unit == "rad/s" else ""
     return f"{name} {edges[place]:.3g} to {edges[place + 1]:.3g} {unit}{of}"
 
 
@@ -223,7 +233,7 @@ def _periodic(
     parts = []
     for stretch in stretches:
         # at standstill one angle would gather all samples, which looks like every order at once
-        moving = np.abs(stretch.speed) > _STANDSTILL
+        moving = np.abs(stretch.speed) > STANDSTILL
         parts.append((stretch.residual[moving], stretch.motor_angle[moving], np.sign(stretch.speed[moving])))
     found = find_order(parts)
     if found is None:

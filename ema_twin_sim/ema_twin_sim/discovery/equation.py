@@ -23,6 +23,7 @@ POOL = ThreadPoolExecutor(2)
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
+MISSHAPEN = 20.0  # the same of a machine that nothing shakes: what is left of it there is a model's error, not a hit
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 FASTEST = 0.95  # of all moving rows are no faster than what counts as driven
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
@@ -78,6 +79,7 @@ class Equation:
         self.rows = len(self.measured)
         speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
         self.fastest = float(np.quantile(speeds, FASTEST)) if len(speeds) else 0.0  # rad/s, of the motor
+        self.outlier = OUTLIER if any(o.geared for o in observations) else MISSHAPEN
         self.reach = np.full(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
@@ -219,7 +221,7 @@ class Equation:
         reach = np.full(self.rows, FAR)
         for _, part in self.parts:
             if part.stop > part.start:
-                reach[part] = min(most, OUTLIER * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
+                reach[part] = min(most, self.outlier * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
         changed = bool((np.abs(np.log(reach / self.reach)) > 0.1).any())
         if changed:  # a fit's misfit is right for the reach that it was made with
             self.reach = reach

@@ -20,9 +20,11 @@ from ..comparison.noise import counter_noise
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED
 from ..simulation.simulate import LONGEST_GAP
+from .bandwidth import narrowest, narrowest_for_speed, white_noise
 from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
+PASSING = 0.5  # of a kernel: a machine without gearbox that passes through standstill so fast does not stick there
 STANDSTILL = 0.3  # rad/s of the fast shaft
 WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
 COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
@@ -53,6 +55,7 @@ class Observation:
 
     name: str
     period: float  # s
+    geared: bool  # whether something stands behind teeth or a spring
     motion: np.ndarray  # (n, 6) with the columns MOTION
     motor_origin: float  # rad, the motor counter's own angle where its position is zero
     output_origin: float  # rad, the same of the output encoder
@@ -116,21 +119,25 @@ def observe(recording: Recording, model: Model) -> Observation:
             "trace? Name it in the import map"
         )
     width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
+    # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
+    geared = model.value("machine.output_inertia") > 0.0
+    reading = max(counter_noise(model, "motor"), 0.0 if geared else white_noise(signals["motor_position"]))
+    if not geared and "speed" not in signals:
+        width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
     if len(time) < 4 * len(kernel):
         raise InputError(
             f"{recording.name}: lasts {recording.duration:.3g} s; a diagnosis needs recordings of some seconds"
         )
     ratio = model.value("machine.gear_ratio")
-    motion, motion_noise = _motion(signals, time, period, width, model)
+    motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)
     acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
-    # where nothing stands behind teeth or a spring, nothing is shaken
-    free = float(model.value("machine.output_inertia") > 0.0)
-    hit = free * hardest(acceleration, SHAKEN, 2.0 * width, period)
+    hit = geared * hardest(acceleration, SHAKEN, 2.0 * width, period)
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
-    moving = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2) == 0.0
+    still = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2)
+    moving = still <= (0.0 if geared else PASSING * len(kernel))
     driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )
@@ -148,7 +155,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    thrown = free * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    thrown = geared * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
     if not thrown[encoder_rows].all():
         encoder_rows = encoder_rows[~thrown[encoder_rows]]
     parting = np.hypot(
@@ -158,6 +165,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     return Observation(
         name=recording.name,
         period=period,
+        geared=geared,
         motion=motion,
         motor_origin=_known(recording.motor_angle_origin),
         output_origin=_known(recording.output_angle_origin),
@@ -174,6 +182,20 @@ def observe(recording: Recording, model: Model) -> Observation:
         encoder_noise=parting[encoder_rows],
         encoder_piece=np.cumsum(breaks)[encoder_rows],
     )
+
+
+def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
+    """(motion (n, 6) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
+    if not recording.has(*NEEDED):
+        raise InputError(f"{recording.name}: has no {' and no '.join(n for n in NEEDED if not recording.has(n))}")
+    period, time, signals, _ = _even(recording)
+    if len(time) < FEWEST:
+        raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
+    reading = max(counter_noise(model, "motor"), white_noise(signals["motor_position"]))
+    least = period
+    width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)
+    motion, _ = _motion(signals, time, period, max(width, least), model, reading, False)
+    return motion, period
 
 
 def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
@@ -211,9 +233,18 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
 
 
 def _motion(
-    signals: dict[str, np.ndarray], time: np.ndarray, period: float, width: float, model: Model
+    signals: dict[str, np.ndarray],
+    time: np.ndarray,
+    period: float,
+    width: float,
+    model: Model,
+    reading: float,
+    geared: bool,
 ) -> tuple[np.ndarray, float]:
-    """(motion (n, 6) with the columns MOTION, noise of the acceleration [rad/s2])."""
+    """(motion (n, 6) with the columns MOTION, noise of the acceleration [rad/s2]).
+
+    ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
+    """
     position = signals["motor_position"]
     if "speed" in signals:
         smoothing = model.value("sensors.speed_smoothing")
@@ -226,11 +257,13 @@ def _motion(
         noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
     else:
         speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
+        if not geared:
+            speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
         speed = smooth(position, gaussian(speed_width, period, 1))
         angle = smooth(position, gaussian(speed_width, period))
         bend = gaussian(width, period, 2)
         acceleration = smooth(position, bend)
-        noise = counter_noise(model, "motor") * float(np.linalg.norm(bend))
+        noise = reading * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
     return np.stack([time, angle, speed, acceleration, signals["current"], output], axis=1), noise
 
@@ -293,14 +326,8 @@ def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, mode
     noise = model.value("sensors.current_noise")
     smoothed = float(np.linalg.norm(kernel))
     coarse = step / math.sqrt(12.0) if step > 2.0 * noise else 0.0
-    white = max(_white_noise(current), noise if coarse else 0.0)
+    white = max(white_noise(current), noise if coarse else 0.0)
     return model.value("machine.torque_constant") * math.hypot(white * smoothed, coarse)
-
-
-def _white_noise(values: np.ndarray) -> float:
-    """Standard deviation of the white noise on a smooth signal, by its third differences, robustly."""
-    third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
 
 
 def _encoder_noise(model: Model) -> float:

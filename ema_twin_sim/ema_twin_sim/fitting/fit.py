@@ -12,7 +12,9 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
+from ..comparison.torque_error import TorqueError, torque_error
 from ..discovery.equation import Equation
 from ..discovery.observation import observe_all
 from ..effects import catalogue
@@ -62,6 +64,7 @@ class FitResult:
     correlations: tuple[tuple[float, ...], ...]
     warnings: tuple[Finding, ...]
     notes: tuple[str, ...]
+    torque_errors: dict[str, TorqueError]  # by recording, where the current (or torque) drives the twin
 
     def as_json(self) -> dict[str, object]:
         """SI units; numbers that were held have no standard error."""
@@ -82,6 +85,7 @@ class FitResult:
                 for signal, error in self.before.items()
             },
             "judged_on": self.judged_on,
+            "torque_error": {name: error.as_json() for name, error in self.torque_errors.items()},
             "correlations": {"paths": list(self.paths), "matrix": [list(row) for row in self.correlations]},
             "warnings": [vars(warning) for warning in self.warnings],
             "notes": list(self.notes),
@@ -116,7 +120,7 @@ def fit_model(
     progress("judging on what was not fitted to")
     before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)
     sure = uncertainty(misfit, solution)
-    fitted = freedom.at(solution.values[: len(freedom.numbers)]).fitted_from(model)
+    fitted = freedom.at(solution.values[: len(freedom.numbers)])
     findings = find(solution, sure, fitted, method, circumstances(recordings, fitted))
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
@@ -126,18 +130,23 @@ def fit_model(
         number = solution.freedom.numbers[k]
         notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        given_back(fitted),
+        given_back(fitted).fitted_from(given_back(model)),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
         _constants(model, fitted, solution, sure),
-        _shown_errors(model, before),
-        _shown_errors(model, after),
+        shown_errors(model, before),
+        shown_errors(model, after),
         judged_on,
         tuple(solution.freedom.numbers[k].path for k in shown),
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
         tuple(findings),
         tuple(notes),
+        {
+            recording.name: error
+            for recording, chosen in zip(recordings, sources, strict=True)
+            if chosen == "current" and (error := torque_error(recording, fitted)) is not None
+        },
     )
 
 
@@ -253,13 +262,4 @@ def _constants(model: Model, fitted: Model, solution: Solution, sure: Uncertaint
             nominal = shown(model, model.value(path), constant.unit)[0]
             name = model.shown_path(path).partition(".")[2]
             found.setdefault(constant.part, {})[name] = {**entry, "nominal": nominal}
-    return found
-
-
-def _shown_errors(model: Model, errors: Errors) -> Errors:
-    """The errors in the machine's own units."""
-    found: Errors = {}
-    for signal, error in errors.items():
-        (rmse, unit), (floor, _) = (shown(model, error[key], error["unit"]) for key in ("rmse", "noise_floor"))
-        found[signal] = {**error, "rmse": rmse, "noise_floor": floor, "unit": unit}
     return found

@@ -1,0 +1,24 @@
+"""The relative torque (or force) error in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from .output import console
+
+if TYPE_CHECKING:
+    from ..comparison.torque_error import TorqueError
+
+
+def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: str = "") -> None:
+    """Print what the measured motion needs beside what the drive gave, a line a recording, as papers tell it."""
+    what = "force" if motion == "linear" else "torque"
+    for name, error in errors.items():
+        of = f"{name} ({model})" if model else name
+        console.print(
+            f"Relative {what} error of {of}: {100.0 * error.filtered:.2f} % below {error.band:g} Hz, "
+            f"{100.0 * error.unfiltered:.2f} % unfiltered",
+            markup=False,
+            soft_wrap=True,
+        )

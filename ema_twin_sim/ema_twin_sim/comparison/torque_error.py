@@ -1,0 +1,70 @@
+"""The relative torque error: what the measured motion needs by the model, against what the drive gave, without phase.
+
+The unexplained torque of a twin is filtered as a live one must be, sample by sample. This is the offline figure that
+papers on identification give (force error of Janot, Gautier, Brunot 2019): both sides low-passed alike, without phase.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..discovery.observation import full_rate
+from ..model import Model
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, REQUIRED, require
+from ..simulation.assembly import assemble
+
+BAND = 50.0  # Hz
+DECIMATED = 0.02  # s from one sample that counts to the next
+ENDS = 0.05  # s
+ORDER = 4
+
+
+@dataclass(frozen=True)
+class TorqueError:
+    """Norm of measured minus needed torque over norm of the measured one: below ``BAND``, and with no filter."""
+
+    filtered: float
+    unfiltered: float
+    band: float = BAND  # Hz
+
+    def as_json(self) -> dict[str, float]:
+        """Shares, not per cent."""
+        return {"relative": self.filtered, "relative_unfiltered": self.unfiltered, "band": self.band}
+
+
+def torque_error(recording: Recording, model: Model) -> TorqueError | None:
+    """The relative torque error of a recording; None where it lacks what that takes, or its gearbox parts."""
+    assembly = assemble(model)
+    plant = assembly.plant[0]
+    if plant["two_inertia"] != 0.0:
+        return None
+    try:
+        motion, period = full_rate(recording, model)
+    except InputError:
+        return None
+    motor, output = (
+        origin if math.isfinite(origin) else 0.0
+        for origin in (recording.motor_angle_origin, recording.output_angle_origin)
+    )
+    required = np.empty((len(motion), len(REQUIRED)))
+    require(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
+    inertia = float(plant["motor_inertia"] + plant["output_inertia"])
+    inside = slice(round(ENDS / period), len(motion) - round(ENDS / period))  # at the ends no acceleration is known
+    measured = plant["nominal_torque_constant"] * motion[inside, MOTOR_CURRENT]
+    needed = required[inside, 0] + inertia * motion[inside, ACCELERATION]
+    if not len(measured):
+        return None
+    pairs = [(measured, needed)]
+    if 0.5 / period > BAND:
+        low = butter(ORDER, BAND, fs=1.0 / period, output="sos")
+        every = max(1, round(DECIMATED / period))
+        pairs.append((sosfiltfilt(low, measured)[::every], sosfiltfilt(low, needed)[::every]))
+    shares = [float(np.linalg.norm(m - n) / max(float(np.linalg.norm(m)), 1e-300)) for m, n in pairs]
+    return TorqueError(shares[-1], shares[0])
