@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from ..quantities import estimate
 from . import options
 from .discover import show_doubts
-from .output import console, status
-from .tables import ReportTable
+from .output import console, say, status
+from .tables import ReportTable, is_narrow
 from .wording import effect_words, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def run(
             write_evidence_bag(found, given.recordings, evidence, force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
     sentence = verdict_sentence(found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without)
-    console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
+    say(sentence, style="bold")
     show(diagnosis)
     warn_of(diagnosis.warnings, given.recordings)
     write_findings(json, diagnosis.as_json(), found)
@@ -72,7 +72,7 @@ def run(
 def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
-    table.words("effect", "options")
+    table.words("effect")
     table.numbers("probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
@@ -80,28 +80,29 @@ def show(diagnosis: Diagnosis) -> None:
         removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
         name, choices = effect_words(entry.effect), options_words(entry.options)
-        table.add_row(name, choices, _bar(entry.probability), removed, _parameters(entry), style=style)
+        named = f"{name} ({choices})" if choices else name
+        table.add_row(named, _bar(entry.probability), removed, _parameters(entry), style=style)
     table.add_section()
     for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
-        table.add_row(label, "", _bar(probability), "", "", style="" if probability > 0.0 else "dim")
+        table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
-        console.print(
+        say(
             "Error removed: the share above the sensors' noise; of several recordings, in those not fitted to."
             + (" Effects that are all missing share the probability." if sharing else ""),
             style="dim",
-            soft_wrap=True,
         )
     show_doubts(diagnosis.groups, diagnosis.next_recording)
 
 
 def _bar(probability: float) -> str:
-    return f"{100.0 * probability:3.0f} % {'█' * round(_BAR * probability)}"
+    longest = _BAR // 2 if is_narrow() else _BAR
+    return f"{100.0 * probability:3.0f} % {'█' * round(longest * probability)}"
 
 
 def _parameters(entry: Ranked) -> str:
-    return ", ".join(
+    return "\n".join(
         f"{name} {estimate(held['value'], held['std'], held['unit'])}"  # type: ignore[arg-type]
         for name, held in entry.parameters.items()
     )

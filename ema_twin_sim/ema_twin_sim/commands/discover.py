@@ -11,8 +11,8 @@ from rich.markup import escape
 
 from ..quantities import estimate, quantity
 from . import options
-from .output import console, status
-from .tables import ReportTable
+from .output import console, say, status
+from .tables import ReportTable, is_narrow
 from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -69,10 +69,10 @@ def run(
             write_evidence_bag(found, given.recordings, evidence, force=force)
     show(found, given.without)
     show_doubts(found.groups, found.next_recording)
-    console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
+    say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings)
     what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
-    console.print(f"\n{output} is {what}. See how far off it is:", markup=False, soft_wrap=True)
+    say(f"\n{output} is {what}. See how far off it is:")
     again = " ".join(f"--with {file}" for file in with_files or ())
     named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0].parent}/*{runs[0].suffix}"
     console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
@@ -83,9 +83,7 @@ def run(
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    console.print(
-        f"[bold]{verdict_sentence(found.verdict, found.added, found.depends_on, without)}[/bold]", soft_wrap=True
-    )
+    say(verdict_sentence(found.verdict, found.added, found.depends_on, without), style="bold")
     if found.steps:
         console.print(_steps(found))
     if found.parameters:
@@ -98,9 +96,9 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
 def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
     """Print what the recordings cannot tell apart, and the recording to make next."""
     if groups:
-        console.print(f"\n{groups_sentence(groups)}", soft_wrap=True)
+        say(f"\n{groups_sentence(groups)}")
     if next_recording:
-        console.print(f"\nRecord next: {next_recording}", markup=False, soft_wrap=True)
+        say(f"\nRecord next: {next_recording}")
 
 
 def _steps(found: Discovery) -> ReportTable:
@@ -112,17 +110,19 @@ def _steps(found: Discovery) -> ReportTable:
         f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
         f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})"
     )
-    table.words("step", "what it is", widest=44)
+    narrow = is_narrow()
+    table.words("step", *(() if narrow else ("what it is",)), widest=44)
     output = any(step.output_before is not None for step in found.steps)
     table.numbers("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
     table.words("runner-up")
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
-            table.add_row(f"− {effect_words(step.instance)}", step.reason)
+            blank = [""] * (len(table.columns) - 2 if narrow else 0)
+            table.add_row(f"− {effect_words(step.instance)}", *blank, escape(step.reason))
             continue
         table.add_row(
             f"+ {effect_words(step.instance)}",
-            escape(catalogue()[step.effect].summary),
+            *(() if narrow else (escape(catalogue()[step.effect].summary),)),
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
@@ -146,7 +146,8 @@ def _runner_up(step: Step) -> str:
 
 def _parameters(found: Discovery) -> ReportTable:
     table = ReportTable("\nParameters, with standard errors")
-    table.words("effect", "options", "parameter", "value")
+    table.words("effect", "options", "parameter")
+    table.numbers("value", justify="left")
     for name, entry in found.parameters.items():
         first = (effect_words(name), options_words(entry["options"]))
         for parameter, held in entry.items():
@@ -160,7 +161,8 @@ def _parameters(found: Discovery) -> ReportTable:
 def _constants(found: Discovery) -> ReportTable:
     """The constants that moved by more than their standard error."""
     table = ReportTable("\nConstants that were refitted")
-    table.words("part", "constant", "in your model", "refitted")
+    table.words("part", "constant")
+    table.numbers("in your model", "refitted", justify="left")
     table.numbers("change")
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():

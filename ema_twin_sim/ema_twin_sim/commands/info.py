@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
 
 from ..quantities import quantity
 from . import options
-from .output import console
+from .output import console, say
 from .tables import ReportTable
 
 EXAMPLES = """Examples:
@@ -58,7 +59,8 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
 
     contents = []
     for recording in load_runs([path], import_map=import_map):
-        console.print(f"[bold]{recording.name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s")
+        name = escape(recording.name)
+        say(f"[bold]{name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s", markup=True)
         table = ReportTable()
         table.words("signal")
         table.numbers("least", "mean", "greatest")
@@ -66,10 +68,10 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
             unit = SIGNAL_UNITS.get(name, "A")
             table.add_row(name, *(quantity(float(v), unit) for v in (values.min(), values.mean(), values.max())))
         console.print(table)
-        console.print(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+        say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():
             if "\n" not in value and len(value) < 200:
-                console.print(f"  {key}: {value}", markup=False, soft_wrap=True)
+                say(f"  {key}: {value}")
         contents.append(
             {
                 "name": recording.name,
@@ -93,17 +95,17 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
 
     load_effects(with_files)
     model = load_model(name)
-    console.print(
-        f"[bold]{model.name}[/bold]: machine {model.machine}; {', '.join(map(' '.join, model.kinds.items()))}"
-    )
+    kinds = ", ".join(map(" ".join, model.kinds.items()))
+    say(f"[bold]{escape(model.name)}[/bold]: machine {escape(model.machine)}; {kinds}", markup=True)
     table = ReportTable()
     table.words("constant")
-    table.numbers("value")
-    table.words("unit")
+    table.numbers("value", justify="left")
     table.numbers("±")
     table.words("source")
     for path, held in model.constants.items():
-        table.add_row(path, f"{held.value:g}", CONSTANTS[path].unit, f"{100 * held.tolerance:g} %", held.source)
+        table.add_row(
+            path, _with_unit(held.value, model.unit(path)), f"{100 * held.tolerance:g} %", escape(held.source)
+        )
     console.print(table)
     effects = ReportTable()
     effects.words("effect", "options", "parameters")
@@ -132,3 +134,7 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
             },
         },
     )
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
