@@ -3,8 +3,11 @@
 import json
 import math
 import re
+import shlex
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +19,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands import wording
 from ema_twin_sim.commands.demo import _moments, _switched_off
+from ema_twin_sim.commands.discover import _runner_up, compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.model import load_model
@@ -235,6 +239,36 @@ def test_verdicts_in_words():
     assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging; and something more is missing")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
     assert wording.effect_words("time#3") == "any dependence on time"
+
+
+def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = Path("my runs")
+    folder.mkdir()
+    files = [folder / f"{k}.CSV" for k in range(4)]
+    for file in files:
+        file.touch()
+    models = ["polito_bench", Path("a new.yaml")]
+    of_all = "ema-twin compare 'my runs'/*.CSV --model polito_bench --model 'a new.yaml'"
+    assert compare_command(files, models) == of_all
+    assert compare_command([folder], ["polito_bench"]) == "ema-twin compare 'my runs' --model polito_bench"
+    (folder / "other.CSV").touch()
+    mixed = [*files, folder / "5.mcap"]
+    for given in (files, mixed, [Path(f"{k}.CSV") for k in range(4)]):
+        command = compare_command(given, models, [Path("my effect.py")])
+        assert shlex.split(command)[2:-6] == list(map(str, given)) and command.endswith(" --with 'my effect.py'")
+
+
+@pytest.mark.parametrize(
+    ("gain", "text"),
+    [
+        (-1.0, "not worth its price"), (0.085, "<1 % of the gain"), (84.4, "84 % of the gain"),
+        (99.7, "as much gain alone"), (130.0, "as much gain alone"),
+    ],
+)  # fmt: skip
+def test_the_runner_up_in_words(gain, text):
+    tried = ({"names": ["backlash"], "gain": 100.0}, {"names": ["encoder_delay"], "gain": gain})
+    assert _runner_up(SimpleNamespace(instance="backlash", tried=tried)) == f"encoder delay, {text}"
 
 
 def test_the_demo_switches_on_what_was_found(stock):

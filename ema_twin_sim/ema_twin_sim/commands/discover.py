@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -73,12 +74,27 @@ def run(
     warn_of(found.warnings, given.recordings)
     what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
     say(f"\n{output} is {what}. See how far off it is:")
-    again = " ".join(f"--with {file}" for file in with_files or ())
-    named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0].parent}/*{runs[0].suffix}"
-    console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
+    console.print(f"  {compare_command(runs, [model, output], with_files or ())}", markup=False, soft_wrap=True)
     if evidence is not None:
-        console.print(f"  rerun {evidence}     (what each step left over)", markup=False, soft_wrap=True)
+        console.print(f"  rerun {quote(str(evidence))}     (what each step left over)", markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
+
+
+def compare_command(runs: Sequence[Path], models: Sequence[str | Path], with_files: Sequence[Path] = ()) -> str:
+    """The command that shows models beside recordings, as a shell takes it."""
+    models_named = [part for model in models for part in ("--model", quote(str(model)))]
+    own = [part for file in with_files for part in ("--with", quote(str(file)))]
+    return " ".join(["ema-twin", "compare", *_as_arguments(runs), *models_named, *own])
+
+
+def _as_arguments(runs: Sequence[Path]) -> list[str]:
+    """Files as arguments: several as one pattern where that stands for them and no other."""
+    suffix, folder = runs[0].suffix, runs[0].parent
+    if len(runs) > 2 and suffix and folder.is_dir():
+        there = {file for file in folder.iterdir() if file.suffix == suffix and not file.name.startswith(".")}
+        if there == set(runs):
+            return [f"*{suffix}" if folder == Path() else f"{quote(str(folder))}/*{suffix}"]
+    return [quote(str(run)) for run in runs]
 
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
@@ -141,7 +157,11 @@ def _runner_up(step: Step) -> str:
         return "none came near"
     name = listed(map(effect_words, other["names"]))
     share = other["gain"] / took["gain"]
-    return f"{name}, not worth its price" if share <= 0.0 else f"{name}, {100.0 * share:.2g} % of the gain"
+    if share <= 0.0:
+        return f"{name}, not worth its price"
+    if share >= 0.995:
+        return f"{name}, as much gain alone"
+    return f"{name}, {f'{100.0 * share:.0f}' if share >= 0.01 else '<1'} % of the gain"
 
 
 def _parameters(found: Discovery) -> ReportTable:
