@@ -131,6 +131,11 @@ def test_the_evidence_mcap_holds_what_each_step_left_over(found, traces):
     assert np.allclose(efforts[:, [0]] - efforts[:, 1:], [m.effort[:2] for m in left])
 
 
+def test_evidence_is_no_recording(found):
+    line = refused("info", found[0] / "found.mcap", naming=("evidence", f"rerun {found[0] / 'found.mcap'}"))
+    assert len(line) < 400
+
+
 def test_rerun_opens_the_evidence(found, tmp_path):
     script = (
         "import sys, rerun as rr\n"
