@@ -146,6 +146,18 @@ def test_export_gives_the_trace_back(tmp_path, imported, trace):
     assert parquet.read_table(tmp_path / "table.parquet").num_rows == 10_000
 
 
+def test_info_gives_units_and_what_it_prints_as_json(tmp_path, trace):
+    model = tmp_path / "one.yaml"
+    done("add", "cogging", "--set", "torque=0.02", *MODEL, "-o", model)
+    assert "torque 0.02 N m, phase 0 rad" in done("info", model, "--json", tmp_path / "model.json").stdout
+    assert json.loads((tmp_path / "model.json").read_text())["effects"]["cogging"]["units"]["torque"] == "N m"
+    comments = [line for line in model.read_text().splitlines() if line.startswith("# ")]
+    assert "# cogging: torque [N m], phase [rad]" in comments and sum("viscous" in line for line in comments) == 1
+    done("info", trace, "--json", tmp_path / "run.json")
+    current = json.loads((tmp_path / "run.json").read_text())["signals"]["current"]
+    assert current["unit"] == "A" and current["least"] < current["mean"] < current["greatest"]
+
+
 def test_effects_as_json(tmp_path):
     done("effects", "--json", tmp_path / "effects.json")
     listed = json.loads((tmp_path / "effects.json").read_text())

@@ -64,9 +64,16 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
         table = ReportTable()
         table.words("signal")
         table.numbers("least", "mean", "greatest")
+        signals = {}
         for name, values in recording.signals.items():
             unit = SIGNAL_UNITS.get(name, "A")
-            table.add_row(name, *(quantity(float(v), unit) for v in (values.min(), values.mean(), values.max())))
+            numbers = {
+                "least": float(values.min()),
+                "mean": float(values.mean()),
+                "greatest": float(values.max()),
+            }
+            table.add_row(name, *(quantity(number, unit) for number in numbers.values()))
+            signals[name] = {"unit": unit, **numbers}
         console.print(table)
         say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():
@@ -78,7 +85,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
                 "samples": len(recording),
                 "duration": recording.duration,
                 "sample_period": recording.sample_period,
-                "signals": list(recording.signals),
+                "signals": signals,
                 "gaps": [gap._asdict() for gap in recording.gaps],
                 "metadata": dict(recording.metadata),
                 "warnings": list(recording.warnings),
@@ -113,7 +120,9 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
         effects.add_row(
             instance_name + ("" if instance.enabled else " (off)"),
             ", ".join(f"{k} {v}" for k, v in instance.options.items()),
-            ", ".join(f"{k} {v:g}" for k, v in instance.parameters.items()),
+            ", ".join(
+                f"{k} {_with_unit(v, model.parameter_unit(instance.effect, k))}" for k, v in instance.parameters.items()
+            ),
         )
     console.print(effects)
     write_json(
@@ -128,6 +137,7 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
                     "effect": i.effect,
                     "options": dict(i.options),
                     "parameters": dict(i.parameters),
+                    "units": {parameter: model.parameter_unit(i.effect, parameter) for parameter in i.parameters},
                     "enabled": i.enabled,
                 }
                 for n, i in model.effects.items()
