@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -188,6 +189,44 @@ def test_interrupted_live_ends_with_130(trace):
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.2, 0.6, 1.5, 3.0])
+@pytest.mark.parametrize("verb", ["discover", "live"])
+def test_an_interrupt_is_one_line_at_any_moment(tmp_path, traces, verb, seconds):
+    given = (*traces, "-o", tmp_path / "new.yaml") if verb == "discover" else (traces[0], "--headless")
+    process = subprocess.Popen([TWIN, verb, *given, *MODEL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(seconds)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    lines = [line for line in errors.splitlines() if not line.startswith("[INFO]")]  # of the live run's nodes
+    assert (process.returncode, lines) == (130, ["interrupted; what is written is kept"])
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupt_that_python_drops_or_turns_into_another_error(tmp_path):
+    """Within a finaliser nobody is told of it; within an import it may become any error."""
+    program = """
+import os, signal, sys
+from ema_twin_sim import start
+from ema_twin_sim.commands import main
+class Dropped:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+def fail(**_):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ImportError("half of a library") from None
+def drop(**_):
+    Dropped()
+main.app = {"fail": fail, "drop": drop, "typer": lambda **_: 130}[sys.argv[1]]
+main.main()
+"""
+    for case in ("fail", "drop", "typer"):
+        command = [sys.executable, "-c", program, case]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        assert (result.returncode, result.stderr) == (130, "interrupted; what is written is kept\n"), case
 
 
 def test_refused_models_effects_and_values(tmp_path, trace):

@@ -222,7 +222,9 @@ def environment_of_command(command, *arguments):
 
 def test_command_uses_its_own_virtual_environment_whole(prefix, tmp_path):
     (prefix / "pyvenv.cfg").touch()
-    (prefix / "bin/python").symlink_to("/bin/sh")
+    python = prefix / "bin/python"
+    python.write_text('#!/bin/sh\nshift 3\nprintf "%s\\n" "$@"\nenv\n')  # without -S -c PROGRAM
+    python.chmod(0o755)
     link = tmp_path / "link"
     link.symlink_to(prefix / "bin/ema-twin")
     for command in (prefix / "bin/ema-twin", link):
