@@ -166,12 +166,16 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     shown = shown_signals(comparison.input, overall)
     poor = {n for n in shown if overall[n]["rmse"] > AT_NOISE * overall[n]["noise_floor"]}
     found = [d for d in comparison.where if d.signal in poor]
+    few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
+    if not poor and few:
+        short = f"this is too short to tell, which takes {FEWEST_SAMPLES} samples"
+        say(f"\nNo error stands out of the sensors' noise{of}, but {short}.")
+        return
     if not poor:
         say(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
         why = (
             f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
             if few
