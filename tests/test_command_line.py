@@ -391,6 +391,27 @@ def test_short_cuts(trace):
     assert "Where the model fails" in done("compare", trace, *MODEL, "--to", "0.319").stdout
 
 
+def test_samples_too_few_to_tell_anything(tmp_path, trace):
+    header, *rows = trace.read_text().splitlines()
+    short = tmp_path / "short.CSV"
+    short.write_text("\n".join([header, *rows[:2]]) + "\n")
+    text = done("compare", short, *MODEL).stdout
+    assert "too short to tell" in text and "160 samples" in text and "nothing left" not in text
+
+
+def test_a_folder_of_traces_is_its_recordings(tmp_path, traces):
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    refused("compare", folder, *MODEL, naming=("no .mcap and no CSV trace",))
+    shutil.copy(traces[0], folder / "one.CSV")
+    shutil.copy(traces[1], folder / "two.csv")
+    (folder / "notes.txt").write_text("of the day")
+    done("compare", folder, *MODEL, "--to", "1", "--json", tmp_path / "c.json")
+    compared = json.loads((tmp_path / "c.json").read_text())["recordings"]
+    assert [recording["name"] for recording in compared] == ["one", "two"]
+    refused("compare", folder, *MODEL, "--json", folder / "one.CSV", naming=("is an input",))
+
+
 def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, trace):
     text = done("compare", trace, *MODEL, "--json", tmp_path / "c.json").stdout
     where = json.loads((tmp_path / "c.json").read_text())["where"]

@@ -64,7 +64,7 @@ def _file(path: Path) -> Path:
     if len(found) == 1:
         return found[0]
     if not found:
-        raise InputError(f"{path}: the folder holds no .mcap; give the folder of one bag, or a file")
+        raise InputError(f"{path}: the folder holds no .mcap and no CSV trace; give a file, or the folder of one bag")
     names = ", ".join(file.name for file in found)
     raise InputError(f"{path}: the folder holds {len(found)} .mcap files; name one of them: {names}")
 
