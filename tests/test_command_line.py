@@ -138,6 +138,17 @@ def test_simulate_makes_recordings_that_compare_reads(tmp_path):
     assert by_mcap["current"]["rmse"] < 1.1 * by_mcap["current"]["noise_floor"]
 
 
+@pytest.mark.parametrize(
+    ("command", "asked"),
+    [("ramp:50", "6200 rad/s"), ("speed-sine:7:1", "868 rad/s"), ("sine:0.05:1", ""), ("step:1:0.5", "")],
+)
+def test_a_command_beyond_the_speed_limit_is_warned_of(tmp_path, command, asked):
+    result = done("simulate", *MODEL, "--command", command, "--seconds", "1", "-o", tmp_path / "run.mcap")
+    assert result.stderr.count("warning:") == bool(asked)
+    if asked:
+        assert f"asks {asked} of the motor" in result.stderr and "drive.speed_limit is 837.8 rad/s" in result.stderr
+
+
 def test_export_gives_the_trace_back(tmp_path, imported, trace):
     done("export", imported / trace.stem, "-o", tmp_path / "back.CSV")
     assert (tmp_path / "back.CSV").read_bytes() == trace.read_bytes()
