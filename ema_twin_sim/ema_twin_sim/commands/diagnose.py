@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import estimate
@@ -23,6 +24,8 @@ ema-twin diagnose run.mcap --model better.yaml --json diagnosis.json --evidence 
 ema-twin diagnose recordings --model polito_bench --with position_friction.py --without gravity_load"""
 
 _BAR = 20
+_SHOWN_AS_ZERO = 0.005
+_UNLIKELY = 3  # effects of probability 0 that are shown
 
 
 def run(
@@ -76,7 +79,8 @@ def show(diagnosis: Diagnosis) -> None:
     table.numbers("probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
-    for entry in diagnosis.ranking:
+    shown, left_out = _worth_showing(diagnosis.ranking)
+    for entry in shown:
         removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
         name, choices = effect_words(entry.effect), options_words(entry.options)
@@ -89,11 +93,20 @@ def show(diagnosis: Diagnosis) -> None:
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         say(
-            "Error removed: the share above the sensors' noise; of several recordings, in those not fitted to."
-            + (" Effects that are all missing share the probability." if sharing else ""),
+            "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with this "
+            "effect beside all others that were found; discover's steps count one after another."
+            + (" Effects that are all missing share the probability." if sharing else "")
+            + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
         )
     show_doubts(diagnosis.groups, diagnosis.next_recording)
+
+
+def _worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
+    """The ranking but for most of what has no probability, and how many that leaves out."""
+    likely = [entry for entry in ranking if entry.found or entry.probability >= _SHOWN_AS_ZERO]
+    others = [entry for entry in ranking if entry not in likely]
+    return likely + others[:_UNLIKELY], max(0, len(others) - _UNLIKELY)
 
 
 def _bar(probability: float) -> str:
