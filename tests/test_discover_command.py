@@ -19,9 +19,11 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands import wording
 from ema_twin_sim.commands.demo import _moments, _switched_off
-from ema_twin_sim.commands.discover import _runner_up, compare_command
+from ema_twin_sim.commands.diagnose import _worth_showing
+from ema_twin_sim.commands.discover import _moved_slightly, _runner_up, compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.diagnose import Ranked
 from ema_twin_sim.model import load_model
 from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
@@ -178,6 +180,7 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
+    assert "beside all others that were found" in " ".join(text.split())
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
 
@@ -189,6 +192,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     outputs = ("-o", tmp_path / "new.yaml", "--json", tmp_path / "n.json")
     text = done("discover", *runs, *MODEL, *outputs, timeout=110).stdout
     assert text.startswith("Nothing is missing that these recordings could show.")
+    assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)
 
@@ -274,6 +278,29 @@ def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
 def test_the_runner_up_in_words(gain, text):
     tried = ({"names": ["backlash"], "gain": 100.0}, {"names": ["encoder_delay"], "gain": gain})
     assert _runner_up(SimpleNamespace(instance="backlash", tried=tried)) == f"encoder delay, {text}"
+
+
+def test_constants_that_moved_within_their_errors_are_told():
+    def held(value, std):
+        return {"value": value, "nominal": 1.0, "std": std, "unit": "kg m^2"}
+
+    constants = {
+        "machine": {"motor_inertia": held(1.004, 0.01), "output_inertia": held(1.2, 0.01)},
+        "transmission": {"contact_damping": held(1.0, 3e4)},
+        "viscous_friction": {"coefficient": held(0.998, 0.01)},
+    }
+    assert _moved_slightly(SimpleNamespace(constants=constants)) == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
+
+
+def test_of_what_is_unlikely_three_are_shown():
+    def ranked(probability, found=False):
+        return Ranked("backlash", {}, probability, None, {}, found)
+
+    likely = [ranked(0.6, found=True), ranked(0.4), ranked(0.0, found=True)]
+    ranking = (*likely[:2], *(ranked(1e-4 * k) for k in range(5)), likely[2])
+    shown, left_out = _worth_showing(ranking)
+    assert shown[:3] == likely and len(shown) == 6 and left_out == 2
+    assert _worth_showing(likely) == (likely, 0)
 
 
 def test_the_demo_switches_on_what_was_found(stock):

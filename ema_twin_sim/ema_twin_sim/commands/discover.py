@@ -27,6 +27,8 @@ ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.js
 
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
 
+_LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none
+
 
 def run(
     runs: options.Runs,
@@ -107,6 +109,9 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
     moved = _constants(found)
     if moved.row_count:
         console.print(moved)
+    slightly = _moved_slightly(found)
+    if slightly:
+        say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
 
 
 def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
@@ -189,7 +194,25 @@ def _constants(found: Discovery) -> ReportTable:
         for name, held in entries.items():
             value, nominal, std = held["value"], held["nominal"], held["std"]
             if abs(value - nominal) > (std or 0.0):
-                change = f"{100.0 * (value / nominal - 1.0):+.1f} %" if nominal else ""
                 numbers = (estimate(nominal, None, held["unit"]), estimate(value, std, held["unit"]))
-                table.add_row(effect_words(part), name.replace("_", " "), *numbers, change)
+                table.add_row(effect_words(part), name.replace("_", " "), *numbers, _change(held))
     return table
+
+
+def _moved_slightly(found: Discovery) -> list[str]:
+    """The constants that moved by less than their standard error: ``motor inertia +0.4 %``."""
+    from ..model.constants import PARTS
+
+    moved = []
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    for part, entries in constants.items():
+        for name, held in entries.items():
+            distance = abs(held["value"] - held["nominal"])
+            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= (held["std"] or 0.0):
+                named = name.replace("_", " ") if part in PARTS else effect_words(part)
+                moved.append(f"{named} {_change(held)}")
+    return moved
+
+
+def _change(held: Mapping[str, Any]) -> str:
+    return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""
