@@ -93,8 +93,8 @@ def show(diagnosis: Diagnosis) -> None:
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         say(
-            "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with this "
-            "effect beside all others that were found; discover's steps count one after another."
+            "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with "
+            "this effect beside all others that were found; discover's steps count one after another."
             + (" Effects that are all missing share the probability." if sharing else "")
             + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
