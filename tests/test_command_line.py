@@ -240,6 +240,17 @@ main.main()
         assert (result.returncode, result.stderr) == (130, "interrupted; what is written is kept\n"), case
 
 
+def test_an_interrupt_after_all_is_done_changes_nothing():
+    program = """
+import atexit, os, signal
+from ema_twin_sim.commands import main
+main.app = lambda **_: atexit.register(os.kill, os.getpid(), signal.SIGINT) and 0
+main.main()
+"""
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
+
+
 def test_refused_models_effects_and_values(tmp_path, trace):
     refused("compare", trace, "--model", "polito_bensh", naming=("polito_bench",))
     add = ("--model", "polito_bench", "-o", tmp_path / "x.yaml")

@@ -37,6 +37,12 @@ def was_interrupted() -> bool:
     return _seen
 
 
+def finish(status: int) -> None:
+    """End the process as done: from here on Ctrl-C comes too late, and would kill it without a word."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    sys.exit(status)
+
+
 def end() -> None:
     """Say that the process was interrupted, and end it without waiting for its threads."""
     for stream in (sys.stdout, sys.stderr):

@@ -55,7 +55,7 @@ def main() -> None:
         status = app(standalone_mode=False, prog_name="ema-twin") or 0
         if status == start.STATUS:  # how typer passes a KeyboardInterrupt on
             start.end()
-        sys.exit(status)
+        start.finish(status)
     except InputError as error:
         _end(f"error: {error}", 2)
     except (typer.Abort, KeyboardInterrupt):
@@ -69,7 +69,7 @@ def main() -> None:
             context = getattr(error, "ctx", None)
             usage = f" (see: {context.command_path} --help)" if context else ""
             if not error.format_message():  # called without a verb: the help has been printed
-                sys.exit(2)
+                start.finish(2)
             _end(f"error: {error.format_message()}{usage}", 2)
         if os.environ.get("EMA_TWIN_DEBUG"):
             raise
@@ -79,4 +79,4 @@ def main() -> None:
 
 def _end(message: str, status: int) -> None:
     print(" ".join(message.split()), file=sys.stderr)
-    sys.exit(status)
+    start.finish(status)
