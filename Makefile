@@ -14,7 +14,7 @@ help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
 
 setup: ## ROS 2, all libraries and the packages into .venv; does only what changed
-	@$(PYTHON) bootstrap.py
+	@$(PYTHON) bootstrap.py $(if $(filter setup,$(MAKECMDGOALS)),--next)
 
 demo: setup ## a recorded actuator beside its twin; then the missing effects are added
 	@.venv/bin/ema-twin demo

@@ -15,6 +15,7 @@ import hashlib
 import importlib.util
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -273,17 +274,30 @@ def setup() -> None:
         print(f"  .venv is ready after {time.monotonic() - begin:.0f} s", flush=True)
 
 
+def print_next_steps() -> None:
+    """Tell what can be done with `.venv`."""
+    print(
+        "Next: put ema-twin on your path, and see what it does:\n"
+        f'  export PATH={shlex.quote(str(VENV / "bin"))}:"$PATH"\n'
+        "  ema-twin --help\n"
+        "  make demo",
+        flush=True,
+    )
+
+
 def interrupt(signal_number: int, frame: object) -> None:
     """End on SIGTERM as on Ctrl-C."""
     raise KeyboardInterrupt
 
 
 def main() -> int:
-    """Set up; returns the process's status."""
+    """Set up, and with the argument --next tell how to go on; returns the process's status."""
     signal.signal(signal.SIGTERM, interrupt)
     try:
         with only_one():
             setup()
+        if "--next" in sys.argv[1:]:
+            print_next_steps()
     except (SetupError, OSError) as error:
         print(f"set-up: {error}", file=sys.stderr)
         return getattr(error, "status", 1)

@@ -368,6 +368,18 @@ class TestDamage:
 
 
 class TestBadInput:
+    def test_many_topics_are_named_in_part(self, tmp_path):
+        with (tmp_path / "b.mcap").open("wb") as stream:
+            writer = Writer(stream)
+            writer.start()
+            for k in range(36):
+                channel = writer.register_channel(f"/topic_{k:02}", "json", 0)
+                writer.add_message(channel, k, b"{}", k)
+            writer.finish()
+        with pytest.raises(InputError, match=r"/topic_04 \(no type\) and 31 more; give a bag") as error:
+            read_bag(tmp_path / "b.mcap")
+        assert "/topic_05" not in str(error.value)
+
     def test_other_types(self, tmp_path):
         writer = StreamWriter(tmp_path / "b")
         writer.add_topic("/chatter", "std_msgs/msg/Header", qos_profile(reliability="reliable", durability="volatile"))

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -137,6 +138,17 @@ def test_simulate_makes_recordings_that_compare_reads(tmp_path):
     assert by_mcap["current"]["rmse"] < 1.1 * by_mcap["current"]["noise_floor"]
 
 
+@pytest.mark.parametrize(
+    ("command", "asked"),
+    [("ramp:50", "6200 rad/s"), ("speed-sine:7:1", "868 rad/s"), ("sine:0.05:1", ""), ("step:1:0.5", "")],
+)
+def test_a_command_beyond_the_speed_limit_is_warned_of(tmp_path, command, asked):
+    result = done("simulate", *MODEL, "--command", command, "--seconds", "1", "-o", tmp_path / "run.mcap")
+    assert result.stderr.count("warning:") == bool(asked)
+    if asked:
+        assert f"asks {asked} of the motor" in result.stderr and "drive.speed_limit is 837.8 rad/s" in result.stderr
+
+
 def test_export_gives_the_trace_back(tmp_path, imported, trace):
     done("export", imported / trace.stem, "-o", tmp_path / "back.CSV")
     assert (tmp_path / "back.CSV").read_bytes() == trace.read_bytes()
@@ -144,6 +156,18 @@ def test_export_gives_the_trace_back(tmp_path, imported, trace):
     from pyarrow import parquet
 
     assert parquet.read_table(tmp_path / "table.parquet").num_rows == 10_000
+
+
+def test_info_gives_units_and_what_it_prints_as_json(tmp_path, trace):
+    model = tmp_path / "one.yaml"
+    done("add", "cogging", "--set", "torque=0.02", *MODEL, "-o", model)
+    assert "torque 0.02 N m, phase 0 rad" in done("info", model, "--json", tmp_path / "model.json").stdout
+    assert json.loads((tmp_path / "model.json").read_text())["effects"]["cogging"]["units"]["torque"] == "N m"
+    comments = [line for line in model.read_text().splitlines() if line.startswith("# ")]
+    assert "# cogging: torque [N m], phase [rad]" in comments and sum("viscous" in line for line in comments) == 1
+    done("info", trace, "--json", tmp_path / "run.json")
+    current = json.loads((tmp_path / "run.json").read_text())["statistics"]["current"]
+    assert current["unit"] == "A" and current["least"] < current["mean"] < current["greatest"]
 
 
 def test_effects_as_json(tmp_path):
@@ -176,6 +200,55 @@ def test_interrupted_live_ends_with_130(trace):
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.2, 0.6, 1.5, 3.0])
+@pytest.mark.parametrize("verb", ["discover", "live"])
+def test_an_interrupt_is_one_line_at_any_moment(tmp_path, traces, verb, seconds):
+    given = (*traces, "-o", tmp_path / "new.yaml") if verb == "discover" else (traces[0], "--headless")
+    process = subprocess.Popen([TWIN, verb, *given, *MODEL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(seconds)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=20)
+    lines = [line for line in errors.splitlines() if not line.startswith("[INFO]")]  # of the live run's nodes
+    assert (process.returncode, lines) == (130, ["interrupted; what is written is kept"])
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupt_that_python_drops_or_turns_into_another_error(tmp_path):
+    """Within a finaliser nobody is told of it; within an import it may become any error."""
+    program = """
+import os, signal, sys
+from ema_twin_sim import start
+from ema_twin_sim.commands import main
+class Dropped:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+def fail(**_):
+    try:
+        os.kill(os.getpid(), signal.SIGINT)
+    except KeyboardInterrupt:
+        raise ImportError("half of a library") from None
+def drop(**_):
+    Dropped()
+main.app = {"fail": fail, "drop": drop, "typer": lambda **_: 130}[sys.argv[1]]
+main.main()
+"""
+    for case in ("fail", "drop", "typer"):
+        command = [sys.executable, "-c", program, case]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        assert (result.returncode, result.stderr) == (130, "interrupted; what is written is kept\n"), case
+
+
+def test_an_interrupt_after_all_is_done_changes_nothing():
+    program = """
+import atexit, os, signal
+from ema_twin_sim.commands import main
+main.app = lambda **_: atexit.register(os.kill, os.getpid(), signal.SIGINT) and 0
+main.main()
+"""
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
 
 
 def test_refused_models_effects_and_values(tmp_path, trace):
@@ -338,6 +411,27 @@ def test_short_cuts(trace):
     text = done("compare", trace, *MODEL, "--to", "0.317").stdout
     assert "too short" in text and "160 samples" in text
     assert "Where the model fails" in done("compare", trace, *MODEL, "--to", "0.319").stdout
+
+
+def test_samples_too_few_to_tell_anything(tmp_path, trace):
+    header, *rows = trace.read_text().splitlines()
+    short = tmp_path / "short.CSV"
+    short.write_text("\n".join([header, *rows[:2]]) + "\n")
+    text = done("compare", short, *MODEL).stdout
+    assert "too short to tell" in text and "160 samples" in text and "nothing left" not in text
+
+
+def test_a_folder_of_traces_is_its_recordings(tmp_path, traces):
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    refused("compare", folder, *MODEL, naming=("no .mcap and no CSV trace",))
+    shutil.copy(traces[0], folder / "one.CSV")
+    shutil.copy(traces[1], folder / "two.csv")
+    (folder / "notes.txt").write_text("of the day")
+    done("compare", folder, *MODEL, "--to", "1", "--json", tmp_path / "c.json")
+    compared = json.loads((tmp_path / "c.json").read_text())["recordings"]
+    assert [recording["name"] for recording in compared] == ["one", "two"]
+    refused("compare", folder, *MODEL, "--json", folder / "one.CSV", naming=("is an input",))
 
 
 def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, trace):

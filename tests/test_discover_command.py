@@ -3,8 +3,11 @@
 import json
 import math
 import re
+import shlex
 import subprocess
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +19,11 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands import wording
 from ema_twin_sim.commands.demo import _moments, _switched_off
+from ema_twin_sim.commands.diagnose import _worth_showing
+from ema_twin_sim.commands.discover import _moved_slightly, _runner_up, compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.diagnose import Ranked
 from ema_twin_sim.model import load_model
 from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
@@ -127,6 +133,11 @@ def test_the_evidence_mcap_holds_what_each_step_left_over(found, traces):
     assert np.allclose(efforts[:, [0]] - efforts[:, 1:], [m.effort[:2] for m in left])
 
 
+def test_evidence_is_no_recording(found):
+    line = refused("info", found[0] / "found.mcap", naming=("evidence", f"rerun {found[0] / 'found.mcap'}"))
+    assert len(line) < 400
+
+
 def test_rerun_opens_the_evidence(found, tmp_path):
     script = (
         "import sys, rerun as rr\n"
@@ -169,6 +180,7 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
+    assert "beside all others that were found" in " ".join(text.split())
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
 
@@ -180,6 +192,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     outputs = ("-o", tmp_path / "new.yaml", "--json", tmp_path / "n.json")
     text = done("discover", *runs, *MODEL, *outputs, timeout=110).stdout
     assert text.startswith("Nothing is missing that these recordings could show.")
+    assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)
 
@@ -235,6 +248,59 @@ def test_verdicts_in_words():
     assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging; and something more is missing")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
     assert wording.effect_words("time#3") == "any dependence on time"
+
+
+def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = Path("my runs")
+    folder.mkdir()
+    files = [folder / f"{k}.CSV" for k in range(4)]
+    for file in files:
+        file.touch()
+    models = ["polito_bench", Path("a new.yaml")]
+    of_all = "ema-twin compare 'my runs'/*.CSV --model polito_bench --model 'a new.yaml'"
+    assert compare_command(files, models) == of_all
+    assert compare_command([folder], ["polito_bench"]) == "ema-twin compare 'my runs' --model polito_bench"
+    (folder / "other.CSV").touch()
+    mixed = [*files, folder / "5.mcap"]
+    for given in (files, mixed, [Path(f"{k}.CSV") for k in range(4)]):
+        command = compare_command(given, models, [Path("my effect.py")])
+        assert shlex.split(command)[2:-6] == list(map(str, given)) and command.endswith(" --with 'my effect.py'")
+
+
+@pytest.mark.parametrize(
+    ("gain", "text"),
+    [
+        (-1.0, "not worth its price"), (0.085, "<1 % of the gain"), (84.4, "84 % of the gain"),
+        (99.7, "as much gain alone"), (130.0, "as much gain alone"),
+    ],
+)  # fmt: skip
+def test_the_runner_up_in_words(gain, text):
+    tried = ({"names": ["backlash"], "gain": 100.0}, {"names": ["encoder_delay"], "gain": gain})
+    assert _runner_up(SimpleNamespace(instance="backlash", tried=tried)) == f"encoder delay, {text}"
+
+
+def test_constants_that_moved_within_their_errors_are_told():
+    def held(value, std):
+        return {"value": value, "nominal": 1.0, "std": std, "unit": "kg m^2"}
+
+    constants = {
+        "machine": {"motor_inertia": held(1.004, 0.01), "output_inertia": held(1.2, 0.01)},
+        "transmission": {"contact_damping": held(1.0, 3e4)},
+        "viscous_friction": {"coefficient": held(0.998, 0.01)},
+    }
+    assert _moved_slightly(SimpleNamespace(constants=constants)) == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
+
+
+def test_of_what_is_unlikely_three_are_shown():
+    def ranked(probability, found=False):
+        return Ranked("backlash", {}, probability, None, {}, found)
+
+    likely = [ranked(0.6, found=True), ranked(0.4), ranked(0.0, found=True)]
+    ranking = (*likely[:2], *(ranked(1e-4 * k) for k in range(5)), likely[2])
+    shown, left_out = _worth_showing(ranking)
+    assert shown[:3] == likely and len(shown) == 6 and left_out == 2
+    assert _worth_showing(likely) == (likely, 0)
 
 
 def test_the_demo_switches_on_what_was_found(stock):

@@ -189,6 +189,20 @@ def test_failed_step_names_its_log(checkout, capsys):
     assert bootstrap.steps == []
 
 
+def test_who_asks_for_the_setup_alone_is_told_the_next_step(checkout, done, monkeypatch, capsys):
+    for arguments, told in (([], False), (["--next"], True)):
+        monkeypatch.setattr(sys, "argv", ["bootstrap.py", *arguments])
+        assert done.main() == 0
+        lines = capsys.readouterr().out.splitlines()
+        assert ("  ema-twin --help" in lines) is told
+    assert any(f"{checkout}/.venv/bin" in line for line in lines)
+    commands = {
+        goal: subprocess.run(["make", "-n", goal], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        for goal in ("setup", "demo")
+    }
+    assert "bootstrap.py --next" in commands["setup"] and "--next" not in commands["demo"]
+
+
 def test_foreign_variables_are_cleared_everywhere(done, monkeypatch):
     for name in done.FOREIGN:
         monkeypatch.setenv(name, "foreign")
@@ -222,7 +236,9 @@ def environment_of_command(command, *arguments):
 
 def test_command_uses_its_own_virtual_environment_whole(prefix, tmp_path):
     (prefix / "pyvenv.cfg").touch()
-    (prefix / "bin/python").symlink_to("/bin/sh")
+    python = prefix / "bin/python"
+    python.write_text('#!/bin/sh\nshift 3\nprintf "%s\\n" "$@"\nenv\n')  # without -S -c PROGRAM
+    python.chmod(0o755)
     link = tmp_path / "link"
     link.symlink_to(prefix / "bin/ema-twin")
     for command in (prefix / "bin/ema-twin", link):

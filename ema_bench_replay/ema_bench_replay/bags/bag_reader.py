@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,8 @@ _ORIGINS = ("motor_angle_origin", "output_angle_origin")
 _NAMES = (*_STAMP, "run", "sequence", *SIGNALS)
 # What `bag_writer` adds to a recording's own metadata.
 _WRITTEN = ("signals", "warnings", *_ORIGINS)
+_NAMED = 5  # of the topics that an error lists
+_EVIDENCE = "/evidence/"  # what the topics of a search's evidence begin with
 
 
 def read_bag(path: str | Path, *, topic: str | None = None) -> Recording:
@@ -61,9 +64,15 @@ def _file(path: Path) -> Path:
     if len(found) == 1:
         return found[0]
     if not found:
-        raise InputError(f"{path}: the folder holds no .mcap; give the folder of one bag, or a file")
+        raise InputError(f"{path}: the folder holds no .mcap and no CSV trace; give a file, or the folder of one bag")
     names = ", ".join(file.name for file in found)
     raise InputError(f"{path}: the folder holds {len(found)} .mcap files; name one of them: {names}")
+
+
+def _some(names: Collection[str]) -> str:
+    """The first few of these names, and how many there are besides."""
+    first, others = sorted(names)[:_NAMED], len(names) - _NAMED
+    return f"{', '.join(first)} and {others} more" if others > 0 else ", ".join(first)
 
 
 def _choose(scan: McapScan, topic: str | None) -> tuple[str, set[int], Types]:
@@ -79,14 +88,17 @@ def _choose(scan: McapScan, topic: str | None) -> tuple[str, set[int], Types]:
     if not topics:
         if not others:
             raise InputError(f"{scan.path}: {scan.damage or 'the file is empty'}, no topic is left; record it again")
-        seen = ", ".join(sorted(others))
+        if any(topic.startswith(_EVIDENCE) for topic in others):
+            what = "is evidence that discover or diagnose wrote, no recording"
+            raise InputError(f"{scan.path}: {what}; open it with: rerun {scan.path}")
+        seen = _some(others)
         raise InputError(f"{scan.path}: holds no {STATE_TYPE}, but {seen}; give a bag of /bench/state, or a CSV trace")
     if topic is None:
         topic = STATE_TOPIC if STATE_TOPIC in topics else next(iter(topics))
         if len(topics) > 1 and topic != STATE_TOPIC:
-            raise InputError(f"{scan.path}: holds {', '.join(sorted(topics))} and no {STATE_TOPIC}; name one topic")
+            raise InputError(f"{scan.path}: holds {_some(topics)} and no {STATE_TOPIC}; name one topic")
     if topic not in topics:
-        raise InputError(f"{scan.path}: holds no {STATE_TYPE} on {topic}; there is {', '.join(sorted(topics))}")
+        raise InputError(f"{scan.path}: holds no {STATE_TYPE} on {topic}; there is {_some(topics)}")
     schema = topics[topic][0][1]
     try:
         types, root = parse(schema.data.decode("utf-8", errors="replace"), schema.name)

@@ -7,15 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from rich.markup import escape
+
 from ..quantities import quantity
 from . import options
-from .output import console, progress_bar, sparkline
-from .tables import ReportTable
+from .output import console, progress_bar, say, sparkline
+from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
     from ..comparison.running_comparison import SignalError
+    from ..comparison.where import Dependence
 
 EXAMPLES = """Examples:
 
@@ -67,14 +70,16 @@ def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
     names = [comparison.model for comparison in comparisons]
     if labels and len(set(names)) < len(names):
         comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
-    console.print(_errors(comparisons))
+    errors = _errors(comparisons)
+    if errors.fits():
+        console.print(errors)
+    else:
+        _show_errors_below_each_other(comparisons)
     if comparisons[0].input == "current":
-        console.print(
-            "The current drives the twin open loop: its speed and positions drift and are left out (JSON has them)."
-        )
+        say("The current drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
     for comparison in comparisons:
-        errors = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
-        show_torque_errors(errors, comparison.motion, comparison.model if len(comparisons) > 1 else "")
+        torques = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
+        show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")
     for comparison in comparisons:
         _show_where(comparison, titled=len(comparisons) > 1)
 
@@ -105,6 +110,37 @@ def _errors(comparisons: Sequence[Comparison]) -> ReportTable:
     return table
 
 
+def _show_errors_below_each_other(comparisons: Sequence[Comparison]) -> None:
+    """The table of ``_errors`` where it is too wide for the terminal: a section a recording, its signals in rows."""
+    first = comparisons[0]
+    names = shown_signals(first.input, first.overall)
+    say(f"RMSE, measured minus twin (input: {first.input})", style="table.title")
+    for row, recording in enumerate(first.recordings):
+        say(recording.name, style="bold")
+        each = [comparison.recordings[row].signals for comparison in comparisons]
+        console.print(_signals_in_rows(names, [comparison.model for comparison in comparisons], each))
+    say("all recordings", style="bold")
+    table = _signals_in_rows(names, [c.model for c in comparisons], [c.overall for c in comparisons])
+    console.print(table)
+    for comparison in comparisons[1:]:
+        shares = {n: _removed(first.overall[n], comparison.overall.get(n)) for n in names}
+        removed = ", ".join(f"{name.replace('_', ' ')} {share}" for name, share in shares.items())
+        say(f"Excess over noise removed by {comparison.model}: {removed}.", style="bold green")
+
+
+def _signals_in_rows(
+    names: Sequence[str], models: Sequence[str], signals: Sequence[Mapping[str, SignalError]]
+) -> ReportTable:
+    table = ReportTable()
+    table.words("signal")
+    table.numbers("noise floor", *map(escape, models), least=len("99.7 mrad/s"))
+    for name in names:
+        floor = next((held[name] for held in signals if name in held), None)
+        shown = "–" if floor is None else quantity(floor["noise_floor"], floor["unit"])
+        table.add_row(name.replace("_", " "), shown, *(_cell(held.get(name)) for held in signals))
+    return table
+
+
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
     """The signals whose errors tell something under an input."""
     left_out = OPEN_LOOP if source == "current" else ()
@@ -127,40 +163,52 @@ def _removed(before: SignalError, after: SignalError | None) -> str:
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
-    from ..comparison.where import FEWEST_SAMPLES, WEAK
+    from ..comparison.where import FEWEST_SAMPLES
 
     of = f" ({comparison.model})" if titled else ""
     overall = comparison.overall
     shown = shown_signals(comparison.input, overall)
     poor = {n for n in shown if overall[n]["rmse"] > AT_NOISE * overall[n]["noise_floor"]}
     found = [d for d in comparison.where if d.signal in poor]
+    few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
+    if not poor and few:
+        short = f"this is too short to tell, which takes {FEWEST_SAMPLES} samples"
+        say(f"\nNo error stands out of the sensors' noise{of}, but {short}.")
+        return
     if not poor:
-        console.print(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
+        say(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
         why = (
             f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
             if few
             else "where cannot be told: that takes the current and the motor's position or speed"
         )
-        console.print(f"\nAbove the sensors' noise{of}: {names}; {why}.", soft_wrap=True)
+        say(f"\nAbove the sensors' noise{of}: {names}; {why}.")
         return
-    table = ReportTable(f"\nWhere the model fails{of}")
+    console.print(_where(found, f"\nWhere the model fails{of}"))
+    for signal in dict.fromkeys(d.signal for d in found):
+        say(next(d for d in found if d.signal == signal).sentence())
+
+
+def _where(found: Sequence[Dependence], title: str) -> ReportTable:
+    from ..comparison.where import WEAK
+
+    table = ReportTable(title)
     table.words("error of", "against")
     table.numbers("share of power")
-    table.numbers("RMSE, low … high", justify="left")
+    table.numbers("RMSE, low to high", justify="left")
     table.words("largest")
-    table.numbers("RMSE there", "elsewhere")
+    if not is_narrow():  # the sentences below say it too
+        table.numbers("RMSE there", "elsewhere")
     for signal in dict.fromkeys(d.signal for d in found):
         best, *others = (d for d in found if d.signal == signal)
         for d in (best, *(d for d in others if d.share >= WEAK)):
+            sizes = (quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit))
             table.add_row(
                 signal.replace("_", " "), d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
-                sparkline(d.profile), d.place, quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit),
+                sparkline(d.profile), d.place, *(() if is_narrow() else sizes),
             )  # fmt: skip
         table.add_section()
-    console.print(table)
-    for signal in dict.fromkeys(d.signal for d in found):
-        console.print(next(d for d in found if d.signal == signal).sentence())
+    return table

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import estimate
 from . import options
 from .discover import show_doubts
-from .output import console, status
-from .tables import ReportTable
+from .output import console, say, status
+from .tables import ReportTable, is_narrow
 from .wording import effect_words, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ ema-twin diagnose run.mcap --model better.yaml --json diagnosis.json --evidence 
 ema-twin diagnose recordings --model polito_bench --with position_friction.py --without gravity_load"""
 
 _BAR = 20
+_SHOWN_AS_ZERO = 0.005
+_UNLIKELY = 3  # effects of probability 0 that are shown
 
 
 def run(
@@ -65,7 +68,7 @@ def run(
     sentence = verdict_sentence(
         found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without, diagnosis.groups
     )
-    console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
+    say(sentence, style="bold")
     show(diagnosis)
     warn_of(diagnosis.warnings, given.recordings)
     write_findings(json, diagnosis.as_json(), found)
@@ -74,36 +77,47 @@ def run(
 def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
-    table.words("effect", "options")
+    table.words("effect")
     table.numbers("probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
-    for entry in diagnosis.ranking:
+    shown, left_out = _worth_showing(diagnosis.ranking)
+    for entry in shown:
         removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
         name, choices = effect_words(entry.effect), options_words(entry.options)
-        table.add_row(name, choices, _bar(entry.probability), removed, _parameters(entry), style=style)
+        named = f"{name} ({choices})" if choices else name
+        table.add_row(named, _bar(entry.probability), removed, _parameters(entry), style=style)
     table.add_section()
     for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
-        table.add_row(label, "", _bar(probability), "", "", style="" if probability > 0.0 else "dim")
+        table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
     if diagnosis.ranking:
         sharing = sum(entry.found for entry in diagnosis.ranking) > 1
-        console.print(
-            "Error removed: the share above the sensors' noise; of several recordings, in those not fitted to."
-            + (" Effects that are all missing share the probability." if sharing else ""),
+        say(
+            "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with "
+            "this effect beside all others that were found; discover's steps count one after another."
+            + (" Effects that are all missing share the probability." if sharing else "")
+            + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
-            soft_wrap=True,
         )
     show_doubts(diagnosis.groups, diagnosis.next_recording)
 
 
+def _worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
+    """The ranking but for most of what has no probability, and how many that leaves out."""
+    likely = [entry for entry in ranking if entry.found or entry.probability >= _SHOWN_AS_ZERO]
+    others = [entry for entry in ranking if entry not in likely]
+    return likely + others[:_UNLIKELY], max(0, len(others) - _UNLIKELY)
+
+
 def _bar(probability: float) -> str:
-    return f"{100.0 * probability:3.0f} % {'█' * round(_BAR * probability)}"
+    longest = _BAR // 2 if is_narrow() else _BAR
+    return f"{100.0 * probability:3.0f} % {'█' * round(longest * probability)}"
 
 
 def _parameters(entry: Ranked) -> str:
-    return ", ".join(
+    return "\n".join(
         f"{name} {estimate(held['value'], held['std'], held['unit'])}"  # type: ignore[arg-type]
         for name, held in entry.parameters.items()
     )

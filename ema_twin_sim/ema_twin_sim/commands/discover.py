@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -11,8 +12,8 @@ from rich.markup import escape
 
 from ..quantities import estimate, quantity
 from . import options
-from .output import console, status
-from .tables import ReportTable
+from .output import console, say, status
+from .tables import ReportTable, is_narrow
 from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ ema-twin discover recordings --model polito_bench -o better.yaml
 ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.json --evidence found.mcap
 
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
+
+_LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none
 
 
 def run(
@@ -69,28 +72,41 @@ def run(
             write_evidence_bag(found, given.recordings, evidence, force=force)
     show(found, given.without)
     show_doubts(found.groups, found.next_recording)
-    console.print(f"\nThe search ended: {found.stopped}.", markup=False, soft_wrap=True)
+    say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings)
     what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
-    console.print(f"\n{output} is {what}. See how far off it is:", markup=False, soft_wrap=True)
-    again = " ".join(f"--with {file}" for file in with_files or ())
-    named = " ".join(map(str, runs)) if len(runs) < 4 else f"{runs[0].parent}/*{runs[0].suffix}"
-    console.print(f"  ema-twin compare {named} --model {model} --model {output} {again}", markup=False, soft_wrap=True)
+    say(f"\n{output} is {what}. See how far off it is:")
+    console.print(f"  {compare_command(runs, [model, output], with_files or ())}", markup=False, soft_wrap=True)
     if evidence is not None:
-        console.print(f"  rerun {evidence}     (what each step left over)", markup=False, soft_wrap=True)
+        console.print(f"  rerun {quote(str(evidence))}     (what each step left over)", markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
+
+
+def compare_command(runs: Sequence[Path], models: Sequence[str | Path], with_files: Sequence[Path] = ()) -> str:
+    """The command that shows models beside recordings, as a shell takes it."""
+    models_named = [part for model in models for part in ("--model", quote(str(model)))]
+    own = [part for file in with_files for part in ("--with", quote(str(file)))]
+    return " ".join(["ema-twin", "compare", *_as_arguments(runs), *models_named, *own])
+
+
+def _as_arguments(runs: Sequence[Path]) -> list[str]:
+    """Files as arguments: several as one pattern where that stands for them and no other."""
+    suffix, folder = runs[0].suffix, runs[0].parent
+    if len(runs) > 2 and suffix and folder.is_dir():
+        there = {file for file in folder.iterdir() if file.suffix == suffix and not file.name.startswith(".")}
+        if there == set(runs):
+            return [f"*{suffix}" if folder == Path() else f"{quote(str(folder))}/*{suffix}"]
+    return [quote(str(run)) for run in runs]
 
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    sentence = verdict_sentence(found.verdict, found.added, found.depends_on, without, found.groups)
-    console.print(f"[bold]{sentence}[/bold]", soft_wrap=True)
+    say(verdict_sentence(found.verdict, found.added, found.depends_on, without, found.groups), style="bold")
     if found.verdict == "unknown":
         left = found.unseen
-        console.print(
+        say(
             f"What is left over: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}, where "
-            f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}.",
-            soft_wrap=True,
+            f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}."
         )
     if found.steps:
         console.print(_steps(found))
@@ -99,14 +115,17 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
     moved = _constants(found)
     if moved.row_count:
         console.print(moved)
+    slightly = _moved_slightly(found)
+    if slightly:
+        say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
 
 
 def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
     """Print what the recordings cannot tell apart, and the recording to make next."""
     if groups:
-        console.print(f"\n{groups_sentence(groups)}", soft_wrap=True)
+        say(f"\n{groups_sentence(groups)}")
     if next_recording:
-        console.print(f"\nRecord next: {next_recording}", markup=False, soft_wrap=True)
+        say(f"\nRecord next: {next_recording}")
 
 
 def _steps(found: Discovery) -> ReportTable:
@@ -118,17 +137,19 @@ def _steps(found: Discovery) -> ReportTable:
         f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
         f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})"
     )
-    table.words("step", "what it is", widest=44)
+    narrow = is_narrow()
+    table.words("step", *(() if narrow else ("what it is",)), widest=44)
     output = any(step.output_before is not None for step in found.steps)
     table.numbers("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
     table.words("runner-up")
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
-            table.add_row(f"− {effect_words(step.instance)}", step.reason)
+            blank = [""] * (len(table.columns) - 2 if narrow else 0)
+            table.add_row(f"− {effect_words(step.instance)}", *blank, escape(step.reason))
             continue
         table.add_row(
             f"+ {effect_words(step.instance)}",
-            escape(catalogue()[step.effect].summary),
+            *(() if narrow else (escape(catalogue()[step.effect].summary),)),
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
@@ -147,12 +168,17 @@ def _runner_up(step: Step) -> str:
         return "none came near"
     name = listed(map(effect_words, other["names"]))
     share = other["gain"] / took["gain"]
-    return f"{name}, not worth its price" if share <= 0.0 else f"{name}, {100.0 * share:.2g} % of the gain"
+    if share <= 0.0:
+        return f"{name}, not worth its price"
+    if share >= 0.995:
+        return f"{name}, as much gain alone"
+    return f"{name}, {f'{100.0 * share:.0f}' if share >= 0.01 else '<1'} % of the gain"
 
 
 def _parameters(found: Discovery) -> ReportTable:
     table = ReportTable("\nParameters, with standard errors")
-    table.words("effect", "options", "parameter", "value")
+    table.words("effect", "options", "parameter")
+    table.numbers("value", justify="left")
     for name, entry in found.parameters.items():
         first = (effect_words(name), options_words(entry["options"]))
         for parameter, held in entry.items():
@@ -166,14 +192,33 @@ def _parameters(found: Discovery) -> ReportTable:
 def _constants(found: Discovery) -> ReportTable:
     """The constants that moved by more than their standard error."""
     table = ReportTable("\nConstants that were refitted")
-    table.words("part", "constant", "in your model", "refitted")
+    table.words("part", "constant")
+    table.numbers("in your model", "refitted", justify="left")
     table.numbers("change")
     constants: Mapping[str, Mapping[str, Any]] = found.constants
     for part, entries in constants.items():
         for name, held in entries.items():
             value, nominal, std = held["value"], held["nominal"], held["std"]
             if abs(value - nominal) > (std or 0.0):
-                change = f"{100.0 * (value / nominal - 1.0):+.1f} %" if nominal else ""
                 numbers = (estimate(nominal, None, held["unit"]), estimate(value, std, held["unit"]))
-                table.add_row(effect_words(part), name.replace("_", " "), *numbers, change)
+                table.add_row(effect_words(part), name.replace("_", " "), *numbers, _change(held))
     return table
+
+
+def _moved_slightly(found: Discovery) -> list[str]:
+    """The constants that moved by less than their standard error: ``motor inertia +0.4 %``."""
+    from ..model.constants import PARTS
+
+    moved = []
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    for part, entries in constants.items():
+        for name, held in entries.items():
+            distance = abs(held["value"] - held["nominal"])
+            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= (held["std"] or 0.0):
+                named = name.replace("_", " ") if part in PARTS else effect_words(part)
+                moved.append(f"{named} {_change(held)}")
+    return moved
+
+
+def _change(held: Mapping[str, Any]) -> str:
+    return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""

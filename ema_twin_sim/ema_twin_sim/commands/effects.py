@@ -9,7 +9,7 @@ import typer
 from rich.markup import escape
 
 from . import options
-from .output import console
+from .output import console, say
 from .tables import ReportTable
 
 if TYPE_CHECKING:
@@ -52,10 +52,8 @@ def run(
             parameters = ", ".join(f"{p.name} [{p.unit}]" for p in effect.parameters)
             table.add_row(effect.id, *map(escape, (effect.equation, parameters, effect.signature)))
         console.print(table)
-        console.print(
-            "T torque, L dry friction level, b viscous coefficient, ω speed, θ angle: of the motor shaft; θ_o: output."
-        )
-        console.print("One effect in full: ema-twin effects ID. Add one: ema-twin add ID --model MODEL -o NEW.yaml")
+        say("T torque, L dry friction level, b viscous coefficient, ω speed, θ angle: of the motor shaft; θ_o: output.")
+        say("One effect in full: ema-twin effects ID. Add one: ema-twin add ID --model MODEL -o NEW.yaml")
     contents = [
         {
             "id": effect.id,
@@ -82,10 +80,10 @@ def run(
 
 def _show_one(effect: Effect, name: str | Path) -> None:
     """One effect in full; ``name`` is what ``add`` takes for it."""
-    console.print(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n")
-    console.print(f"  equation   {effect.equation}", markup=False)
-    console.print(f"  residual   {effect.signature}", markup=False)
-    console.print(f"  source     {effect.source}\n", markup=False)
+    say(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n", markup=True)
+    say(f"  equation   {effect.equation}")
+    say(f"  residual   {effect.signature}")
+    say(f"  source     {effect.source}\n")
     table = ReportTable()
     table.words("parameter", "unit")
     table.numbers("default", "from", "to")
@@ -95,7 +93,7 @@ def _show_one(effect: Effect, name: str | Path) -> None:
         table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))
     console.print(table)
     for name, choices in effect.options.items():
-        console.print(f"option {name}: {', '.join(choices)} (default {choices[0]})")
+        say(f"option {name}: {', '.join(choices)} (default {choices[0]})")
     if effect.parameters:
         first = effect.parameters[0]
         console.print(

@@ -10,7 +10,7 @@ import typer
 
 from ..quantities import estimate, quantity
 from . import options
-from .output import console, status, warn
+from .output import console, say, status, warn
 from .tables import ReportTable
 from .torque_errors import show_torque_errors
 from .wording import effect_words, options_words
@@ -94,7 +94,7 @@ def run(
         )
     save_model(found.model, output, force=force)
     show(found, before)
-    console.print(f"\n{output} is the fitted model.", markup=False, soft_wrap=True)
+    say(f"\n{output} is the fitted model.")
     write_json(json, found.as_json())
 
 
@@ -106,13 +106,14 @@ def show(found: FitResult, before: Model) -> None:
     console.print(_errors(found))
     show_torque_errors(found.torque_errors, found.model.motion)
     for note in found.notes:
-        console.print(f"Note: {note}.", markup=False, soft_wrap=True)
+        say(f"Note: {note}.")
     _warn(found.warnings)
 
 
 def _parameters(found: FitResult, before: Model) -> ReportTable:
     table = ReportTable(f"Parameters, with standard errors (method {found.method})")
-    table.words("effect", "options", "parameter", "before", "fitted")
+    table.words("effect", "options", "parameter")
+    table.numbers("before", "fitted", justify="left")
     for name, entry in found.parameters.items():
         first = (effect_words(name), options_words(entry["options"]))
         for parameter, held in entry.items():
@@ -127,7 +128,8 @@ def _parameters(found: FitResult, before: Model) -> ReportTable:
 
 def _constants(found: FitResult) -> ReportTable:
     table = ReportTable("\nConstants, within their tolerances")
-    table.words("part", "constant", "before", "fitted")
+    table.words("part", "constant")
+    table.numbers("before", "fitted", justify="left")
     table.numbers("change")
     for part, entries in found.constants.items():
         for name, held in entries.items():

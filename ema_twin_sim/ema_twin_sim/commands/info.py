@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.markup import escape
+
+from ema_bench_replay.units import signal_unit
 
 from ..quantities import quantity
 from . import options
-from .output import console
+from .output import console, say
 from .tables import ReportTable
 
 EXAMPLES = """Examples:
@@ -17,21 +21,6 @@ EXAMPLES = """Examples:
 ema-twin info recordings/BancoEMA_ramp_0.05
 
 ema-twin info polito_bench"""
-
-SIGNAL_UNITS = {
-    "current": "A",
-    "current_setpoint": "A",
-    "speed": "rad/s",
-    "speed_setpoint": "rad/s",
-    "motor_position": "rad",
-    "output_position": "rad",
-    "output_command": "rad",
-    "voltage": "V",
-    "motor_torque": "N m",
-    "load_torque": "N m",
-    "unexplained_torque": "N m",
-    "temperature": "°C",
-}
 
 
 def run(
@@ -58,18 +47,26 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
 
     contents = []
     for recording in load_runs([path], import_map=import_map):
-        console.print(f"[bold]{recording.name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s")
+        name = escape(recording.name)
+        say(f"[bold]{name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s", markup=True)
         table = ReportTable()
         table.words("signal")
         table.numbers("least", "mean", "greatest")
+        signals = {}
         for name, values in recording.signals.items():
-            unit = SIGNAL_UNITS.get(name, "A")
-            table.add_row(name, *(quantity(float(v), unit) for v in (values.min(), values.mean(), values.max())))
+            unit = signal_unit(name, recording.metadata.get("motion", "rotary"))
+            numbers = {
+                "least": float(values.min()),
+                "mean": float(values.mean()),
+                "greatest": float(values.max()),
+            }
+            table.add_row(name, *(quantity(number, unit) for number in numbers.values()))
+            signals[name] = {"unit": unit, **numbers}
         console.print(table)
-        console.print(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+        say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():
             if "\n" not in value and len(value) < 200:
-                console.print(f"  {key}: {value}", markup=False, soft_wrap=True)
+                say(f"  {key}: {value}")
         contents.append(
             {
                 "name": recording.name,
@@ -77,6 +74,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
                 "duration": recording.duration,
                 "sample_period": recording.sample_period,
                 "signals": list(recording.signals),
+                "statistics": signals,
                 "gaps": [gap._asdict() for gap in recording.gaps],
                 "metadata": dict(recording.metadata),
                 "warnings": list(recording.warnings),
@@ -87,31 +85,34 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
 
 def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
     from ..model import load_model
-    from ..model.constants import CONSTANTS
+    from ..model.model_file import ABSENT, OPEN
     from ..own_effects import load_effects
     from .inputs import write_json
 
     load_effects(with_files)
     model = load_model(name)
-    console.print(
-        f"[bold]{model.name}[/bold]: machine {model.machine}; {', '.join(map(' '.join, model.kinds.items()))}"
-    )
+    kinds = ", ".join(map(" ".join, model.kinds.items()))
+    say(f"[bold]{escape(model.name)}[/bold]: machine {escape(model.machine)}; {kinds}", markup=True)
     table = ReportTable()
     table.words("constant")
-    table.numbers("value")
-    table.words("unit")
+    table.numbers("value", justify="left")
     table.numbers("±")
     table.words("source")
-    for path, held in model.constants.items():
-        table.add_row(path, f"{held.value:g}", CONSTANTS[path].unit, f"{100 * held.tolerance:g} %", held.source)
+    given = {path: held for path, held in model.constants.items() if held.source != ABSENT}
+    for path, held in given.items():
+        tolerance = OPEN if math.isinf(held.tolerance) else f"{100 * held.tolerance:g} %"
+        value = _with_unit(held.value, model.unit(path))
+        table.add_row(model.shown_path(path), value, tolerance, escape(held.source))
     console.print(table)
     effects = ReportTable()
     effects.words("effect", "options", "parameters")
     for instance_name, instance in model.effects.items():
         effects.add_row(
-            instance_name + ("" if instance.enabled else " (off)"),
+            instance_name + ("" if instance.enabled else " (off)") + (" (open)" if instance.open else ""),
             ", ".join(f"{k} {v}" for k, v in instance.options.items()),
-            ", ".join(f"{k} {v:g}" for k, v in instance.parameters.items()),
+            ", ".join(
+                f"{k} {_with_unit(v, model.parameter_unit(instance.effect, k))}" for k, v in instance.parameters.items()
+            ),
         )
     console.print(effects)
     write_json(
@@ -120,15 +121,29 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
             "name": model.name,
             "machine": model.machine,
             "kinds": dict(model.kinds),
-            "constants": {path: {**vars(held), "unit": CONSTANTS[path].unit} for path, held in model.constants.items()},
+            "motion": model.motion,
+            "constants": {
+                model.shown_path(path): {
+                    "value": held.value,
+                    "tolerance": OPEN if math.isinf(held.tolerance) else held.tolerance,
+                    "source": held.source,
+                    "unit": model.unit(path),
+                }
+                for path, held in given.items()
+            },
             "effects": {
                 n: {
                     "effect": i.effect,
                     "options": dict(i.options),
                     "parameters": dict(i.parameters),
+                    "units": {parameter: model.parameter_unit(i.effect, parameter) for parameter in i.parameters},
                     "enabled": i.enabled,
                 }
                 for n, i in model.effects.items()
             },
         },
     )
+
+
+def _with_unit(value: float, unit: str) -> str:
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"

@@ -49,7 +49,8 @@ def load_runs(
 def find_recordings(path: Path) -> list[Path]:
     """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these.
 
-    A folder of several .mcap that are no bag together (it has no metadata.yaml) holds a recording in each.
+    A folder of several .mcap that are no bag together (it has no metadata.yaml) holds a recording in each, as does a
+    folder of CSV traces without any bag.
     """
     files = sorted(path.glob("*.mcap")) if path.is_dir() else []
     if not path.is_dir() or len(files) == 1 or (files and (path / "metadata.yaml").exists()):
@@ -57,7 +58,8 @@ def find_recordings(path: Path) -> list[Path]:
     if files:
         return files
     inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
-    return inside or [path]
+    traces = sorted(file for file in path.iterdir() if file.suffix.lower() == ".csv" and file.is_file())
+    return inside or traces or [path]
 
 
 def _each_once(files: Sequence[Path]) -> list[Path]:

@@ -14,6 +14,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from .. import start
 from . import add, compare, demo, diagnose, discover, effects, export, fit, import_, info, live, plan, remove, simulate
 
 VERSION = "0.1.0"
@@ -49,22 +50,26 @@ def _options(
 
 def main() -> None:
     """Run the command line; every way out has its exit status."""
+    start.watch()
     try:
-        sys.exit(app(standalone_mode=False) or 0)
+        status = app(standalone_mode=False, prog_name="ema-twin") or 0
+        if status == start.STATUS:  # how typer passes a KeyboardInterrupt on
+            start.end()
+        start.finish(status)
     except InputError as error:
         _end(f"error: {error}", 2)
-    except typer.Abort:
-        _end("interrupted", 130)
-    except KeyboardInterrupt:
-        _end("interrupted; what is written is kept", 130)
+    except (typer.Abort, KeyboardInterrupt):
+        start.end()
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has left: nothing to say, and nobody to say it to
     except Exception as error:
+        if start.was_interrupted():
+            start.end()
         if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # a usage error of the command line itself
             context = getattr(error, "ctx", None)
             usage = f" (see: {context.command_path} --help)" if context else ""
             if not error.format_message():  # called without a verb: the help has been printed
-                sys.exit(2)
+                start.finish(2)
             _end(f"error: {error.format_message()}{usage}", 2)
         if os.environ.get("EMA_TWIN_DEBUG"):
             raise
@@ -74,4 +79,4 @@ def main() -> None:
 
 def _end(message: str, status: int) -> None:
     print(" ".join(message.split()), file=sys.stderr)
-    sys.exit(status)
+    start.finish(status)

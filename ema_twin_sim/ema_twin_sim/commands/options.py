@@ -31,9 +31,7 @@ def effect_names(incomplete: str) -> list[str]:
     return [id for id in catalogue() if id.startswith(incomplete)]
 
 
-Runs = Annotated[
-    list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, folders that import wrote, or CSVs.")
-]
+Runs = Annotated[list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
 Models = Annotated[
     list[str],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,6 +11,7 @@ from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.text import Text
 
 _WIDTH_WITHOUT_TERMINAL = 140
 _SECONDS_BETWEEN_LOG_LINES = 5.0
@@ -18,8 +20,55 @@ console = Console(highlight=False, width=None if sys.stdout.isatty() else _WIDTH
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _BARS = "▁▂▃▄▅▆▇█"
+# a blank that does not part a number from its unit or standard error, the words of a unit, or a sign from its word
+_BREAK = re.compile(
+    r"(?!(?<=\d) (?:%|±|°C|[nµmkM]?(?:A|V|s|Hz|rad|N|kg|m)\b)|(?<=±) |(?<=N) m\b|(?<=N m) s\b|(?<=V) s/|(?<=kg) m\b"
+    r"|(?<=^[+−]) ) +|\n"
+)
 
 Item = TypeVar("Item")
+
+
+def say(text: str, *, style: str = "", markup: bool = False) -> None:
+    """Print sentences: folded to the terminal, between words; whole where there is none."""
+    said = Text.from_markup(text, style=style) if markup else Text(text, style)
+    console.print(fold(said, console.width) if console.is_terminal else said, soft_wrap=True)
+
+
+def fold(text: Text, width: int) -> Text:
+    """The text in lines of at most ``width`` characters, with every number and its unit on one of them."""
+    begin = end = resume = 0
+    lines = []
+    for stop, after in _pieces(text.plain):
+        if stop - begin > width and end > begin:
+            lines.append((begin, end))
+            begin = resume
+        while stop - begin > width:  # a word that is too long: broken after a mark within it, if need be anywhere
+            marked = 1 + max(text.plain.rfind(mark, begin, begin + width) for mark in "._/-,")
+            cut = marked if marked > begin else begin + width
+            lines.append((begin, cut))
+            begin = cut
+        end, resume = stop, after
+        if text.plain[stop:after] == "\n":
+            lines.append((begin, end))
+            begin = end = resume
+    return Text("\n").join(text[first:last] for first, last in [*lines, (begin, end)])
+
+
+def longest_piece(text: Text) -> int:
+    """The length of the longest part of a text that ``fold`` keeps on one line."""
+    begin = longest = 0
+    for stop, after in _pieces(text.plain):
+        longest, begin = max(longest, stop - begin), after
+    return longest
+
+
+def _pieces(text: str) -> Iterator[tuple[int, int]]:
+    """Where each part that stays whole ends, and where the next begins; blanks that a line begins with are its own."""
+    indent = len(text) - len(text.lstrip(" "))
+    for blank in _BREAK.finditer(text, indent):
+        yield blank.span()
+    yield len(text), len(text)
 
 
 def sparkline(values: Sequence[float]) -> str:

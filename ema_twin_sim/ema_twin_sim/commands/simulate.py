@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,12 @@ from ema_bench_replay.errors import InputError
 from ..quantities import quantity
 from . import options
 from .output import console, warn
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..model import Model
+    from ..simulation.command import Command
 
 EXAMPLES = """Examples:
 
@@ -61,7 +67,9 @@ def run(
     load_effects(with_files or ())
     if seconds is None:
         seconds = 20.0 if parsed.seconds is None else parsed.seconds
-    recording = virtual_bench(load_model(model), parsed, seconds, seed=seed if noise else None)
+    driven = load_model(model)
+    recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None)
+    _warn_of_speed(driven, parsed, recording.stamps * 1e-9)
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":
         write_mcap(recording, output, force=force)
@@ -74,3 +82,17 @@ def run(
         f"{', '.join(recording.signals)}",
         soft_wrap=True,
     )
+
+
+def _warn_of_speed(model: Model, command: Command, time: np.ndarray) -> None:
+    """Warn of a command that asks for more speed than the drive lets through; a jump of the position is no speed."""
+    import numpy as np
+
+    values = command(time)
+    if not command.speed:
+        rates = np.abs(np.diff(values) / np.diff(time))
+        values = np.minimum(rates[1:], rates[:-1])
+    asked = float(np.abs(values).max(initial=0.0)) * model.value("machine.gear_ratio")
+    limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
+    if asked > limit * (1.0 + 1e-6):
+        warn(f"{command.text} asks {asked:.4g} {unit} of the motor, whose drive.speed_limit is {limit:.4g} {unit}")

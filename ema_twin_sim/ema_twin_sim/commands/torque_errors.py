@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from .output import console
+from .output import say
 
 if TYPE_CHECKING:
     from ..comparison.torque_error import TorqueError
@@ -16,9 +16,7 @@ def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: st
     what = "force" if motion == "linear" else "torque"
     for name, error in errors.items():
         of = f"{name} ({model})" if model else name
-        console.print(
+        say(
             f"Relative {what} error of {of}: {100.0 * error.filtered:.2f} % below {error.band:g} Hz, "
-            f"{100.0 * error.unfiltered:.2f} % unfiltered",
-            markup=False,
-            soft_wrap=True,
+            f"{100.0 * error.unfiltered:.2f} % unfiltered"
         )

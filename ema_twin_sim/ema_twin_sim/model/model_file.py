@@ -75,8 +75,19 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
     }
     text = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160)
     with new_file(path, force=force) as file:
-        file.write(f"# EMA twin model, whole; units as stated, tolerances relative (one std)\n{text}".encode())
+        head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
+        file.write(f"{head}{_units_of_effects(model)}{text}".encode())
     return path
+
+
+def _units_of_effects(model: Model) -> str:
+    """A line of comment for each effect that a model holds."""
+    lines = []
+    for effect in dict.fromkeys(instance.effect for instance in model.effects.values()):
+        names = [parameter.name for parameter in find_effect(effect, "effect").parameters]
+        units = ", ".join(f"{name} [{model.parameter_unit(effect, name)}]" for name in names)
+        lines.append(f"# {effect}: {units or 'no parameters'}\n")
+    return "".join(lines)
 
 
 def check_model_name(path: Path) -> None:

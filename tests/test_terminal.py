@@ -1,0 +1,134 @@
+"""What the commands print fits the terminal that it is printed on, and a number is never broken."""
+
+import io
+import os
+import pty
+import re
+import subprocess
+import threading
+
+import pytest
+from rich.console import Console
+from rich.text import Text
+
+from ema_twin_sim.commands import tables
+from ema_twin_sim.commands.output import fold
+from tests import test_command_line
+from tests.test_command_line import MODEL, done
+
+BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
+
+
+def on_terminal(*arguments, columns=80, timeout=110):
+    """What a command prints on a terminal, its lines without colours."""
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
+    process = subprocess.Popen(
+        [test_command_line.TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
+        stderr=subprocess.PIPE, env=environment,
+    )  # fmt: skip
+    os.close(theirs)
+    parts = []
+    reader = threading.Thread(target=lambda: parts.extend(_read(ours)))
+    reader.start()
+    _, errors = process.communicate(timeout=timeout)
+    reader.join()
+    os.close(ours)
+    assert process.returncode == 0, errors
+    text = re.sub(rb"\x1b\[[0-9;?]*[a-zA-Z]", b"", b"".join(parts)).decode()
+    return text.replace("\r\n", "\n").split("\n")
+
+
+def _read(file):
+    while True:
+        try:
+            part = os.read(file, 1 << 16)
+        except OSError:  # how a terminal says that its other side is closed
+            return
+        if not part:
+            return
+        yield part
+
+
+def check(lines, columns=80):
+    """No line is longer than the terminal, but commands to be copied; nothing is cut off or broken."""
+    text = "\n".join(lines)
+    assert "…" not in text
+    for line in lines:
+        if not line.startswith("  ema-twin "):
+            assert len(line) <= columns, line
+    for line in lines:  # a unit alone in its cell has lost its number
+        cells = re.split(r"\s{2,}", line.strip())
+        assert not re.match(r"^([nµm]?(A|rad|rad/s)|[mnµ]?N m|m|%)$", cells[0]), line
+
+
+@pytest.fixture(scope="module")
+def better(tmp_path_factory):
+    file = tmp_path_factory.mktemp("model") / "a_better_one_with_backlash.yaml"
+    done("add", "backlash", *MODEL, "-o", file)
+    return file
+
+
+@pytest.mark.parametrize("columns", [60, 80, 100])
+def test_compare(traces, better, columns):
+    one = on_terminal("compare", *traces, *MODEL, columns=columns)
+    two = on_terminal("compare", *traces, *MODEL, "--model", better, columns=columns)
+    for lines in (one, two):
+        check(lines, columns)
+        text = "\n".join(lines)
+        for trace in traces:
+            assert trace.stem in text
+        assert "all recordings" in text and "Where the model fails" in text
+        assert re.search(r"unexplained torque +\d[\d.]+ mN m +\d[\d.]+ mN m", text) or columns != 80
+    assert "Excess over noise removed by a_better_one_with_backlash" in " ".join(two)
+
+
+def test_effects_and_info(traces):
+    for arguments in (("effects",), ("effects", "backlash"), ("info", "polito_bench"), ("info", traces[0])):
+        check(on_terminal(*arguments))
+    lines = on_terminal("info", "polito_bench")
+    assert any("transmission.contact_stiffness " in line for line in lines)
+    assert any("N m s/rad" in line for line in lines)
+
+
+def test_discover_and_fit(traces, tmp_path):
+    runs = [*traces, "--to", 10]
+    lines = on_terminal("discover", *runs, *MODEL, "-o", tmp_path / "new.yaml")
+    check(lines)
+    assert sum("mA" in line for line in lines) >= 3 and any(" ± " in line and "mrad" in line for line in lines)
+    fit = ("--method", "equation", "-o", tmp_path / "fitted.yaml")
+    check(on_terminal("fit", *runs, "--model", tmp_path / "new.yaml", *fit))
+
+
+def test_diagnose(traces):
+    lines = on_terminal("diagnose", *traces, "--to", 10, *MODEL)
+    check(lines)
+    assert any(re.search(r"backlash +\d+ %", line) and "width" in line and "mrad" in line for line in lines)
+
+
+def printed(table, width):
+    console = Console(width=width, file=io.StringIO())
+    with console.capture() as capture:
+        console.print(table)
+    return capture.get().split("\n")
+
+
+def test_a_table_folds_words_and_never_numbers():
+    table = tables.ReportTable("A title of some words")
+    table.words("name", "what is said of it")
+    table.numbers("value", "its change")
+    table.add_row("a_rather_long_identifier", "many words that say little", "0.0812 ± 0.0003 mN m", "12.5 %")
+    for width in (140, 90, 70, 60, 50, 40, 30):
+        lines = printed(table, width)
+        assert max(map(len, lines)) <= width
+        for whole in ("a_rather_long_identifier", "0.0812 ± 0.0003 mN m", "12.5 %"):
+            assert any(whole in line for line in lines), width
+
+
+def test_numbers_and_units_stay_together():
+    text = Text("on average -39.2 mA at 0.3 ± 0.2 mN m, which is 84 % of 25.6 mN m s/rad and (7.2 ± 0.1)e-4 kg m^2")
+    for width in range(22, 60):
+        for line in fold(text, width).plain.split("\n"):
+            assert len(line) <= width and not BROKEN.search(line.replace("m^2", "")), line
+    assert fold(Text("one\ntwo three"), 5).plain == "one\ntwo\nthree"
+    assert fold(Text("transmission.contact_damping"), 24).plain == "transmission.contact_\ndamping"
