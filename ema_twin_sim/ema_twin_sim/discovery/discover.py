@@ -11,12 +11,13 @@ from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
 from ..model import Model
+from ..model.equivalent import as_rotary, given_back
 from .company import in_better_company, thought_again
 from .contradictions import contradictions
 from .ending import NOISY, why_ended
 from .equation import Equation
 from .estimates import constants, far_off, parameters, standard_errors
-from .explained import apart, explained
+from .explained import apart, explained, nearly
 from .fit import fit
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .next_command import suggest
@@ -29,6 +30,10 @@ from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
 
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
+REAL = (
+    "constants of this model are open: effects count as found where hardly anything is left of the torque, and what is "
+    "left is not held against the sensors' noise",
+)
 ALONE = ("one recording: what it is judged by was fitted to; give several",)
 
 
@@ -99,9 +104,10 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
+    recordings, model = as_rotary(recordings, model)
     eq = Equation(observe_all(list(recordings), model))
     null = null_hypothesis(model)
-    barred = frozenset(without)
+    barred = frozenset(without) | _impossible(model)
     found, known = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
@@ -114,7 +120,7 @@ def discover(
     sure = significant(eq, found)
     if sure is not found:
         found = with_best_split(eq, recordings, sure)
-    known = known and explained(eq, found.fit, start)
+    known = known and (nearly(eq, found.fit) if model.is_open else explained(eq, found.fit, start))
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
     if known and (idle := _idle(found, unseen)):
@@ -126,6 +132,7 @@ def discover(
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is unknown it makes the model no better")
         unseen = judge_unseen(eq, recordings, found, as_given=True)
     best = found.fit
+    unseen = unseen.shown(model)
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     errors = standard_errors(eq, best)
@@ -133,7 +140,7 @@ def discover(
     return Discovery(
         verdict,
         added,
-        model if as_given else best.hypothesis.model().fitted_from(model),
+        given_back(model) if as_given else given_back(best.hypothesis.model()).fitted_from(given_back(model)),
         _steps(found, unseen),
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given else constants(best, errors)),
@@ -145,6 +152,7 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
             *far_off(best),
+            *(REAL if model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
         ),
         unseen,
@@ -154,11 +162,21 @@ def discover(
     )
 
 
+def _impossible(model: Model) -> frozenset[str]:
+    """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder."""
+    if model.radius is None:
+        return frozenset()
+    turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
+    return frozenset(turning | {"encoder_eccentricity", "gravity_load"})
+
+
 def _searched(
     eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]
 ) -> tuple[Search, bool]:
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(eq, null, barred, progress)
+    if null.base.is_open:
+        return found, nearly(eq, found.fit)
     if sum(bool(turn.added) for turn in found.rounds) >= ROUNDS:
         return found, False
     found = in_better_company(eq, found, barred, progress)
@@ -177,6 +195,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
     And a bristle that takes nothing away there: it shows in the first moments of a motion only.
     """
     added = found.fit.hypothesis.added
+    real = found.fit.hypothesis.base.is_open
     for k, turn in enumerate(found.taken):
         came = [name for name in new_names(turn.before, turn.after) if name in added]
         parting = tuple(name for name in came if added[name].effect in PARTING)
@@ -187,6 +206,8 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         if parting and removed is not None and removed < FOLLOWED:
             return parting
         there = unseen.removed(k, k + 1)
+        if real and came and there is not None and there <= 0.0:
+            return tuple(came)
         if bending and there is not None and there <= 0.0:
             return bending
     return ()

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..effects import Parameter, catalogue
+from ..model import Model
 from ..model.constants import CONSTANTS
+from ..model.equivalent import shown_entry
+from ..model.model_file import ABSENT
 from .equation import Equation
 from .fit import Fit
 from .hypothesis import INERTIAS
@@ -46,7 +49,7 @@ def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
         for p in effect.parameters:
             value = instance.parameters[p.name]
             std = reported(sure.get(f"effects.{name}.{p.name}"), value, p)
-            entry[p.name] = {"value": value, "std": std, "unit": p.unit}
+            entry[p.name] = shown_entry(f.hypothesis.base, value, std, p.unit, angle=p.periodic)
         found[name] = entry
     return found
 
@@ -60,10 +63,11 @@ def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str
     """Machine constants and the start model's friction, refitted, with their nominal values."""
     base, model = f.hypothesis.base, f.hypothesis.model()
     found: dict[str, dict[str, dict[str, object]]] = {}
-    for path in INERTIAS:
-        part, _, name = path.partition(".")
+    for path in (path for path in INERTIAS if base.constants[path].source != ABSENT):
+        part, _, name = base.shown_path(path).partition(".")
         std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
-        found.setdefault(part, {})[name] = _refitted(model.value(path), base.value(path), std, CONSTANTS[path].unit)
+        entry = _refitted(base, model.value(path), base.value(path), std, CONSTANTS[path].unit)
+        found.setdefault(part, {})[name] = entry
     for path, std in ((path, std) for path, std in sure.items() if path.startswith("contact.")):
         name = path.replace("contact.", "contact_")
         value, nominal = model.value(f"transmission.{name}"), base.value(f"transmission.{name}")
@@ -75,9 +79,10 @@ def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str
         if path in sure:
             p = catalogue()[instance.effect].parameters[0]
             value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
-            found.setdefault(name, {})[p.name] = _refitted(value, nominal, sure[path], p.unit)
+            found.setdefault(name, {})[p.name] = _refitted(base, value, nominal, sure[path], p.unit)
     return found
 
 
-def _refitted(value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
-    return {"value": value, "std": relative_std * nominal, "unit": unit, "nominal": nominal}
+def _refitted(base: Model, value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
+    entry = shown_entry(base, value, relative_std * abs(nominal), unit)
+    return {**entry, "nominal": shown_entry(base, nominal, None, unit)["value"]}

@@ -21,6 +21,7 @@ REMAINDER = 0.3  # of what the start model leaves over, beside an output that bo
 APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
 INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
 LAGGING = 8.0  # standard deviations of a single reading: the first sample's own noise stays below four
+NEARLY = 0.1  # of the torque's rms
 WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 REMAINS = (
     0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
@@ -30,6 +31,15 @@ REMAINS = (
 def explained(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
     return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
+
+
+def nearly(eq: Equation, f: Fit) -> bool:
+    """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
+
+    There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand.
+    """
+    left = (f.raw[: eq.size] * eq.noise) ** 2
+    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2))
 
 
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:

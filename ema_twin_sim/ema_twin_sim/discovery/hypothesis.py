@@ -13,8 +13,11 @@ from ..model import ConstantValue, EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
+FRICTION = ("viscous_friction", "coulomb_friction")
 LAG = "lag"
 PRIOR = 0.05  # of a constant: what a data sheet may be off by
+EXACT = 1e-4  # relative: a tolerance of zero
+GUESSED = 1e3  # times the value that an open number starts with, up to which it may be
 SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
 PARTING = ("backlash", "shaft_compliance")  # what lets the two encoders part
@@ -265,12 +268,20 @@ class Hypothesis:
 
 
 def null_hypothesis(model: Model) -> Hypothesis:
-    """The model as given, its constants free within their tolerances."""
-    free = [Free("scale.inertia", 0.3, 3.0, 1e-3, (1.0, PRIOR))]
-    present = dict.fromkeys(instance.effect for instance in model.active.values())
-    for id in present:
-        if id in ("viscous_friction", "coulomb_friction"):
+    """The model as given, its constants free within their tolerances, and what is open in it free altogether."""
+    tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
+    free = [
+        Free("scale.inertia", 1.0 / GUESSED, GUESSED, 1e-3)
+        if math.isinf(tolerance)
+        else Free("scale.inertia", 0.3, 3.0, 1e-3, (1.0, max(tolerance, EXACT)))
+    ]
+    for id in dict.fromkeys(instance.effect for instance in model.active.values()):
+        if any(instance.open for instance in model.active.values() if instance.effect == id):
+            free.append(Free(f"scale.{id}", 0.0 if id in FRICTION else -GUESSED, GUESSED, 1e-3))
+        elif id in FRICTION:
             free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
-    free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_PRIOR)))
+    # where so much else is open, a lag would only stand in for it: no model holds one
+    std = LAG_PRIOR * (EXACT if model.is_open else 1.0)
+    free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, std)))
     values = [1.0] * (len(free) - 1) + [0.0]
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import noise_floors
 from ..model import Model
+from ..model.equivalent import shown
 from ..simulation.simulate import choose_input, simulate
 from .equation import POOL, Equation
 from .fit import Fit
@@ -40,6 +41,19 @@ class Unseen:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
         excess = self.rmse[before] ** 2 - self.noise_floor**2
         return (self.rmse[before] ** 2 - self.rmse[after] ** 2) / excess if excess > 0.0 else None
+
+    def shown(self, model: Model) -> Unseen:
+        """The same in the units of the model's machine."""
+        per, unit = shown(model, 1.0, self.unit)
+        way, _ = shown(model, 1.0, "rad")
+        return replace(
+            self,
+            unit=unit,
+            noise_floor=per * self.noise_floor,
+            rmse=tuple(per * value for value in self.rmse),
+            recordings=tuple((name, tuple(per * value for value in values)) for name, values in self.recordings),
+            output=tuple(way * value for value in self.output),
+        )
 
     def as_json(self) -> dict[str, object]:
         """For ``--json``."""

@@ -248,9 +248,7 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
         for p in catalogue()[instance.effect].parameters:
             value = instance.parameters[p.name]
             std = _spread(f"effects.{name}.{p.name}", solution, sure)
-            found[name][p.name] = shown_entry(fitted, value, std, "1" if p.periodic else p.unit) | (
-                {"unit": p.unit} if p.periodic else {}
-            )
+            found[name][p.name] = shown_entry(fitted, value, std, p.unit, angle=p.periodic)
     return found
 
 

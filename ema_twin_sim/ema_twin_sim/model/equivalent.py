@@ -103,8 +103,10 @@ def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
     return value * factor(unit, model.radius), unit_in(unit, "linear")
 
 
-def shown_entry(model: Model, value: float, std: float | None, unit: str) -> dict[str, Any]:
-    """``{value, std, unit}`` as people know them; ``unit`` is the rotary one."""
+def shown_entry(model: Model, value: float, std: float | None, unit: str, *, angle: bool = False) -> dict[str, Any]:
+    """``{value, std, unit}`` as people know them; ``unit`` is the rotary one, of an ``angle`` that of any machine."""
+    if angle:
+        return {"value": value, "std": std, "unit": unit}
     own, written = shown(model, value, unit)
     return {"value": own, "std": None if std is None else shown(model, std, unit)[0], "unit": written}
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
@@ -70,6 +71,13 @@ class Model:
     def active(self) -> dict[str, EffectInstance]:
         """The effects that are switched on, by name."""
         return {name: instance for name, instance in self.effects.items() if instance.enabled}
+
+    @property
+    def is_open(self) -> bool:
+        """Whether numbers of the machine are not known but for where a fit starts."""
+        return any(math.isinf(held.tolerance) for held in self.constants.values()) or any(
+            instance.open for instance in self.active.values()
+        )
 
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
