@@ -189,10 +189,7 @@ def test_live_gives_what_compare_gives(tmp_path, trace):
 
 
 def test_interrupted_live_ends_with_130(trace):
-    process = subprocess.Popen(
-        [TWIN, "live", trace, "--model", "polito_bench", "--headless"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+    process = interruptible("live", trace, "--model", "polito_bench", "--headless")
     for line in process.stdout:
         if "error" in line:
             break
@@ -202,11 +199,27 @@ def test_interrupted_live_ends_with_130(trace):
     assert "Traceback" not in errors
 
 
-@pytest.mark.parametrize("seconds", [0.1, 0.2, 0.6, 1.5, 3.0])
+def interruptible(*arguments):
+    """The command, running, from the moment on that it listens for Ctrl-C (the tests' own process may ignore it)."""
+    process = subprocess.Popen(
+        [TWIN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )  # fmt: skip
+    proc = Path(f"/proc/{process.pid}")
+    deadline = time.monotonic() + 30.0
+    while time.monotonic() < deadline:
+        caught = next(line for line in (proc / "status").read_text().splitlines() if line.startswith("SigCgt"))
+        if b"python" in (proc / "cmdline").read_bytes().split(b"\0")[0] and int(caught.split()[1], 16) & 2:
+            return process
+        time.sleep(0.005)
+    raise AssertionError(f"{arguments[0]} does not listen for Ctrl-C")
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.5, 1.5, 3.0])
 @pytest.mark.parametrize("verb", ["discover", "live"])
 def test_an_interrupt_is_one_line_at_any_moment(tmp_path, traces, verb, seconds):
     given = (*traces, "-o", tmp_path / "new.yaml") if verb == "discover" else (traces[0], "--headless")
-    process = subprocess.Popen([TWIN, verb, *given, *MODEL], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = interruptible(verb, *given, *MODEL)
     time.sleep(seconds)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=20)
