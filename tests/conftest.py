@@ -36,6 +36,15 @@ def bench_cases():
 
 
 @pytest.fixture(scope="session")
+def real():
+    """Measured recordings of other people's machines; they lie outside the project."""
+    folder = SHARED / "real"
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is absent: its recordings are not part of the project")
+    return folder
+
+
+@pytest.fixture(scope="session")
 def stock():
     """The stock model; models are frozen, so all tests may share it."""
     from ema_twin_sim.model import load_model

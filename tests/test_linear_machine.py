@@ -1,0 +1,117 @@
+"""Linear machines: their models, and the drum that stands in for them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.effects import catalogue
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.model.equivalent import drum_radius, given_back, rotary, round_the_drum
+from ema_twin_sim.model.matching import matched
+
+MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
+
+
+def carriage(seconds=12.0, asymmetry=0.0, seed=0, period=1e-3):
+    """A carriage on rails, driven to and fro: way [m] and force [N] with noise, from its equation of motion."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds / period)) * period
+    way = 0.08 * np.sin(2.0 * np.pi * 0.4 * time) + 0.03 * np.sin(2.0 * np.pi * 1.1 * time + seed)
+    speed = np.gradient(way, period)
+    sense = np.tanh(speed / 1e-5)
+    friction = (VISCOUS * speed + COULOMB * sense) * (1.0 + asymmetry * sense)
+    force = MASS * np.gradient(speed, period) + friction + LOAD + random.normal(0.0, 0.2, len(time))
+    signals = {"motor_position": way - way[0] + random.normal(0.0, 1e-8, len(time)), "motor_torque": force}
+    return Recording(f"run{seed}", np.rint(time * 1e9).astype(np.int64), signals, metadata={"motion": "linear"})
+
+
+@pytest.fixture(scope="module")
+def emps():
+    return load_model("emps")
+
+
+def test_the_drum_and_back_is_the_same_model(emps):
+    for id in catalogue():
+        emps = emps if id in emps.effects else emps.with_effect(id)
+    drum = rotary(emps, 0.01)
+    assert (drum.motion, drum.radius) == ("rotary", 0.01)
+    assert drum.value("machine.motor_inertia") == pytest.approx(50.0 * 0.01**2)
+    assert drum.effects["viscous_friction"].parameters["coefficient"] == pytest.approx(100.0 * 0.01**2)
+    back = given_back(drum)
+    assert (back.motion, back.radius) == ("linear", None)
+    for path, held in emps.constants.items():
+        assert back.value(path) == pytest.approx(held.value, rel=1e-12)
+    for name, instance in emps.effects.items():
+        assert dict(back.effects[name].parameters) == pytest.approx(dict(instance.parameters), rel=1e-12)
+
+
+def test_power_is_the_same_round_the_drum(emps):
+    recording = matched(carriage(), emps)
+    radius = drum_radius([recording], emps)
+    turned = round_the_drum(recording, radius)
+    power = [r.signals["motor_torque"] * np.gradient(r.signals["motor_position"], r.time) for r in (recording, turned)]
+    assert np.allclose(*power, rtol=1e-9)
+
+
+def test_a_mass_and_its_friction_are_fitted_in_their_own_units(emps):
+    fitted = fit_model([carriage(seed=k) for k in range(2)], emps, method="equation")
+    found = {
+        "kg": (fitted.constants["machine"]["inertia"], MASS),
+        "N s/m": (fitted.parameters["viscous_friction"]["coefficient"], VISCOUS),
+        "N": (fitted.parameters["coulomb_friction"]["torque"], COULOMB),
+    }
+    for unit, (held, true) in found.items():
+        assert held["unit"] == unit
+        assert held["value"] == pytest.approx(true, rel=0.01), unit
+    assert fitted.parameters["constant_load"]["torque"]["value"] == pytest.approx(LOAD, rel=0.02)
+    assert fitted.model.motion == "linear" and fitted.model.value("machine.motor_inertia") == pytest.approx(
+        MASS, rel=0.01
+    )
+    assert all(error.filtered < 0.02 for error in fitted.torque_errors.values())
+
+
+def test_what_a_carriage_lacks_is_found_from_its_mass_alone():
+    bare = load_model("emps_mass")
+    found = discover([carriage(asymmetry=0.15, seed=k) for k in range(2)], bare)
+    assert set(found.added) == {"viscous_friction", "coulomb_friction", "constant_load", "asymmetric_friction"}
+    assert found.verdict == "explained"
+    assert found.parameters["asymmetric_friction"]["fraction"]["value"] == pytest.approx(0.15, abs=0.01)
+    assert found.constants["machine"]["inertia"]["value"] == pytest.approx(MASS, rel=0.01)
+    assert found.unseen.unit == "N"
+
+
+def test_a_model_is_written_with_its_own_words_and_units(emps, tmp_path):
+    path = save_model(emps, tmp_path / "own.yaml")
+    text = path.read_text()
+    assert "motion: linear" in text and "inertia: {value: 50.0, unit: kg, tolerance: open" in text
+    assert "motor_inertia" not in text and "gear_ratio" not in text
+    again = load_model(path)
+    assert again.constants == emps.constants and again.effects == emps.effects
+
+
+def test_recording_and_model_of_other_motions_are_refused(emps, stock):
+    with pytest.raises(InputError, match="is of a linear machine, model polito_bench of a rotary one"):
+        compare([carriage()], stock)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("unit: kg", "unit: kg m^2", "unit 'kg m^2' but 'kg' is needed"),
+        ("motion: linear", "motion: sideways", "'sideways' is not possible"),
+        ("inertia: {", "motor_inertia: {value: 1.0, unit: kg}\n  inertia: {", "give one or the other"),
+        ("tolerance: open", "tolerance: unknown", "'unknown' is no number"),
+    ],
+)
+def test_a_wrong_machine_is_refused(emps, tmp_path, old, new, said):
+    path = Path(save_model(emps, tmp_path / "own.yaml"))
+    path.write_text(path.read_text().replace(old, new, 1))
+    with pytest.raises(InputError) as error:
+        load_model(path)
+    assert said in str(error.value)

@@ -1,0 +1,48 @@
+"""Other people's machines, with the numbers that they published (shared/real; the tests skip where it is absent)."""
+
+import pytest
+
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.trace_csv import read_trace
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.model import load_model
+
+PUBLISHED = {"mass": 95.1089, "viscous": 203.5034, "coulomb": 20.3935, "offset": -3.1648}
+"""EMPS, least squares: Janot, Gautier, Brunot 2019."""
+
+
+@pytest.fixture(scope="module")
+def emps(real):
+    """Training record and pulses."""
+    return [read_trace(real / f"emps_{name}.csv", load_map("emps")) for name in ("train", "test_pulses")]
+
+
+def force_errors(recordings, model):
+    return [r.torque_error.filtered for r in compare(recordings, model).recordings]
+
+
+def test_emps_gives_the_published_numbers(emps):
+    train, pulses = emps
+    fitted = fit_model([train], load_model("emps"), method="equation")
+    assert fitted.constants["machine"]["inertia"]["value"] == pytest.approx(PUBLISHED["mass"], rel=0.01)
+    assert fitted.constants["machine"]["inertia"]["unit"] == "kg"
+    parameters = fitted.parameters
+    assert parameters["viscous_friction"]["coefficient"]["value"] == pytest.approx(PUBLISHED["viscous"], rel=0.01)
+    assert parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(PUBLISHED["coulomb"], rel=0.01)
+    assert parameters["constant_load"]["torque"]["value"] == pytest.approx(PUBLISHED["offset"], rel=0.05)
+    on_train, on_pulses = force_errors([train, pulses], fitted.model)
+    assert on_train <= 0.0409 and on_pulses <= 0.060
+
+
+def test_emps_lacks_friction_that_depends_on_the_direction(emps):
+    train, pulses = emps
+    found = discover([train], load_model("emps_mass"))
+    assert found.verdict == "explained"
+    assert [step.effect for step in found.steps] == [
+        "coulomb_friction", "viscous_friction", "asymmetric_friction", "constant_load",
+    ]  # fmt: skip
+    on_train, on_pulses = force_errors([train, pulses], found.model)
+    symmetric = fit_model([train], load_model("emps"), method="equation").model
+    assert on_train <= 0.0315 and on_pulses < force_errors([pulses], symmetric)[0]
