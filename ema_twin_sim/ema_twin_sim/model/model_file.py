@@ -151,7 +151,7 @@ def _model(path: Path, content: Mapping) -> Model:
             kinds[part] = check.choice(section.get("kind", KINDS[part][0]), f"{part}.kind", KINDS[part])
         for name, constant in names.items():
             given = LUMPED if lumped and name == "motor_inertia" else name
-            if lumped and given in section and name.endswith("_inertia") and given != LUMPED:
+            if lumped and name in section and name.endswith("_inertia"):
                 raise check.error(
                     f"machine.{given}", "stands beside the machine's one inertia", "give one or the other"
                 )
