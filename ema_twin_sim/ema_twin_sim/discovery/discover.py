@@ -120,7 +120,7 @@ def discover(
     sure = significant(eq, found)
     if sure is not found:
         found = with_best_split(eq, recordings, sure)
-    known = known and (nearly(eq, found.fit) if model.is_open else explained(eq, found.fit, start))
+    known = known and (nearly(eq, found.fit, start) if model.is_open else explained(eq, found.fit, start))
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
     if known and (idle := _idle(found, unseen)):
@@ -176,7 +176,7 @@ def _searched(
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(eq, null, barred, progress)
     if null.base.is_open:
-        return found, nearly(eq, found.fit)
+        return found, nearly(eq, found.fit, found.rounds[0].before)
     if sum(bool(turn.added) for turn in found.rounds) >= ROUNDS:
         return found, False
     found = in_better_company(eq, found, barred, progress)

@@ -22,6 +22,7 @@ APART = 6.0  # of an encoder's noise: an output that bounces is not followed to 
 INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
 LAGGING = 8.0  # standard deviations of a single reading: the first sample's own noise stays below four
 NEARLY = 0.1  # of the torque's rms
+PARTLY = 0.25  # of how far the encoders part at the start
 WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
 REMAINS = (
     0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
@@ -33,13 +34,13 @@ def explained(eq: Equation, f: Fit, start: Fit) -> bool:
     return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
 
 
-def nearly(eq: Equation, f: Fit) -> bool:
+def nearly(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
 
     There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand.
     """
     left = (f.raw[: eq.size] * eq.noise) ** 2
-    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2))
+    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2)) and not apart(eq, f, start)
 
 
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:
@@ -48,10 +49,12 @@ def apart(eq: Equation, f: Fit, start: Fit) -> bool:
     And whether the output has lagged behind since the start, which nothing but play and springs lets it: a fit leaves
     the encoders' zeros open, and in one direction no more than that shows.
     """
-    if lagging(eq, f):
-        return True
     before = eq.residual(start.predicted)[eq.size :]
     parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
+    if f.hypothesis.base.is_open:  # as with the torque: no more can be asked than that little is left
+        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[eq.size :] ** 2))) > max(PARTLY * parted, APART)
+    if lagging(eq, f):
+        return True
     usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
     allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
     parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
@@ -61,12 +64,14 @@ def apart(eq: Equation, f: Fit, start: Fit) -> bool:
 def lagging(eq: Equation, f: Fit) -> dict[str, float]:
     """By recording, how far [rad, slow shaft] its output lies off the motor since the first sample, beyond its noise.
 
-    Nothing beside play or a spring, where it may begin anywhere.
+    Nothing beside play or a spring, where it may begin anywhere, nor of a machine whose encoders are not known.
     """
-    found = {}
+    found: dict[str, float] = {}
+    if f.parted or f.hypothesis.base.is_open:
+        return found
     for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
         first = o.encoder_piece == o.encoder_piece[0] if len(o.encoder_rows) else np.zeros(0, bool)
-        if not f.parted and first.any():
+        if first.any():
             off = float(np.median((eq.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
             reading = float(o.encoder_noise.min()) / float(np.linalg.norm(o.kernel))
             if abs(off) > LAGGING * reading:

@@ -152,9 +152,7 @@ def _model(path: Path, content: Mapping) -> Model:
         for name, constant in names.items():
             given = LUMPED if lumped and name == "motor_inertia" else name
             if lumped and name in section and name.endswith("_inertia"):
-                raise check.error(
-                    f"machine.{given}", "stands beside the machine's one inertia", "give one or the other"
-                )
+                raise check.error(f"machine.{name}", "stands beside the machine's one inertia", "give one or the other")
             if section.get(given) is not None:
                 constants[constant.path] = _constant(check, constant, section[given], f"{part}.{given}", motion)
             elif lumped and constant.absent is not None:
