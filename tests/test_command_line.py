@@ -199,12 +199,16 @@ def test_interrupted_live_ends_with_130(trace):
     assert "Traceback" not in errors
 
 
+def listening():
+    """Before a child begins: Ctrl-C is not ignored, as it is where the tests run in a shell's background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def interruptible(*arguments):
-    """The command, running, from the moment on that it listens for Ctrl-C (the tests' own process may ignore it)."""
+    """The command, running, from the moment on that it listens for Ctrl-C."""
     process = subprocess.Popen(
-        [TWIN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
+        [TWIN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listening
+    )
     proc = Path(f"/proc/{process.pid}")
     deadline = time.monotonic() + 30.0
     while time.monotonic() < deadline:
@@ -249,7 +253,7 @@ main.main()
 """
     for case in ("fail", "drop", "typer"):
         command = [sys.executable, "-c", program, case]
-        result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+        result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, preexec_fn=listening)
         assert (result.returncode, result.stderr) == (130, "interrupted; what is written is kept\n"), case
 
 
@@ -260,7 +264,8 @@ from ema_twin_sim.commands import main
 main.app = lambda **_: atexit.register(os.kill, os.getpid(), signal.SIGINT) and 0
 main.main()
 """
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    command = [sys.executable, "-c", program]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, preexec_fn=listening)
     assert (result.returncode, result.stderr) == (0, "")
 
 
