@@ -116,11 +116,9 @@ def discover(
         found, depends_on = beside_the_unknown(eq, null, barred, found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
-    found = with_best_split(eq, recordings, found)
-    sure = significant(eq, found)
-    if sure is not found:
-        found = with_best_split(eq, recordings, sure)
+    found = significant(eq, found)
     known = known and (nearly(eq, found.fit, start) if model.is_open else explained(eq, found.fit, start))
+    found = with_best_split(eq, recordings, found)
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
     if known and (idle := _idle(found, unseen)):
