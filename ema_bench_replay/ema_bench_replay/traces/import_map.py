@@ -156,6 +156,8 @@ def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, mo
     allowed = units_of(signal, motion)
     unit = value.get("unit", next(iter(allowed)))
     if "gain" not in value:
+        if unit == "1":  # what the column holds already
+            return 1.0
         if unit in ALL_UNITS and unit not in allowed:
             raise check.error(
                 f"{place}.unit", f"{unit!r} is no unit of the {signal.replace('_', ' ')} of a {motion} machine",
