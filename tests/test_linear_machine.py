@@ -14,6 +14,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.equivalent import drum_radius, given_back, rotary, round_the_drum
 from ema_twin_sim.model.matching import matched
+from tests.recorded import record
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
 
@@ -115,3 +116,14 @@ def test_a_wrong_machine_is_refused(emps, tmp_path, old, new, said):
     with pytest.raises(InputError) as error:
         load_model(path)
     assert said in str(error.value)
+
+
+def test_what_the_virtual_bench_records_of_a_carriage_is_a_carriages(emps, tmp_path):
+    """Its own model leaves nothing of it, and a heavier one is fitted back."""
+    runs = record(emps, ("sine:0.05:0.4", "triangle:0.05:1"), 6.0)
+    assert all(run.metadata["motion"] == "linear" for run in runs)
+    own = compare(runs, emps).overall
+    assert own["speed"]["unit"] == "m/s" and own["motor_position"]["rmse"] < 1e-3
+    heavier = emps.with_value("machine.motor_inertia", 70.0)
+    fitted = fit_model(runs, heavier, method="equation")
+    assert fitted.constants["machine"]["inertia"]["value"] == pytest.approx(50.0, rel=0.02)

@@ -46,7 +46,7 @@ def counter_noise(model: Model, side: str) -> float:
 
 
 def _count(model: Model, side: str) -> float:
-    return 2.0 * math.pi / model.value(f"sensors.{side}_encoder_counts")
+    return model.turn / model.value(f"sensors.{side}_encoder_counts")
 
 
 def _balance_noise(model: Model, current: float, motion: float, has_speed: bool, period: float) -> float:

@@ -83,6 +83,11 @@ class Model:
         """The value of the constant at ``path``, in the unit of its table."""
         return self.constants[path].value
 
+    @property
+    def turn(self) -> float:
+        """What an encoder's counts are counted over: a revolution [rad], or a metre where the machine is linear."""
+        return 2.0 * math.pi if self.motion == "rotary" else 1.0
+
     def unit(self, path: str) -> str:
         """The unit of a constant, or of ``effects.NAME.PARAMETER``, in this machine's motion."""
         if not path.startswith("effects."):

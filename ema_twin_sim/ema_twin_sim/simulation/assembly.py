@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -61,8 +62,9 @@ def assemble(model: Model) -> Assembly:
     record["motor_inertia"] = model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia")
     record["nominal_torque_constant"] = model.value("machine.torque_constant")
     record["two_inertia"] = model.kinds["transmission"] == "two_inertia"
-    record["motor_counts"] = model.value("sensors.motor_encoder_counts")
-    record["output_counts"] = model.value("sensors.output_encoder_counts")
+    turn = 2.0 * math.pi / model.turn  # the plant counts over a revolution
+    record["motor_counts"] = turn * model.value("sensors.motor_encoder_counts")
+    record["output_counts"] = turn * model.value("sensors.output_encoder_counts")
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
         record[f"end_stop_{side}"] = none if stop is None else stop.value

@@ -53,13 +53,14 @@ def virtual_bench(
         del signals["output_command"]
     if seed is not None:
         signals = with_noise(signals, model, seed)
+    motion = {} if model.motion == "rotary" else {"motion": model.motion}
     return Recording(
         name=name or command.name,
         stamps=stamps,
         signals=signals,
         motor_angle_origin=origins[0],
         output_angle_origin=origins[1],
-        metadata={"source": "virtual bench", "model": model.name, "command": command.text, "seed": str(seed)},
+        metadata={"source": "virtual bench", "model": model.name, "command": command.text, "seed": str(seed), **motion},
     )
 
 
@@ -70,7 +71,7 @@ def with_noise(signals: dict[str, np.ndarray], model: Model, seed: int) -> dict[
     for name, noise in (("current", "current_noise"), ("speed", "speed_noise")):
         noisy[name] = signals[name] + random.normal(0.0, model.value(f"sensors.{noise}"), len(signals[name]))
     for name in ("motor", "output"):
-        count = 2.0 * math.pi / model.value(f"sensors.{name}_encoder_counts")
+        count = model.turn / model.value(f"sensors.{name}_encoder_counts")
         position = signals[f"{name}_position"]
         error = np.rint(random.normal(0.0, model.value(f"sensors.{name}_encoder_noise"), len(position)))
         noisy[f"{name}_position"] = np.rint(position / count + error - error[0]) * count
