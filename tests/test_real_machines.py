@@ -46,3 +46,12 @@ def test_emps_lacks_friction_that_depends_on_the_direction(emps):
     on_train, on_pulses = force_errors([train, pulses], found.model)
     symmetric = fit_model([train], load_model("emps"), method="equation").model
     assert on_train <= 0.0315 and on_pulses < force_errors([pulses], symmetric)[0]
+
+
+def test_emps_is_followed_by_its_published_controller(emps):
+    """The model's own position loop on the recorded command: nothing of the motion is given."""
+    model = discover(emps[:1], load_model("emps_mass")).model
+    (train,) = compare(emps[:1], model, "command").recordings
+    assert train.signals["motor_position"]["relative"] <= 2e-4
+    assert train.signals["motor_torque"]["unit"] == "N"
+    assert train.signals["motor_torque"]["relative"] <= 0.065

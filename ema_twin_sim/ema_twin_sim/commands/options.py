@@ -83,7 +83,9 @@ To = Annotated[
 ]
 Input = Annotated[
     str | None,
-    typer.Option("--input", help="What drives the twin: setpoint or current; by default what the recording allows."),
+    typer.Option(
+        "--input", help="What drives the twin: setpoint, current or command; by default what the recording has."
+    ),
 ]
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")

@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..model.equivalent import as_rotary, shown
+from ..model.matching import BY_TORQUE
 from ..simulation.simulate import choose_input, simulate
 from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison, SignalError
@@ -94,7 +95,7 @@ def compare(
         for name in residuals.keys() & set(_explained(chosen)):
             stretches[name].append(_stretch(recording, twin, residuals[name]))
         error = torque_error(recording, model) if chosen == "current" else None
-        result = shown_errors(model, running.result())
+        result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
         pooled.include(running)
         progress(recording.name)
@@ -109,7 +110,7 @@ def compare(
         model.name,
         together,
         tuple(compared),
-        shown_errors(model, pooled.result()),
+        shown_errors(model, _of_the_drive(model, pooled.result(), recordings)),
         tuple(where),
         tuple(warning for recording in recordings for warning in recording.warnings),
         "rotary" if model.radius is None else "linear",
@@ -126,6 +127,21 @@ def _dependences(model: Model, name: str, parts: Sequence[Stretch], torque: floa
         for p in parts
     ]
     return find_dependences(name, unit, own, torque, motion="linear", standstill=STANDSTILL * way)
+
+
+def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
+    """The errors; the current's as the drive's torque where no recording has a current."""
+    if not all(BY_TORQUE in recording.metadata for recording in recordings):
+        return signals
+    constant = model.value("machine.torque_constant")
+    found: Signals = {}
+    for name, error in signals.items():
+        if name == "current":
+            own = {key: constant * error[key] for key in ("rmse", "noise_floor")}
+            found["motor_torque"] = {**error, "rmse": own["rmse"], "noise_floor": own["noise_floor"], "unit": "N m"}
+        else:
+            found[name] = error
+    return found
 
 
 def shown_errors(model: Model, signals: Signals) -> Signals:

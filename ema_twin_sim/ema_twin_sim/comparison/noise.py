@@ -27,6 +27,8 @@ def noise_floors(model: Model, *, has_speed: bool = True, period: float | None =
     one = {side: counter_noise(model, side) for side in ("motor", "output")}
     counter = {side: math.hypot(math.sqrt(2.0) * one[side], _count(model, side) / math.sqrt(12.0)) for side in one}
     integrator = current * model.value("machine.torque_constant")
+    if model.value("drive.integral_limit") == 0.0:  # a drive that does not integrate starts from nothing
+        integrator = 0.0
     lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
     period = period or model.value("sensors.sample_period")
     return {

@@ -12,6 +12,8 @@ from ema_bench_replay.recording import Recording
 
 from .model import Model
 
+BY_TORQUE = "driven_by"
+"""The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
 AT_OUTPUT = "motor_position_at"
 """The metadata of a recording whose motor position is given as the output's: ``{AT_OUTPUT: "output"}``."""
 
@@ -36,6 +38,7 @@ def matched(recording: Recording, model: Model) -> Recording:
         origin *= ratio
     if "current" not in signals and "motor_torque" in signals:
         signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
+        metadata[BY_TORQUE] = "torque"
     if len(signals) == len(recording.signals) and metadata == recording.metadata:
         return recording
     return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata)

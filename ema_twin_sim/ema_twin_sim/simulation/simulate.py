@@ -16,18 +16,22 @@ from .twin import DEFAULT_STEP, Twin
 LONGEST_GAP = 60.0
 """s without a sample across which a twin integrates."""
 
-DRIVING = {"setpoint": "speed_setpoint", "current": "current"}
+DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
 """The signal of a recording that drives the twin under each input."""
+
+_TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command is one that stands alone
 
 
 def choose_input(recording: Recording, wanted: str | None = None) -> str:
     """The input that drives the twin: as wanted, else ``setpoint`` where the recording has one, else ``current``.
 
+    Wanted may be ``command`` too, the position that was asked for, which the model's own position loop then follows.
+
     Raises InputError where the recording lacks the signal.
     """
     chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
     if chosen not in DRIVING:
-        raise InputError(f"input '{chosen}' is not known; give setpoint or current")
+        raise InputError(f"input '{chosen}' is not known; give setpoint, current or command")
     if not recording.has(DRIVING[chosen]):
         raise InputError(
             f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
@@ -47,7 +51,13 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
             f"{recording.name}: nothing is recorded for {longest.duration:.4g} s from {longest.time:.3f} s on; "
             f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
         )
-    twin = Twin(model, choose_input(recording, source), step=step)
+    chosen = choose_input(recording, source)
+    if chosen == "command" and not (model.value("drive.position_gain") and model.value("drive.speed_gain")):
+        raise InputError(
+            f"model {model.name}: has no drive.position_gain and drive.speed_gain to follow a command with; give them, "
+            "or choose --input current"
+        )
+    twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step)
     absent = np.full(len(recording), math.nan)
     bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
     first = dict(zip(BENCH, bench[0], strict=True))
