@@ -1,9 +1,8 @@
 """Split: how inertia and friction are shared between the motor's side and the output's.
 
 Their sums show in every motion, their shares only while play or a spring parts the sides, and there the equation error
-knows them to a few per cent: enough to be milliseconds off at every impact. So the shares of the model file, its teeth,
-and all its constants as they are given, are held against the fitted ones in the closed loop, and those that follow the
-recordings better stay.
+knows them to a few per cent: enough to be milliseconds off at every impact. So the shares of the model file, and its
+teeth, are held against the fitted ones in the closed loop, and those that follow the recordings better stay.
 """
 
 from __future__ import annotations
@@ -40,9 +39,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
         for free in shared.free
         if free.path.startswith("contact.")
     }
-    nominal = {free.path: free.prior[0] for free in best.hypothesis.free if free.prior is not None}
-    as_given = fit(eq, _held(best.hypothesis, {**nominal, **contact})).hypothesis.values
-    others = [shared, *([_held(shared, contact)] if contact else []), best.hypothesis.at(as_given)]
+    others = [shared, *([_held(shared, contact)] if contact else [])]
     fitted, *errors = (_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < BETTER * fitted:
