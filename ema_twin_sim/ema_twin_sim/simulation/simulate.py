@@ -31,7 +31,7 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
     """
     chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
     if chosen not in DRIVING:
-        raise InputError(f"input '{chosen}' is not known; give setpoint, current or command")
+        raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
     if not recording.has(DRIVING[chosen]):
         raise InputError(
             f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
