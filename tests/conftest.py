@@ -20,6 +20,14 @@ RECORDINGS = Path(__file__).resolve().parent / "recordings"
 SHARED = ROOT.parent / "shared"
 
 
+def outside(name):
+    """A folder of recordings beside the project; where it is absent, the test is skipped."""
+    folder = SHARED / name
+    if not folder.is_dir():
+        pytest.skip(f"{folder} is absent: its recordings are not part of the project")
+    return folder
+
+
 @pytest.fixture(scope="session")
 def traces():
     """The project's own recordings: CSV traces of a bench with two hidden effects."""
@@ -29,19 +37,13 @@ def traces():
 @pytest.fixture(scope="session")
 def bench_cases():
     """Labelled recordings of another virtual bench; they lie outside the project."""
-    folder = SHARED / "bench_cases"
-    if not folder.is_dir():
-        pytest.skip(f"{folder} is absent: its labelled recordings are not part of the project")
-    return folder
+    return outside("bench_cases")
 
 
 @pytest.fixture(scope="session")
 def real():
     """Measured recordings of other people's machines; they lie outside the project."""
-    folder = SHARED / "real"
-    if not folder.is_dir():
-        pytest.skip(f"{folder} is absent: its recordings are not part of the project")
-    return folder
+    return outside("real")
 
 
 @pytest.fixture(scope="session")

@@ -261,6 +261,7 @@ def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
     of_all = "ema-twin compare 'my runs'/*.CSV --model polito_bench --model 'a new.yaml'"
     assert compare_command(files, models) == of_all
     assert compare_command([folder], ["polito_bench"]) == "ema-twin compare 'my runs' --model polito_bench"
+    assert compare_command([folder], ["emps"], import_map="emps").endswith("--model emps --map emps")
     (folder / "other.CSV").touch()
     mixed = [*files, folder / "5.mcap"]
     for given in (files, mixed, [Path(f"{k}.CSV") for k in range(4)]):

@@ -8,6 +8,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import fit_model
@@ -85,6 +86,13 @@ def test_what_a_carriage_lacks_is_found_from_its_mass_alone():
     assert found.parameters["asymmetric_friction"]["fraction"]["value"] == pytest.approx(0.15, abs=0.01)
     assert found.constants["machine"]["inertia"]["value"] == pytest.approx(MASS, rel=0.01)
     assert found.unseen.unit == "N"
+
+
+def test_what_a_carriage_lacks_is_diagnosed_in_its_own_units():
+    """The recordings have no current, and are weighed as they were searched."""
+    diagnosis = diagnose([carriage(asymmetry=0.15, seed=k) for k in range(2)], load_model("emps_mass"))
+    units = {e.effect: {n: held["unit"] for n, held in e.parameters.items()} for e in diagnosis.ranking if e.found}
+    assert units["viscous_friction"]["coefficient"] == "N s/m" and units["coulomb_friction"]["torque"] == "N"
 
 
 def test_a_model_is_written_with_its_own_words_and_units(emps, tmp_path):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.units import MOTIONS
 
 #: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
 SIGNALS: tuple[str, ...] = (
@@ -32,6 +33,11 @@ SIGNALS: tuple[str, ...] = (
     "phase_current_w",  # A
     "unexplained_torque",  # N m, fast shaft; only a twin fills it
 )
+
+#: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary), and, where its motor's
+#: position is given as the output's, "output".
+MOTION = "motion"
+AT_OUTPUT = "motor_position_at"
 
 #: Stamp of the first sample where a recording has no date; ROS reads time 0 as "not set".
 NO_DATE = 1_000_000_000
@@ -91,6 +97,11 @@ class Recording:
     def time(self) -> np.ndarray:
         """Seconds since the first sample, float64 (n,)."""
         return _frozen(self.stamps * 1e-9, np.float64)
+
+    @property
+    def motion(self) -> str:
+        """How the machine moves, rotary or linear: its positions are rad or m."""
+        return self.metadata.get(MOTION, MOTIONS[0])
 
     @property
     def duration(self) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import AT_OUTPUT, MOTION, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
@@ -195,8 +195,8 @@ class _Trace:
         text = {"columns": columns, "time_origin": time_origin, "origins": self.origins, "style": style}
         at_output = any(signal.at_output and signal.signal in self.columns for signal in self.map.signals)
         return {
-            **({"motor_position_at": "output"} if at_output else {}),
-            **({"motion": self.map.motion} if self.map.motion != "rotary" else {}),
+            **({AT_OUTPUT: "output"} if at_output else {}),
+            **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
             "source": self.table.path.name,
             "sha256": self.table.sha256,
             "map": self.map.name,

@@ -60,7 +60,7 @@ def run(
     with status() as progress:
         found = discover(given.recordings, given.model, without=given.without, progress=progress)
         progress("weighing what was found")
-        diagnosis = weigh(found, given.recordings)
+        diagnosis = weigh(found)
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)

@@ -76,17 +76,25 @@ def run(
     warn_of(found.warnings, given.recordings)
     what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
     say(f"\n{output} is {what}. See how far off it is:")
-    console.print(f"  {compare_command(runs, [model, output], with_files or ())}", markup=False, soft_wrap=True)
+    console.print(
+        f"  {compare_command(runs, [model, output], with_files or (), import_map)}", markup=False, soft_wrap=True
+    )
     if evidence is not None:
         console.print(f"  rerun {quote(str(evidence))}     (what each step left over)", markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
 
 
-def compare_command(runs: Sequence[Path], models: Sequence[str | Path], with_files: Sequence[Path] = ()) -> str:
+def compare_command(
+    runs: Sequence[Path],
+    models: Sequence[str | Path],
+    with_files: Sequence[Path] = (),
+    import_map: str = "siemens",
+) -> str:
     """The command that shows models beside recordings, as a shell takes it."""
     models_named = [part for model in models for part in ("--model", quote(str(model)))]
     own = [part for file in with_files for part in ("--with", quote(str(file)))]
-    return " ".join(["ema-twin", "compare", *_as_arguments(runs), *models_named, *own])
+    read_by = [] if import_map == "siemens" else ["--map", quote(import_map)]
+    return " ".join(["ema-twin", "compare", *_as_arguments(runs), *models_named, *own, *read_by])
 
 
 def _as_arguments(runs: Sequence[Path]) -> list[str]:

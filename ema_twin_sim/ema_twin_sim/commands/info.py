@@ -54,7 +54,7 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
         table.numbers("least", "mean", "greatest")
         signals = {}
         for name, values in recording.signals.items():
-            unit = signal_unit(name, recording.metadata.get("motion", "rotary"))
+            unit = signal_unit(name, recording.motion)
             numbers = {
                 "least": float(values.min()),
                 "mean": float(values.mean()),

@@ -19,6 +19,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
 from ..model import EffectInstance, Model
+from ..model.equivalent import shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover
@@ -108,7 +109,7 @@ def diagnose(
     """
     found = discover(recordings, model, without=without, progress=progress)
     progress("weighing what was found")
-    return weigh(found, recordings)
+    return weigh(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,8 +129,8 @@ class _Contender:
         return self.instance.effect, tuple(sorted(self.instance.options.items()))
 
 
-def weigh(found: Discovery, recordings: Sequence[Recording]) -> Diagnosis:
-    """The diagnosis that a discovery on these recordings comes to."""
+def weigh(found: Discovery) -> Diagnosis:
+    """The diagnosis that a discovery comes to."""
     eq, best = found.equation, found.search.fit
     contests = _contests(eq, found)
     worth = {cause.key: math.log1p(max(gain(eq, cause.before, cause.after), 0.0)) for cause, *_ in contests}
@@ -153,7 +154,7 @@ def weigh(found: Discovery, recordings: Sequence[Recording]) -> Diagnosis:
     for contender in tried:
         mass.setdefault(contender.key, 0.0)
     order = sorted(mass, key=lambda key: -mass[key])[:RANKED]
-    removed = _removed(eq, recordings, [contenders[key] for key in order[:SIMULATED]])
+    removed = _removed(eq, found.recordings, [contenders[key] for key in order[:SIMULATED]])
     ranking = tuple(_ranked(eq, contenders[key], mass[key], removed.get(key), key in worth) for key in order)
     verdict = ranking[0].effect if found.verdict == "explained" else found.verdict
     return Diagnosis(
@@ -239,11 +240,13 @@ def _ranked(eq: Equation, contender: _Contender, probability: float, removed: fl
     f, instance = contender.after, contender.instance
     sure = standard_errors(eq, f)
     parameters = {
-        p.name: {
-            "value": instance.parameters[p.name],
-            "std": reported(sure.get(f"effects.{contender.name}.{p.name}"), instance.parameters[p.name], p),
-            "unit": p.unit,
-        }
+        p.name: shown_entry(
+            f.hypothesis.base,
+            instance.parameters[p.name],
+            reported(sure.get(f"effects.{contender.name}.{p.name}"), instance.parameters[p.name], p),
+            p.unit,
+            angle=p.periodic,
+        )
         for p in catalogue()[instance.effect].parameters
     }
     return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)

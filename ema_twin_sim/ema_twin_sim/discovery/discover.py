@@ -17,7 +17,7 @@ from .contradictions import contradictions
 from .ending import NOISY, why_ended
 from .equation import Equation
 from .estimates import constants, far_off, parameters, standard_errors
-from .explained import apart, explained, nearly
+from .explained import apart, explained
 from .fit import fit
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .next_command import suggest
@@ -73,6 +73,7 @@ class Discovery:
     search: Search
     equation: Equation
     rivalries: tuple[Rivalry, ...]
+    recordings: tuple[Recording, ...]  # as they were searched: matched, of the drum where the machine is linear
 
     def as_json(self) -> dict[str, object]:
         """SI units; absent numbers are null."""
@@ -117,7 +118,7 @@ def discover(
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     found = significant(eq, found)
-    known = known and (nearly(eq, found.fit, start) if model.is_open else explained(eq, found.fit, start))
+    known = known and explained(eq, found.fit, start)
     found = with_best_split(eq, recordings, found)
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, recordings, found)
@@ -157,6 +158,7 @@ def discover(
         found,
         eq,
         rivals,
+        tuple(recordings),
     )
 
 
@@ -174,7 +176,7 @@ def _searched(
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(eq, null, barred, progress)
     if null.base.is_open:
-        return found, nearly(eq, found.fit, found.rounds[0].before)
+        return found, explained(eq, found.fit, found.rounds[0].before)
     if sum(bool(turn.added) for turn in found.rounds) >= ROUNDS:
         return found, False
     found = in_better_company(eq, found, barred, progress)

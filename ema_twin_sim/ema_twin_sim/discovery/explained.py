@@ -31,16 +31,18 @@ REMAINS = (
 
 def explained(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
+    if f.hypothesis.base.is_open:
+        return _nearly(eq, f) and not apart(eq, f, start)
     return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
 
 
-def nearly(eq: Equation, f: Fit, start: Fit) -> bool:
+def _nearly(eq: Equation, f: Fit) -> bool:
     """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
 
     There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand.
     """
     left = (f.raw[: eq.size] * eq.noise) ** 2
-    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2)) and not apart(eq, f, start)
+    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2))
 
 
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import MOTION, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
 from ..effects import find_effect
 from .constants import CONSTANTS
-from .matching import all_matched
+from .matching import matched
 from .model import Model
 
 USUAL_SPEED = 10.0  # rad/s, of the drum
@@ -65,7 +65,7 @@ def as_rotary(recordings: Sequence[Recording], model: Model) -> tuple[list[Recor
 
     Raises InputError where they do not belong together.
     """
-    found = all_matched(recordings, model)
+    found = [matched(recording, model) for recording in recordings]
     radius = drum_radius(found, model)
     return [round_the_drum(recording, radius) for recording in found], rotary(model, radius)
 
@@ -92,7 +92,7 @@ def round_the_drum(recording: Recording, radius: float) -> Recording:
         signals={name: values / per[name] for name, values in recording.signals.items()},
         motor_angle_origin=recording.motor_angle_origin / radius,
         output_angle_origin=recording.output_angle_origin / radius,
-        metadata={**recording.metadata, "motion": "rotary"},
+        metadata={**recording.metadata, MOTION: "rotary"},
     )
 
 

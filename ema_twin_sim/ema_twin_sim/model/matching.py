@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import AT_OUTPUT, Recording
 
 from .model import Model
 
 BY_TORQUE = "driven_by"
 """The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
-AT_OUTPUT = "motor_position_at"
-"""The metadata of a recording whose motor position is given as the output's: ``{AT_OUTPUT: "output"}``."""
 
 
 def matched(recording: Recording, model: Model) -> Recording:
@@ -23,11 +20,10 @@ def matched(recording: Recording, model: Model) -> Recording:
 
     Raises InputError where recording and model are of different motions (rotary, linear).
     """
-    motion = recording.metadata.get("motion", "rotary")
-    if motion != model.motion:
+    if recording.motion != model.motion:
         raise InputError(
-            f"{recording.name}: is of a {motion} machine, model {model.name} of a {model.motion} one; name the right "
-            "import map (--map) or model (--model)"
+            f"{recording.name}: is of a {recording.motion} machine, model {model.name} of a {model.motion} one; "
+            "name the right import map (--map) or model (--model)"
         )
     signals: dict[str, np.ndarray] = dict(recording.signals)
     origin = recording.motor_angle_origin
@@ -42,8 +38,3 @@ def matched(recording: Recording, model: Model) -> Recording:
     if len(signals) == len(recording.signals) and metadata == recording.metadata:
         return recording
     return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata)
-
-
-def all_matched(recordings: Sequence[Recording], model: Model) -> list[Recording]:
-    """``matched``, of several recordings."""
-    return [matched(recording, model) for recording in recordings]

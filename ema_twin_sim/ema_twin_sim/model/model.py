@@ -89,11 +89,8 @@ class Model:
         return 2.0 * math.pi if self.motion == "rotary" else 1.0
 
     def unit(self, path: str) -> str:
-        """The unit of a constant, or of ``effects.NAME.PARAMETER``, in this machine's motion."""
-        if not path.startswith("effects."):
-            return unit_in(CONSTANTS[path].unit, self.motion)
-        _, name, parameter = path.split(".")
-        return self.parameter_unit(self.effects[name].effect, parameter)
+        """The unit of a constant in this machine's motion."""
+        return unit_in(CONSTANTS[path].unit, self.motion)
 
     def parameter_unit(self, effect: str, parameter: str) -> str:
         """The unit of an effect's parameter in this machine's motion; angles of waves are angles in any."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import MOTION, Recording
 
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
@@ -53,7 +53,7 @@ def virtual_bench(
         del signals["output_command"]
     if seed is not None:
         signals = with_noise(signals, model, seed)
-    motion = {} if model.motion == "rotary" else {"motion": model.motion}
+    motion = {} if model.motion == "rotary" else {MOTION: model.motion}
     return Recording(
         name=name or command.name,
         stamps=stamps,
