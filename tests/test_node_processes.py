@@ -106,9 +106,10 @@ def test_what_the_recorder_loses_it_counts(graph, start, tmp_path):
     record = start(RECORD, f"output:={tmp_path / 'bag'}", "topics:=[/lo*]")
     publisher = graph.plain_node().create_publisher(EmaState, "/loud", qos.JOINT_STATES)
     graph.spin_until(publisher.get_subscription_count)
+    publisher.publish(write_state(1, 1, 0, {"current": 1.0}))
     graph.spin_for(0.3)
     record.send_signal(signal.SIGSTOP)
-    for sequence in range(5000):
+    for sequence in range(1, 5000):
         publisher.publish(write_state(sequence + 1, 1, sequence, {"current": 1.0}))
     record.send_signal(signal.SIGCONT)
     for sequence in range(5000, 5020):

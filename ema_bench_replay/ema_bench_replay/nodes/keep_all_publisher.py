@@ -49,6 +49,7 @@ class KeepAllPublisher:
         """Number of subscriptions that have been found."""
         return self._publisher.get_subscription_count()
 
-    def wait_for_readers(self, timeout: float) -> bool:
-        """Wait [s] until every reader has received all that was sent; false where one has not."""
-        return self._publisher.wait_for_all_acked(Duration(seconds=timeout))
+    @property
+    def all_received(self) -> bool:
+        """Whether every reader has received all that was sent."""
+        return self._publisher.wait_for_all_acked(Duration())

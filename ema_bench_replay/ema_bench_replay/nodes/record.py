@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import partial
 from importlib import import_module
 
 from rclpy.context import Context
-from rclpy.event_handler import QoSMessageLostInfo, SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.subscription import Subscription
 
 from ema_bench_replay.bags.bag_metadata import qos_profile
 from ema_bench_replay.bags.stream_writer import StreamWriter
@@ -20,6 +20,7 @@ from ema_bench_replay.errors import InputError
 
 from . import diagnostics
 from .parameters import Declaration, declare, refuse_unknown
+from .published_numbers import PublishedNumbers
 from .spin import run, steady_timer
 
 PARAMETERS = (
@@ -29,6 +30,10 @@ PARAMETERS = (
 
 _LOOK_AROUND = 0.1
 """s between two looks for topics that have come up."""
+_COLLECT = 0.01
+"""s between two emptyings of what DDS has kept for us."""
+_AT_ONCE = 2000
+"""Messages of a topic taken in one go: the others, and a signal to end, shall not wait longer."""
 _FLUSH = 0.5
 """s after which a message is on disk, however slowly they come."""
 
@@ -37,7 +42,11 @@ class RecordNode(Node):
     """Records every message of the topics, serialised as it is.
 
     A topic is subscribed to as it is published: reliable where every publisher is, so that nothing is lost, with the
-    messages sent before where every publisher keeps them. What DDS reports as lost is counted.
+    messages sent before where every publisher keeps them. What is lost is counted.
+
+    The recorded topics are not served by the executor but emptied on a timer: only so do messages come with their times
+    and numbers (`EventsExecutor` of these rclpy versions fails where a callback wants them), and DDS's own report of
+    losses must not be asked for: taking it while more are lost locks up rmw_fastrtps.
 
     Attributes:
         written: messages written, by topic.
@@ -53,6 +62,8 @@ class RecordNode(Node):
             raise InputError("record: parameter output: it is not given; give output:=FOLDER")
         self._patterns = given["topics"]
         self._writer = StreamWriter(given["output"])
+        self._recorded: dict[str, Subscription] = {}
+        self._numbers: dict[str, PublishedNumbers] = {}
         self._unreadable: dict[str, str] = {}
         self._problem = ""
         self.written: dict[str, int] = {}
@@ -60,7 +71,14 @@ class RecordNode(Node):
         self._diagnostics = diagnostics.Diagnostics(self, str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
+        steady_timer(self, _COLLECT, self._collect)
         steady_timer(self, _FLUSH, self._flush)
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Those that an executor serves: none of the recorded topics."""
+        recorded = {id(subscription) for subscription in self._recorded.values()}
+        return (subscription for subscription in super().subscriptions if id(subscription) not in recorded)
 
     def _look_around(self) -> None:
         for topic, types in self.get_topic_names_and_types():
@@ -79,22 +97,27 @@ class RecordNode(Node):
             self.get_logger().warning(f"{topic} is not recorded: {type_name} is not installed here ({error})")
             return
         self.written[topic] = self.lost[topic] = 0
-        self.create_subscription(
-            message_type,
-            topic,
-            partial(self._on_message, topic),
-            _matching(offered),
-            raw=True,
-            event_callbacks=SubscriptionEventCallbacks(message_lost=partial(self._on_lost, topic)),
+        self._numbers[topic] = PublishedNumbers(partial(self.count_publishers, topic))
+        self._recorded[topic] = self.create_subscription(
+            message_type, topic, _never_called, _matching(offered), raw=True
         )
 
-    def _on_message(self, topic: str, message: bytes) -> None:
+    def _collect(self) -> None:
+        for topic, subscription in self._recorded.items():
+            for _ in range(_AT_ONCE):
+                taken = subscription.handle.take_message(subscription.msg_type, True)
+                if taken is None:
+                    break
+                self._on_message(topic, *taken)
+
+    def _on_message(self, topic: str, message: bytes, info: Mapping[str, int | None]) -> None:
+        self.lost[topic] += self._numbers[topic].lost_before(info["publication_sequence_number"] or 0)
         if self._problem:
             self.lost[topic] += 1
             return
         try:
-            # With message info, which has the time of sending too, the events executor of these rclpy versions fails.
-            self._writer.write(topic, message, time.time_ns())
+            arrived = info["received_timestamp"] or time.time_ns()
+            self._writer.write(topic, message, arrived, info["source_timestamp"])
         except InputError as error:
             self._fail(error)
         else:
@@ -112,9 +135,6 @@ class RecordNode(Node):
         self._problem = str(error)
         self.get_logger().error(self._problem)
 
-    def _on_lost(self, topic: str, event: QoSMessageLostInfo) -> None:
-        self.lost[topic] += event.total_count_change
-
     def _report(self) -> diagnostics.Report:
         lost = sum(self.lost.values())
         if self._problem:
@@ -130,6 +150,7 @@ class RecordNode(Node):
 
     def destroy_node(self) -> None:
         """Finish the file, and say what is in it."""
+        self._collect()
         try:
             self._writer.finish()
         except InputError as error:
@@ -141,6 +162,11 @@ class RecordNode(Node):
         else:
             self.get_logger().info(f"{text}, none lost")
         super().destroy_node()
+
+
+def _never_called(message: bytes) -> None:
+    """Recorded topics are emptied on a timer; rclpy wants a callback all the same."""
+    raise NotImplementedError
 
 
 def _matching(offered: Sequence[QoSProfile]) -> QoSProfile:
