@@ -35,9 +35,10 @@ SIGNALS: tuple[str, ...] = (
 )
 
 #: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary), and, where its motor's
-#: position is given as the output's, "output".
+#: position is given as the output's, "output"; and, where its samples are operating points, "yes".
 MOTION = "motion"
 AT_OUTPUT = "motor_position_at"
+POINTS = "operating_points"
 
 #: Stamp of the first sample where a recording has no date; ROS reads time 0 as "not set".
 NO_DATE = 1_000_000_000
@@ -104,6 +105,11 @@ class Recording:
         return self.metadata.get(MOTION, MOTIONS[0])
 
     @property
+    def of_points(self) -> bool:
+        """Whether each sample is an operating point of its own: the machine rests there, or turns at constant speed."""
+        return POINTS in self.metadata
+
+    @property
     def duration(self) -> float:
         """Seconds from the first sample to the last."""
         return float(self.stamps[-1]) * 1e-9
@@ -115,7 +121,9 @@ class Recording:
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
-        """Where samples are missing: steps longer than one and a half sample periods."""
+        """Where samples are missing: steps longer than one and a half sample periods. Between points nothing is."""
+        if self.of_points:
+            return ()
         steps = np.diff(self.stamps) * 1e-9
         places = np.flatnonzero(steps > _GAP_FACTOR * self.sample_period)
         period = self.sample_period

@@ -64,10 +64,11 @@ class ImportMap:
 
     name: str
     text: str
-    time: Column
+    time: Column | None  # None: operating points in the order of their rows
     time_unit: str
     signals: tuple[SignalMap, ...]
     motion: str = "rotary"  # or linear: then positions are m, speeds m/s, torques forces in N
+    of_points: bool = False  # each row is an operating point: at rest there, or at constant speed
     delimiter: str | None = None  # None: found out
     number_format: str | None = None  # "german" or "english"; None: found out
     time_name: str = "X [ms]"  # names of columns when a trace is written
@@ -82,11 +83,18 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     top = check.mapping(
         content,
         "",
-        ("version", "description", "motion", "delimiter", "number_format", "time", "signals", "column_name"),
-        required=("version", "time", "signals"),
+        (
+            *("version", "description", "motion", "operating_points", "delimiter", "number_format", "time", "signals"),
+            "column_name",
+        ),
+        required=("version", "signals"),
     )
     check.choice(top["version"], "version", (1,))
-    time = check.mapping(top["time"], "time", ("column", "unit", "write_as"), required=("column", "unit"))
+    of_points = check.boolean(top.get("operating_points", False), "operating_points")
+    if "time" not in top and not of_points:
+        raise check.error("time", "is missing", "name the column of time, or say `operating_points: true`")
+    keys = ("column", "unit")
+    time = check.mapping(top["time"], "time", (*keys, "write_as"), required=keys) if "time" in top else {}
     signals = check.mapping(top["signals"], "signals", SIGNALS)
     if not signals:
         raise check.error("signals", "names no signal", f"map at least one of {', '.join(SIGNALS)}")
@@ -96,13 +104,14 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     return ImportMap(
         name=path.stem,
         text=text,
-        time=_column(check, time["column"], "time.column"),
-        time_unit=check.choice(time["unit"], "time.unit", TIME_UNITS),
+        time=_column(check, time["column"], "time.column") if time else None,
+        time_unit=check.choice(time.get("unit", "s"), "time.unit", TIME_UNITS),
         signals=tuple(_signal(check, name, value, motion) for name, value in signals.items()),
         motion=motion,
+        of_points=of_points,
         delimiter={"auto": None, "tab": "\t"}.get(delimiter, delimiter),
         number_format=None if number_format == "auto" else number_format,
-        time_name=check.text(time.get("write_as", time["column"]), "time.write_as"),
+        time_name=check.text(time.get("write_as", time.get("column", "time [s]")), "time.write_as"),
         column_name=check.text(top.get("column_name", "{column}"), "column_name"),
     )
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT_OUTPUT, MOTION, Recording
+from ema_bench_replay.recording import AT_OUTPUT, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
@@ -77,9 +77,14 @@ class _Trace:
             warnings=tuple(self.warnings),
         )
 
-    def _time(self) -> tuple[int, np.ndarray, float]:
-        """Place of the time column, stamps in ns from 0, and what the column shows at the first sample."""
+    def _time(self) -> tuple[int | None, np.ndarray, float]:
+        """Place of the time column, stamps in ns from 0, and what the column shows at the first sample.
+
+        Operating points may have none: then they follow each other by a second.
+        """
         table = self.table
+        if self.map.time is None:
+            return None, np.arange(len(table.columns[0]), dtype=np.int64) * int(TIME_UNITS["s"]), 0.0
         places = self.map.time.find(table.header)
         if not places:
             shown = ", ".join(table.header)[:200]
@@ -102,7 +107,8 @@ class _Trace:
         if len(stamps) < 2:
             raise InputError(f"{table.path}: has one row only; a recording needs at least two")
         resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]
-        self._report_steps(stamps, steps, resolution)
+        if not self.map.of_points:
+            self._report_steps(stamps, steps, resolution)
         return places[0], stamps, float(values[0])
 
     def _report_steps(self, stamps: np.ndarray, steps: np.ndarray, resolution: float) -> None:
@@ -185,7 +191,7 @@ class _Trace:
             self._warn(f"{name}: {finding.describe(time[finding.sample])}")
         return counts
 
-    def _metadata(self, time_place: int, time_origin: float) -> dict[str, str]:
+    def _metadata(self, time_place: int | None, time_origin: float) -> dict[str, str]:
         signal_of = {place: name for name, place in reversed(self.columns.items())}
         columns = [
             {"name": name, "signal": "time" if place == time_place else signal_of.get(place), "decimals": decimals}
@@ -197,6 +203,7 @@ class _Trace:
         return {
             **({AT_OUTPUT: "output"} if at_output else {}),
             **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
+            **({POINTS: "yes"} if self.map.of_points else {}),
             "source": self.table.path.name,
             "sha256": self.table.sha256,
             "map": self.map.name,

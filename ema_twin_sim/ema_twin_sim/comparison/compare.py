@@ -12,7 +12,8 @@ from ema_bench_replay.recording import Recording
 from ..model import Model
 from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
-from ..simulation.simulate import choose_input, simulate
+from ..simulation.operating_points import HOLDING
+from ..simulation.simulate import POINTWISE, choose_input, simulate
 from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .torque_error import TorqueError, torque_error
@@ -100,11 +101,12 @@ def compare(
         pooled.include(running)
         progress(recording.name)
     torques = {"current": model.value("machine.torque_constant"), "unexplained_torque": 1.0}
+    standstill = 0.5 * HOLDING if together == POINTWISE else STANDSTILL
     where = [
         dependence
         for name, parts in stretches.items()
         if parts
-        for dependence in _dependences(model, name, parts, torques.get(name))
+        for dependence in _dependences(model, name, parts, torques.get(name), standstill)
     ]
     return Comparison(
         model.name,
@@ -117,16 +119,18 @@ def compare(
     )
 
 
-def _dependences(model: Model, name: str, parts: Sequence[Stretch], torque: float | None) -> list[Dependence]:
-    """Where a signal's residual is large, in the machine's own units."""
+def _dependences(
+    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, standstill: float
+) -> list[Dependence]:
+    """Where a signal's residual is large, in the machine's own units; ``standstill`` [rad/s]."""
     if model.radius is None:
-        return find_dependences(name, UNITS[name], parts, torque)
+        return find_dependences(name, UNITS[name], parts, torque, standstill=standstill)
     (residual, unit), (way, _) = shown(model, 1.0, UNITS[name]), shown(model, 1.0, "rad")
     own = [
         Stretch(p.residual * residual, p.speed * way, p.motor_angle * way, p.output_position * way, p.time)
         for p in parts
     ]
-    return find_dependences(name, unit, own, torque, motion="linear", standstill=STANDSTILL * way)
+    return find_dependences(name, unit, own, torque, motion="linear", standstill=standstill * way)
 
 
 def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
@@ -160,7 +164,7 @@ def _explained(source: str) -> tuple[str, ...]:
 
 def _stretch(recording: Recording, twin: Recording, residual: np.ndarray) -> Stretch:
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
-    speed = recording.signals.get("speed")
+    speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:
         speed = np.gradient(position, recording.time)
     origin = 0.0 if np.isnan(recording.motor_angle_origin) else recording.motor_angle_origin

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_ANGLE_BINS = 256  # per revolution: orders up to 128
+_ANGLE_BINS = 512  # per revolution: orders up to 256
 _STEP = 0.02
-ORDERS = np.arange(0.2, 60.0, _STEP)
+ORDERS = np.arange(0.2, 160.0, _STEP)
 """The orders of a ``Periodicity``'s spectrum."""
 _REFINED = 11  # orders tried around the best of the grid
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one

@@ -21,8 +21,11 @@ UNITS: dict[str, str] = {
 }
 """The compared signals and their units; a residual is measured minus twin."""
 
-DRIVEN = {"current": "current"}
-"""The compared signal that drives the twin under an input: its residual says nothing."""
+DRIVEN: dict[str, tuple[str, ...]] = {
+    "current": ("current",),
+    "motion": ("speed", "motor_position", "output_position"),
+}
+"""The compared signals that drive the twin under an input: their residuals say nothing."""
 
 
 class SignalError(TypedDict):
@@ -116,7 +119,7 @@ class RunningComparison:
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
         for name in UNITS:
-            if other.source != self.source and DRIVEN.get(other.source) == name:
+            if other.source != self.source and name in DRIVEN.get(other.source, ()):
                 continue
             self._count[name] += other._count[name]
             self._square[name] += other._square[name]
@@ -155,6 +158,6 @@ class RunningComparison:
                 "relative": math.sqrt(self._square[name]) / norm if norm > 0.0 else 0.0,
                 "noise_floor": self.noise_floor[name],
                 "unit": UNITS[name],
-                "driven": DRIVEN.get(self.source) == name,
+                "driven": name in DRIVEN.get(self.source, ()),
             }
         return found

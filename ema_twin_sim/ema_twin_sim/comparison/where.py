@@ -145,7 +145,7 @@ def find_dependences(
     found = [_constant(signal, unit, residual)]
     found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
     # a carriage has no revolutions
-    periodic = _periodic(signal, unit, residual, stretches, torque) if motion == "rotary" else None
+    periodic = _periodic(signal, unit, residual, stretches, torque, standstill) if motion == "rotary" else None
     if periodic is not None:
         found.insert(1, periodic)
     best = max(dependence.share for dependence in found)
@@ -227,13 +227,18 @@ def _constant(signal: str, unit: str, residual: np.ndarray) -> Dependence:
 
 
 def _periodic(
-    signal: str, unit: str, residual: np.ndarray, stretches: Sequence[Stretch], torque: float | None
+    signal: str,
+    unit: str,
+    residual: np.ndarray,
+    stretches: Sequence[Stretch],
+    torque: float | None,
+    standstill: float,
 ) -> Dependence | None:
     """The order (cycles per motor revolution) that carries most of the residual's power."""
     parts = []
     for stretch in stretches:
         # at standstill one angle would gather all samples, which looks like every order at once
-        moving = np.abs(stretch.speed) > STANDSTILL
+        moving = np.abs(stretch.speed) > standstill
         parts.append((stretch.residual[moving], stretch.motor_angle[moving], np.sign(stretch.speed[moving])))
     found = find_order(parts)
     if found is None:

@@ -31,9 +31,3 @@ def narrowest_for_speed(period: float, noise: float, widest: float, least: float
             break
         width *= NARROWER
     return width
-
-
-def white_noise(values: np.ndarray) -> float:
-    """Standard deviation of the white noise on a smooth signal, by its third differences, robustly."""
-    third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))

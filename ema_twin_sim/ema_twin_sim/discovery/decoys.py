@@ -81,6 +81,8 @@ def _by_position(eq: Equation) -> dict[str, np.ndarray]:
 def _by_time(eq: Equation) -> dict[str, np.ndarray]:
     found = {}
     for k, chosen in enumerate(eq.observations):
+        if chosen.of_points:  # what passes between two of them says nothing
+            continue
         lasts = chosen.motion[-1, TIME]
         knots = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
         hats = [

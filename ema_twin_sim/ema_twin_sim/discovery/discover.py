@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.equivalent import as_rotary, given_back
+from ..simulation.operating_points import at_rest, halves, not_shown, woken
 from .company import in_better_company, thought_again
 from .contradictions import contradictions
 from .ending import NOISY, why_ended
@@ -106,9 +107,11 @@ def discover(
     """
     progress("reading the motion")
     recordings, model = as_rotary(recordings, model)
+    recordings, awake = halves(recordings), model
+    model = at_rest(model, recordings)
     eq = Equation(observe_all(list(recordings), model))
     null = null_hypothesis(model)
-    barred = frozenset(without) | _impossible(model)
+    barred = frozenset(without) | _impossible(model) | not_shown(recordings)
     found, known = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
@@ -139,7 +142,7 @@ def discover(
     return Discovery(
         verdict,
         added,
-        given_back(model) if as_given else given_back(best.hypothesis.model()).fitted_from(given_back(model)),
+        given_back(awake if as_given else woken(best.hypothesis.model(), awake)).fitted_from(given_back(awake)),
         _steps(found, unseen),
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given else constants(best, errors)),

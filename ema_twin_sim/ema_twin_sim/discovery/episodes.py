@@ -37,6 +37,8 @@ def episodes(eq: Equation, f: Fit) -> tuple[Episode, ...]:
     found = []
     far_rows = in_episodes = 0
     for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        if o.of_points:  # whose order tells of no time
+            continue
         raw = f.raw[part]
         time = o.motion[o.rows, TIME]
         far = np.flatnonzero(np.abs(raw) > FAR)

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .decoys import dependence
 from .discover import Discovery
@@ -25,22 +26,9 @@ from .trace import Round, Trial, new_names
 BINS = 24
 FEWEST = 5  # rows of a bin that has a median
 BANDS = 150  # of an order spectrum
+SHOWN = 1.33  # times the highest order that the model names
 NEAR = 0.03  # orders that are taken to be a named one
 NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # against these, bins are narrow about zero
-ORDER_NAMES: Mapping[float, str] = {
-    0.25: "carrier",
-    0.7258: "damaged tooth, output ring",
-    0.75: "planet",
-    1.0: "sun (motor shaft)",
-    2.25: "damaged tooth, sun",
-    4.0: "electrical, current offset",
-    8.0: "electrical, gain imbalance",
-    15.0: "second mesh",
-    15.75: "first mesh",
-    24.0: "electrical, sixth harmonic; cogging",
-    45.0: "second mesh, third harmonic",
-}
-
 Kind = Literal["torque", "encoder_difference"]
 _UNITS: dict[Kind, str] = {"torque": "N m", "encoder_difference": "rad"}
 
@@ -179,7 +167,7 @@ def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
     moved = (residuals["before"] - residuals["after"]) ** 2
     main = "encoder_difference" if moved[eq.size :].sum() > moved[: eq.size].sum() else "torque"
     views.sort(key=lambda view: (view.kind != main, -view.share))
-    return StepEvidence(compared, tuple(views), _spectrum(eq, torques))
+    return StepEvidence(compared, tuple(views), _spectrum(eq, torques, compared.fits["after"].hypothesis.base))
 
 
 def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
@@ -273,8 +261,11 @@ def _edges(x: np.ndarray, *, narrow: bool) -> np.ndarray:
     return root * np.abs(root)
 
 
-def _spectrum(eq: Equation, at: _Torques) -> Spectrum | None:
-    """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed."""
+def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
+    """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed.
+
+    The orders that the model names stand beside them.
+    """
     friction = at.change is not None and bool(at.change.dissipative)
     sense = np.sign(at.speed) if friction else np.ones(len(at.speed))
     lines: dict[str, np.ndarray] = {}
@@ -284,11 +275,13 @@ def _spectrum(eq: Equation, at: _Torques) -> Spectrum | None:
         if found is None:
             return None
         lines[name] = found.spectrum
-    bands = np.array_split(np.arange(len(ORDERS)), BANDS)
+    highest = SHOWN * max(model.orders.values(), default=ORDERS[-1])
+    bands = np.array_split(np.flatnonzero(highest >= ORDERS), BANDS)
     largest = {name: np.array([line[band].max() for band in bands]) for name, line in lines.items()}
     named = [
         (order, label, {name: float(line[np.abs(ORDERS - order) <= NEAR].max()) for name, line in lines.items()})
-        for order, label in ORDER_NAMES.items()
+        for label, order in model.orders.items()
+        if ORDERS[0] <= order <= ORDERS[-1]
     ]
     return Spectrum(friction, np.array([ORDERS[band].mean() for band in bands]), largest, tuple(named))
 

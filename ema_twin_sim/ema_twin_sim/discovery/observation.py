@@ -18,9 +18,12 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import counter_noise
 from ..model import Model
-from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..reading_noise import reading_noise
+from ..simulation.operating_points import FEWEST as FEWEST_POINTS
+from ..simulation.operating_points import motion_at_points
 from ..simulation.simulate import LONGEST_GAP
-from .bandwidth import narrowest, narrowest_for_speed, white_noise
+from .bandwidth import narrowest, narrowest_for_speed
 from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
@@ -56,7 +59,7 @@ class Observation:
     name: str
     period: float  # s
     geared: bool  # whether something stands behind teeth or a spring
-    motion: np.ndarray  # (n, 6) with the columns MOTION
+    motion: np.ndarray  # (n, 7) with the columns MOTION
     motor_origin: float  # rad, the motor counter's own angle where its position is zero
     output_origin: float  # rad, the same of the output encoder
     kernel: np.ndarray
@@ -73,6 +76,11 @@ class Observation:
     encoder_piece: (
         np.ndarray
     )  # int64 (k,), rises by one where the difference jumps: each piece has an offset of its own
+
+    @property
+    def of_points(self) -> bool:
+        """Whether rows are operating points, each by itself."""
+        return len(self.kernel) == 1
 
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` to before ``last``; times stay as they are."""
@@ -98,6 +106,8 @@ class Observation:
 
 def observe(recording: Recording, model: Model) -> Observation:
     """Take from a recording what a diagnosis needs. Raises InputError where it lacks a signal that all stands on."""
+    if recording.of_points:
+        return _observe_points(recording, model)
     missing = [name for name in NEEDED if not recording.has(name)]
     if missing:
         raise InputError(
@@ -121,7 +131,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
     # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
     geared = model.value("machine.output_inertia") > 0.0
-    reading = max(counter_noise(model, "motor"), 0.0 if geared else white_noise(signals["motor_position"]))
+    reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
@@ -184,14 +194,47 @@ def observe(recording: Recording, model: Model) -> Observation:
     )
 
 
+def _observe_points(recording: Recording, model: Model) -> Observation:
+    """Operating points: rows that are judged as they are, each by itself."""
+    motion = motion_at_points(recording, model)
+    motion = motion[np.isfinite(motion).all(axis=1)]
+    if len(motion) < FEWEST_POINTS:
+        raise InputError(f"{recording.name}: {len(motion)} operating points are too few to tell anything")
+    count = len(motion)
+    constant = model.value("machine.torque_constant")
+    torque = constant * motion[:, MOTOR_CURRENT]
+    noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
+    nowhere = np.zeros(0)
+    return Observation(
+        name=recording.name,
+        period=float(np.median(np.diff(motion[:, TIME]))),
+        geared=model.value("machine.output_inertia") > 0.0,
+        motion=np.repeat(motion, 2, axis=0),  # what a row transmits is known to the one after it
+        motor_origin=_known(recording.motor_angle_origin),
+        output_origin=_known(recording.output_angle_origin),
+        kernel=np.ones(1),
+        rows=np.arange(count) * 2 + 1,
+        torque=torque,
+        torque_rate=np.zeros(count),
+        acceleration=np.zeros(count),
+        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        calm=np.ones(count, bool),
+        thrown=np.zeros(count, bool),
+        encoder_rows=np.zeros(0, np.int64),
+        encoder=nowhere,
+        encoder_noise=nowhere,
+        encoder_piece=np.zeros(0, np.int64),
+    )
+
+
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
-    """(motion (n, 6) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
+    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
     if not recording.has(*NEEDED):
         raise InputError(f"{recording.name}: has no {' and no '.join(n for n in NEEDED if not recording.has(n))}")
     period, time, signals, _ = _even(recording)
     if len(time) < FEWEST:
         raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
-    reading = max(counter_noise(model, "motor"), white_noise(signals["motor_position"]))
+    reading = max(counter_noise(model, "motor"), reading_noise(signals["motor_position"]))
     least = period
     width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)
     motion, _ = _motion(signals, time, period, max(width, least), model, reading, False)
@@ -204,7 +247,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         raise InputError("no recording is given; a diagnosis needs at least one")
     found = [observe(recording, model) for recording in recordings]
     moving = sum(len(o.rows) * o.period * float(np.diff(o.rows).min(initial=len(o.motion))) for o in found)
-    if sum(len(o.rows) for o in found) < LEAST_ROWS:
+    if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
         raise InputError(
             f"{', '.join(o.name for o in found)}: {moving:.2g} s of motion faster than {STANDSTILL:g} rad/s at the "
             "motor; a diagnosis needs seconds of it: record longer, or move faster"
@@ -241,7 +284,7 @@ def _motion(
     reading: float,
     geared: bool,
 ) -> tuple[np.ndarray, float]:
-    """(motion (n, 6) with the columns MOTION, noise of the acceleration [rad/s2]).
+    """(motion (n, 7) with the columns MOTION, noise of the acceleration [rad/s2]).
 
     ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
     """
@@ -265,7 +308,8 @@ def _motion(
         acceleration = smooth(position, bend)
         noise = reading * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
-    return np.stack([time, angle, speed, acceleration, signals["current"], output], axis=1), noise
+    unloaded = np.zeros(len(time))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, unloaded], axis=1), noise
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
@@ -326,7 +370,7 @@ def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, mode
     noise = model.value("sensors.current_noise")
     smoothed = float(np.linalg.norm(kernel))
     coarse = step / math.sqrt(12.0) if step > 2.0 * noise else 0.0
-    white = max(white_noise(current), noise if coarse else 0.0)
+    white = max(reading_noise(current), noise if coarse else 0.0)
     return model.value("machine.torque_constant") * math.hypot(white * smoothed, coarse)
 
 

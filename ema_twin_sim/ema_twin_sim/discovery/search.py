@@ -12,6 +12,7 @@ from .candidates import candidates
 from .decoys import order_decoys
 from .equation import FAR, Equation
 from .fit import Fit, fit
+from .found_orders import order_candidates
 from .hypothesis import PARTING, SIDED, Hypothesis
 from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
@@ -213,6 +214,7 @@ def _best(eq: Equation, current: Fit, trials: Iterable[Trial]) -> Trial | None:
 def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
     """The current hypothesis with each of the most promising effects added."""
     options = [c for c in candidates(current.hypothesis, without) if c.effect not in PARTING]
+    options += [c for c in order_candidates(eq, current) if c.effect not in without]
     ranked = screen(eq, current, options)
     picked: list[Screened] = []
     for s in ranked:

@@ -30,11 +30,13 @@ def beside_the_unknown(
     Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
     unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
     """
+    add_decoys(eq)
+    if null.base.is_open:  # whose numbers nothing contradicts: what was found stays, however much is left beside it
+        return found, _most_likely(eq, found.fit)
     start = found.rounds[0].before
     suspect = set(BY_CONSTANTS if strained(found.fit) else ())
     likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
     kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
-    add_decoys(eq)
     found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(eq, found.fit, start) else [])}

@@ -1,6 +1,7 @@
 """Cogging: T = torque * sin(order * theta + phase) [N m], the motor's teeth and magnets, whatever the current.
 
-Order 24 on this motor (least common multiple of slots and poles); another motor's is one of the others, or several.
+Order 24 on this motor (least common multiple of slots and poles); another motor's is one of the others, or several, or
+one that its recordings show.
 """
 
 import math
@@ -25,6 +26,7 @@ EFFECT = Effect(
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     options={"order": ("24", "12", "36", "48", "72", "144", "18", "6")},
+    free_option="order",
     option_value=lambda options: float(options["order"]),
     act=act,
 )

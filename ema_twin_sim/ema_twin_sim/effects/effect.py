@@ -64,7 +64,8 @@ class Effect:
     options)`` instead changes the plant's own constants once, for what does not depend on the operating point or has a
     place of its own there.
 
-    ``depends_on`` is the one of QUANTITIES that it shows over most, or empty.
+    ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
+    positive number may be given for; its choices are those that are looked for on every machine.
     """
 
     id: str
@@ -80,6 +81,7 @@ class Effect:
     depends_on: str = ""
     settle: Callable[[np.void, Values, Options], None] | None = None
     repeatable: bool = True
+    free_option: str = ""
 
     def __post_init__(self) -> None:
         if (self.act is None) == (self.settle is None):
@@ -93,6 +95,10 @@ class Effect:
         """The place that ``act``'s value goes to under these options."""
         return self.place(options) if callable(self.place) else self.place
 
+    def allows(self, option: str, choice: str) -> bool:
+        """Whether an option may be chosen so."""
+        return choice in self.options[option] or (option == self.free_option and _positive(choice))
+
     def default_options(self) -> dict[str, str]:
         """The first choice of every option."""
         return {name: choices[0] for name, choices in self.options.items()}
@@ -100,3 +106,10 @@ class Effect:
     def default_parameters(self) -> dict[str, float]:
         """Typical values of this class of machine."""
         return {parameter.name: parameter.default for parameter in self.parameters}
+
+
+def _positive(text: str) -> bool:
+    try:
+        return 0.0 < float(text) < float("inf")
+    except ValueError:
+        return False

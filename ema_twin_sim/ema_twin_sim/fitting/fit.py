@@ -21,7 +21,8 @@ from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.equivalent import as_rotary, given_back, shown, shown_entry
-from ..simulation.simulate import choose_input
+from ..simulation.operating_points import at_rest, halves, woken
+from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, find
@@ -111,8 +112,10 @@ def fit_model(
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
     recordings, model = as_rotary(recordings, model)
+    recordings, awake = halves(recordings), model
+    model = at_rest(model, recordings)
     sources = [choose_input(recording, source) for recording in recordings]
-    method = method or ("equation" if "current" in sources else "simulation")
+    method = method or ("equation" if {"current", POINTWISE} & {*sources} else "simulation")
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
     freedom = choose_numbers(model, free, fix)
@@ -130,7 +133,7 @@ def fit_model(
         number = solution.freedom.numbers[k]
         notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        given_back(fitted).fitted_from(given_back(model)),
+        given_back(woken(fitted, awake)).fitted_from(given_back(awake)),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),

@@ -15,6 +15,8 @@ from ..effects import Effect, Parameter, find_effect
 from .constants import CONSTANTS
 
 _SIZES = 1e6  # by how much a linear machine's numbers may go beyond those of rotary ones
+_ORDER_ERROR = 0.03  # cycles per turn within which an order is a named one
+_HARMONICS = 12  # of a named order that are named after it
 LUMPED = "inertia"
 """The name of the one inertia of a machine that has no gearbox to part it."""
 
@@ -62,9 +64,10 @@ class Model:
     motion: str = "rotary"  # or linear: then inertias are masses, torques forces, and an angle of the motor is its way
     lumped: bool = False  # whether all inertia is one number
     radius: float | None = None  # m, of the drum that stands in for a carriage (equivalent.py)
+    orders: Mapping[str, float] = field(default_factory=dict)  # by name, cycles per turn of the motor
 
     def __post_init__(self) -> None:
-        for name in ("kinds", "constants", "effects"):
+        for name in ("kinds", "constants", "effects", "orders"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     @property
@@ -78,6 +81,17 @@ class Model:
         return any(math.isinf(held.tolerance) for held in self.constants.values()) or any(
             instance.open for instance in self.active.values()
         )
+
+    def order_names(self, order: float) -> list[str]:
+        """What of the machine repeats so often in a turn of its motor, or in whole parts of that: ``4 x slots``."""
+        found: list[str] = []
+        for name, own in self.orders.items():
+            times = round(order / own)
+            if abs(order - own) <= _ORDER_ERROR:
+                found.insert(0, name)
+            elif 1 < times <= _HARMONICS and abs(order - times * own) <= _ORDER_ERROR and own > 1.0:
+                found.append(f"{times} × {name}")
+        return found
 
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
@@ -230,7 +244,9 @@ def checked_instance(
         if name not in effect.options:
             known = nearest(str(name), effect.options) if effect.options else "it has none"
             raise InputError(f"{place}: effect {effect.id} has no option '{name}'; {known}")
-        if str(choice) not in effect.options[name]:
-            raise InputError(f"{place}: option {name} is '{choice}'; give one of {', '.join(effect.options[name])}")
+        if not effect.allows(name, str(choice)):
+            other = ", or another positive number" if name == effect.free_option else ""
+            known = ", ".join(effect.options[name])
+            raise InputError(f"{place}: option {name} is '{choice}'; give one of {known}{other}")
         chosen[name] = str(choice)
     return EffectInstance(effect.id, MappingProxyType(chosen), MappingProxyType(values))

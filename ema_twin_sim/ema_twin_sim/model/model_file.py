@@ -4,6 +4,7 @@ A file may name a ``base`` beside it (models of one bench share one file of cons
 the base's. What is written is always whole: a file that stands alone. A machine of which less is known may
 give its one ``inertia`` (of a linear machine: its mass) in place of the motor's, the gearbox's and the output's, and
 leave out what it does not have. ``tolerance: open`` says that a value is not known, but for where a fit starts.
+``orders`` names what repeats with the motor's turns, in cycles per turn; where they are named, no others are sought.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, ch
 VERSION = 1
 OPEN = "open"
 ABSENT = "not given: the machine has none"
-_KEYS = ("version", "base", *PARTS, "effects")
+_KEYS = ("version", "base", *PARTS, "orders", "effects")
 
 
 def load_model(name: str | os.PathLike[str]) -> Model:
@@ -63,6 +64,8 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         if held.source:
             entry["source"] = held.source
         content[constant.part][model.shown_path(constant_path).partition(".")[2]] = entry  # type: ignore[index]
+    if model.orders:
+        content["orders"] = dict(model.orders)
     content["effects"] = {
         name: {
             "effect": instance.effect,
@@ -162,7 +165,9 @@ def _model(path: Path, content: Mapping) -> Model:
     name = check.text(machine.get("name", path.stem), "machine.name")
     effects = content.get("effects")
     parts = {} if effects is None else _effects(check, effects, motion)
-    return Model(path.stem, name, kinds, constants, parts, motion, lumped)
+    orders = check.mapping(content.get("orders", {}), "orders")
+    named = {str(k): check.number(v, f"orders.{k}", lower=1e-6, upper=1e6) for k, v in orders.items()}
+    return Model(path.stem, name, kinds, constants, parts, motion, lumped, orders=named)
 
 
 def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:

@@ -142,7 +142,7 @@ class MonitorNode(Node):
         if not self.complete and time.monotonic() - self._arrival > self._limits["stale_after"]:
             return Level.STALE, "no sample arrives"
         comparison = self.comparison
-        driven = DRIVEN.get(comparison.source)
+        driven = DRIVEN.get(comparison.source, ())
         limits = self._limits["warn_at"], self._limits["error_at"]
         return judge(rmse_window, comparison.noise_floor, driven, *limits)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 
 
@@ -16,15 +16,15 @@ class Level(IntEnum):
 
 
 def judge(
-    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: str | None, warn_at: float, error_at: float
+    rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: Sequence[str], warn_at: float, error_at: float
 ) -> tuple[Level, str]:
     """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
 
-    Signals whose RMSE is NaN do not count, nor does the `driven` one: it is the twin's input.
+    Signals whose RMSE is NaN do not count, nor do the `driven` ones: they are the twin's input.
     """
     worst, ratio = "", 0.0
     for name, floor in noise_floor.items():
-        if name != driven and floor > 0.0 and rmse[name] / floor > ratio:
+        if name not in driven and floor > 0.0 and rmse[name] / floor > ratio:
             worst, ratio = name, rmse[name] / floor
     words = f"{worst}: RMSE is {ratio:.3g} times the noise floor" if worst else "nothing compared yet"
     if ratio >= error_at:

@@ -16,10 +16,10 @@ from .layout import DRY_LEVEL, PLANT, VISCOUS_COEFFICIENT
 from .operating_point import OperatingPoint, call_effect
 from .transmission import contact_torque, end_stop_torque, response, shaft_speed
 
-MOTION = ("time", "motor_angle", "speed", "acceleration", "current", "output_angle")
-"""Columns of a measured motion: s, rad and rad/s and rad/s2 of the fast shaft, A, rad of the slow shaft; angles count
-from the recording's first sample."""
-TIME, MOTOR_ANGLE, SPEED, ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE = range(6)
+MOTION = ("time", "motor_angle", "speed", "acceleration", "current", "output_angle", "load")
+"""Columns of a measured motion: s, rad and rad/s and rad/s2 of the fast shaft, A, rad of the slow shaft, N m of a
+measured load at the fast shaft; angles count from the recording's first sample."""
+TIME, MOTOR_ANGLE, SPEED, ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, LOAD = range(7)
 
 REQUIRED = ("torque", "output", "transmitted", "dry_level")
 """Columns of what a motion requires: torque [N m] but for the motor's own inertia, output angle [rad, slow shaft],
@@ -68,7 +68,7 @@ def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
     error_model="numpy",
 )
 def require(plants, effects, motion, motor_origin, output_origin, seen, again, required):
-    """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 6) with the columns ``MOTION``.
+    """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 7) with the columns ``MOTION``.
 
     ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
     that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty.
@@ -112,6 +112,7 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
         interval = motion[row, TIME] - motion[before, TIME]
         at = _operating_point(plant, motion[row], motor_origin, output_origin, transmitted, total_dry)
         torque, dry, load, thinned = evaluate(effects, at)
+        load += motion[row, LOAD]
         if stops:
             angle = motion[row, OUTPUT_ANGLE]
             load += end_stop_torque(

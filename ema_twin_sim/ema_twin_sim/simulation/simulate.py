@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
+from .operating_points import twin_at_points
 from .twin import DEFAULT_STEP, Twin
 
 LONGEST_GAP = 60.0
@@ -18,6 +19,9 @@ LONGEST_GAP = 60.0
 
 DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
 """The signal of a recording that drives the twin under each input."""
+
+POINTWISE = "motion"
+"""The input of operating points: nothing is integrated, and the twin tells the current."""
 
 _TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command is one that stands alone
 
@@ -27,8 +31,15 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
 
     Wanted may be ``command`` too, the position that was asked for, which the model's own position loop then follows.
 
-    Raises InputError where the recording lacks the signal.
+    Operating points drive it by their positions and speeds (``motion``). Raises InputError where the recording lacks
+    the signal.
     """
+    if recording.of_points:
+        if wanted not in (None, POINTWISE):
+            raise InputError(
+                f"{recording.name}: holds operating points, which drive no twin; leave out --input {wanted}"
+            )
+        return POINTWISE
     chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
     if chosen not in DRIVING:
         raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
@@ -45,6 +56,9 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
     """
+    if recording.of_points:
+        choose_input(recording, source)
+        return twin_at_points(model, recording)
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(
