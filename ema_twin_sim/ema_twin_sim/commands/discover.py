@@ -148,7 +148,8 @@ def _steps(found: Discovery) -> ReportTable:
     narrow = is_narrow()
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
     output = any(step.output_before is not None for step in found.steps)
-    table.numbers("RMSE before", "after", "excess removed", *(("output position before", "after") if output else ()))
+    shown = "encoders apart" if found.unseen.encoders else "output position"
+    table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
     table.words("runner-up")
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's

@@ -48,7 +48,7 @@ class Step:
     rmse_before: float
     rmse_after: float
     unit: str
-    output_before: float | None  # rad, the same of the output's position; None where it was not measured
+    output_before: float | None  # rad, the same of the output (see ``Unseen``); None where it was not measured
     output_after: float | None
     error_removed: float | None
     reason: str

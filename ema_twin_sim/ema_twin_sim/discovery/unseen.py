@@ -27,7 +27,8 @@ class Unseen:
 
     The last is the end's, with whatever constants it was refitted with.
 
-    ``output`` is that of the output's position [rad], pooled; empty where it was not measured.
+    ``output`` is that of the output's position [rad], pooled; empty where it was not measured. Where the current drives
+    the twin, whose positions then drift, it is what the ``encoders`` part by, beyond what the model lets them.
     """
 
     signal: str
@@ -36,6 +37,7 @@ class Unseen:
     rmse: tuple[float, ...]
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
     output: tuple[float, ...]
+    encoders: bool = False
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
@@ -62,7 +64,7 @@ class Unseen:
             "unit": self.unit,
             "noise_floor": self.noise_floor,
             "rmse": list(self.rmse),
-            "output_position": list(self.output),
+            "encoder_difference" if self.encoders else "output_position": list(self.output),
             "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
         }
 
@@ -100,10 +102,13 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     if len(fits) == 1 or fits[-1] is not found.fit:
         fits.append(found.fit)
     jobs: list[tuple[int, Recording, str, Model]] = []
+    parting: list[float] = []
     for k, f in enumerate(fits):
         untouched = k == 0 or (as_given and f is found.fit)
         fitted_to_all = untouched or len(recordings) < 2
         numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(eq, f)
+        if driven and eq.rows > eq.size:
+            parting.append(_parting(eq, f, numbers))
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
             model = base if untouched else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
@@ -121,5 +126,19 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
         math.sqrt(sum(floor**2 for floor in floors) / len(floors)),
         tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
         tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
-        tuple(math.sqrt(s / n) for s, n in output) if output[:, 1].all() else (),
+        tuple(parting) if driven else tuple(math.sqrt(s / n) for s, n in output) if output[:, 1].all() else (),
+        driven and bool(parting),
     )
+
+
+def _parting(eq: Equation, f: Fit, numbers: Sequence[np.ndarray]) -> float:
+    """RMS [rad, slow shaft] that the encoders part by, each recording's beside numbers that others gave."""
+    square = 0.0
+    for k, values in enumerate(numbers):
+        part = eq.encoder_parts[k]
+        rows = (
+            eq.residual(eq.predict(f.hypothesis.at(values)))[part]
+            * eq.encoder_noise[part.start - eq.size : part.stop - eq.size]
+        )
+        square += float(rows @ rows)
+    return math.sqrt(square / (eq.rows - eq.size))

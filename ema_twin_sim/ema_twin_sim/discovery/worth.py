@@ -29,6 +29,7 @@ SHARE = 0.1  # of the excess that an effect must remove
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
+PARTING_SHARE = 0.02  # of how far the encoders of a machine that is not known part, in power
 LARGEST = 2.0  # times the largest torque measured: what one effect may come to
 AT_BOUND = 0.99  # of a bound, from which on a number stands on it
 FEWEST = 20  # rows of a recording that tell anything
@@ -78,6 +79,8 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
     if any(_does_nothing(after, name) or _too_large(eq, after, name) for name in came):
         return False
     over = {catalogue()[id].depends_on for id in came.values()}
+    if over == {"encoders"} and _hardly_parts(eq, before, after):
+        return False
     relief = before.prior_cost - after.prior_cost
     if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
         return True
@@ -111,6 +114,18 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
         excess = max(float(np.mean(sizes**2)) - 1.0, 0.0)
         found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
     return found
+
+
+def _hardly_parts(eq: Equation, before: Fit, after: Fit) -> bool:
+    """Whether next to nothing of how far the encoders part is gone: all that can be asked where they are not known."""
+    if not after.hypothesis.base.is_open:
+        return False
+    parted, gone = 0.0, 0.0
+    for part in eq.encoder_parts:
+        noise = eq.encoder_noise[part.start - eq.size : part.stop - eq.size]
+        parted += float(np.sum((eq.measured[part] * noise - np.mean(eq.measured[part] * noise)) ** 2))
+        gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
+    return gone < PARTING_SHARE * parted
 
 
 def _too_large(eq: Equation, f: Fit, name: str) -> bool:
