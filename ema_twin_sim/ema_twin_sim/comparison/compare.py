@@ -9,6 +9,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..discovery.consistency import inconsistencies
 from ..model import Model
 from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
@@ -114,7 +115,10 @@ def compare(
         tuple(compared),
         shown_errors(model, _of_the_drive(model, pooled.result(), recordings)),
         tuple(where),
-        tuple(warning for recording in recordings for warning in recording.warnings),
+        (
+            *(warning for recording in recordings for warning in recording.warnings),
+            *(str(found) for recording in recordings for found in inconsistencies(recording, model)),
+        ),
         "rotary" if model.radius is None else "linear",
     )
 

@@ -14,6 +14,7 @@ from ..model import Model
 from ..model.equivalent import as_rotary, given_back
 from ..simulation.operating_points import at_rest, halves, not_shown, woken
 from .company import in_better_company, thought_again
+from .consistency import refuse_inconsistent
 from .contradictions import contradictions
 from .ending import NOISY, why_ended
 from .equation import Equation
@@ -109,6 +110,7 @@ def discover(
     recordings, model = as_rotary(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
+    refuse_inconsistent(recordings, model)
     eq = Equation(observe_all(list(recordings), model))
     null = null_hypothesis(model)
     barred = frozenset(without) | _impossible(model) | not_shown(recordings)

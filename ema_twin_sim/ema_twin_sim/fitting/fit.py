@@ -15,6 +15,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
+from ..discovery.consistency import refuse_inconsistent
 from ..discovery.equation import Equation
 from ..discovery.observation import observe_all
 from ..effects import catalogue
@@ -114,6 +115,7 @@ def fit_model(
     recordings, model = as_rotary(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
+    refuse_inconsistent(recordings, model)
     sources = [choose_input(recording, source) for recording in recordings]
     method = method or ("equation" if {"current", POINTWISE} & {*sources} else "simulation")
     if method not in METHODS:

@@ -1,0 +1,88 @@
+"""Units, counts and signs that are wrong in an import map are named before anything is fitted."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from recorded import with_signals
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.consistency import inconsistencies
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+DEGREE = math.pi / 180.0
+
+
+@pytest.fixture(scope="module")
+def driven(stock):
+    return virtual_bench(stock, parse_command("sine:0.02:2"), 5.0, name="driven", seed=1)
+
+
+def scaled(recording, **factors):
+    signals = dict(recording.signals)
+    return with_signals(recording, {**signals, **{name: f * signals[name] for name, f in factors.items()}})
+
+
+def test_signals_that_fit_each_other_are_left_in_peace(driven, stock):
+    assert not list(inconsistencies(driven, stock))
+
+
+@pytest.mark.parametrize(
+    ("factors", "words"),
+    [
+        ({"speed": 1.0 / DEGREE}, ("speed is 57.3 times", "speed were in degrees")),
+        ({"speed": 30.0 / math.pi}, ("speed is 9.5", "speed were in rpm")),
+        ({"motor_position": 4.0}, ("motor_position is 4", "counts_per_revolution of motor_position", "fourfold")),
+        ({"motor_position": 0.25}, ("motor_position is 0.25", "four twice")),
+        ({"output_position": 4.0}, ("output_position is 4", "fourfold", "machine.gear_ratio")),
+        ({"output_position": 124.0}, ("output_position is 124", "the gear ratio")),
+        ({"output_position": -1.0}, ("output_position is -1", "other sign")),
+        (
+            {"current": 1000.0, "current_setpoint": 1000.0},
+            ("current reaches", "mA and read as A", "drive.current_limit"),
+        ),
+        ({"current": -1.0, "current_setpoint": -1.0}, ("current is -", "sign were turned round")),
+        (
+            dict.fromkeys(("speed", "speed_setpoint", "motor_position", "output_position"), 1.0 / DEGREE),
+            ("current is 0.01", "the motion were in degrees"),
+        ),
+    ],
+    ids=lambda value: " ".join(f"{k} {v:.3g}" for k, v in value.items()) if isinstance(value, dict) else "",
+)
+def test_a_wrong_unit_is_named(driven, stock, factors, words):
+    wrong = scaled(driven, **factors)
+    found = str(next(inconsistencies(wrong, stock)))
+    assert all(word in found for word in ("driven: ", "check unit", *words)), found
+
+
+def test_nothing_is_fitted_to_it(driven, stock):
+    wrong = scaled(driven, speed=30.0 / math.pi)
+    for judge in (discover, fit_model):
+        with pytest.raises(InputError, match="speed were in rpm"):
+            judge([wrong], stock)
+    assert any("speed were in rpm" in warning for warning in compare([wrong], stock).warnings)
+
+
+def test_a_disturbance_is_no_wrong_unit(stock):
+    """Cogging accelerates the motor, and the current follows it late: its slope to the acceleration is anything."""
+    cogging = stock.with_effect("cogging", {"torque": 0.1})
+    slow = virtual_bench(cogging, parse_command("ramp:0.01"), 10.0, name="slow", seed=2)
+    assert not list(inconsistencies(slow, stock))
+
+
+def test_an_output_that_hardly_follows_is_no_wrong_count(stock):
+    """Within its play the output rests: no factor, and none is named."""
+    play = stock.with_effect("backlash", {"width": 0.5})
+    rocking = virtual_bench(play, parse_command("sine:0.001:1"), 5.0, name="rocking", seed=3)
+    assert not list(inconsistencies(rocking, stock))
+
+
+def test_a_gap_in_a_signal_hides_nothing(driven, stock):
+    speed = driven.signals["speed"] * 30.0 / math.pi
+    holed = with_signals(driven, {**driven.signals, "speed": np.where(driven.time > 2.0, speed, np.nan)})
+    assert "speed were in rpm" in str(next(inconsistencies(replace(holed, name="holed"), stock)))
