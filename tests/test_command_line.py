@@ -10,6 +10,7 @@ import pytest
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
 VERBS = (
+    "init",
     "import",
     "compare",
     "diagnose",
@@ -27,9 +28,15 @@ VERBS = (
 )
 
 
-def twin(*arguments, cwd=None, timeout=60):
+def twin(*arguments, cwd=None, timeout=60, answers=None):
     return subprocess.run(
-        [TWIN, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, timeout=timeout, check=False
+        [TWIN, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=timeout,
+        check=False,
+        input=answers,
     )
 
 

@@ -15,7 +15,23 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from .. import start
-from . import add, compare, demo, diagnose, discover, effects, export, fit, import_, info, live, plan, remove, simulate
+from . import (
+    add,
+    compare,
+    demo,
+    diagnose,
+    discover,
+    effects,
+    export,
+    fit,
+    import_,
+    info,
+    init,
+    live,
+    plan,
+    remove,
+    simulate,
+)
 
 VERSION = "0.1.0"
 
@@ -28,7 +44,9 @@ app = typer.Typer(
     help="Digital twin of an electromechanical actuator: compare a model with recordings, see where it fails, "
     "add what is missing, watch the error fall.",
 )
-for verb in (import_, compare, diagnose, discover, fit, plan, live, simulate, add, remove, effects, info, export, demo):
+for verb in (
+    init, import_, compare, diagnose, discover, fit, plan, live, simulate, add, remove, effects, info, export, demo,
+):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")
     app.command(name, epilog=verb.EXAMPLES)(verb.run)
 

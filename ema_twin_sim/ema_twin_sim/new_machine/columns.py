@@ -1,0 +1,97 @@
+"""Guessing what the columns of a text trace are, from their names and the units in them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ema_bench_replay.traces.import_map import TIME_UNITS
+from ema_bench_replay.units import units_of
+
+_SET = r"(set|ref|cmd|comm|desired|target|soll|demand|goal)"
+_OUTPUT = r"(output|load|joint|link|arm|slow|secondary|abtrieb)"
+
+_SIGNALS: tuple[tuple[str, str], ...] = (
+    ("temperature", r"temp"),
+    ("load_torque", rf"(?=.*(torque|force|moment))(?=.*{_OUTPUT}|.*(brake|dyno))"),
+    ("current_setpoint", rf"(?=.*(current|strom|iq\b|i_q))(?=.*{_SET})"),
+    ("current", r"current|strom|\biq\b|\bi_q\b|^i$"),
+    ("speed_setpoint", rf"(?=.*(speed|velocity|drehzahl|omega))(?=.*{_SET})"),
+    ("output_command", rf"(?=.*(position|angle|pos\b|lage))(?=.*{_SET})"),
+    ("output_position", rf"(?=.*(position|angle|pos\b|encoder|lage))(?=.*{_OUTPUT})"),
+    ("motor_torque", r"torque|force|moment"),
+    ("speed", r"speed|velocity|drehzahl|omega|\brpm\b"),
+    ("motor_position", r"position|angle|encoder|\bpos\b|\btheta\b|lage|^q$|^x$"),
+    ("voltage", r"voltage|spannung|\buq\b|\bu_q\b"),
+)
+"""Signals in the order in which they are looked for, and what the name of their column has in it."""
+
+_TIME = re.compile(r"(time|zeit|t|timestamp)\b", re.IGNORECASE)
+_AXIS = re.compile(r"x", re.IGNORECASE)  # of a drawing: time, where its unit is one of time
+_UNIT = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
+_SPELLINGS = {
+    "nm": "N m", "n*m": "N m", "n.m": "N m", "mnm": "mN m", "knm": "kN m", "1/min": "rpm", "u/min": "rpm",
+    "min-1": "rpm", "r/min": "rpm", "°": "deg", "degree": "deg", "degrees": "deg", "°/s": "deg/s", "grad": "deg",
+    "radians": "rad", "°c": "degC", "c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "turn": "rev",
+    "turns": "rev", "ampere": "A", "amps": "A", "volt": "V",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Guess:
+    """One column that is taken for a signal; ``unit`` is None where its name tells none that the signal can have."""
+
+    signal: str
+    column: str
+    unit: str | None
+
+
+@dataclass(frozen=True)
+class Guesses:
+    """What the columns of a trace seem to be."""
+
+    time: Guess | None
+    signals: tuple[Guess, ...]
+    left: tuple[str, ...]  # columns that nothing is made of
+    motion: str  # rotary, or linear where a position is in metres
+
+
+def guess_columns(header: Sequence[str]) -> Guesses:
+    """What each column of a header is taken for; each signal is taken once, each column too."""
+    time = next((name for name in header if _is_time(name)), None)
+    free = [name for name in header if name != time]
+    taken: dict[str, str] = {}
+    for signal, pattern in _SIGNALS:
+        for name in free:
+            if re.search(pattern, _words(name), re.IGNORECASE):
+                taken[signal] = name
+                free.remove(name)
+                break
+    linear = any(_unit(name, signal, "linear") for signal, name in taken.items() if signal.endswith("position"))
+    motion = "linear" if linear else "rotary"
+    signals = tuple(Guess(signal, name, _unit(name, signal, motion)) for signal, name in taken.items())
+    at = None if time is None else Guess("time", time, next((u for u in _units_in(time) if u in TIME_UNITS), None))
+    return Guesses(at, signals, tuple(free), motion)
+
+
+def _is_time(name: str) -> bool:
+    words = _words(name)
+    return bool(_TIME.match(words) or (_AXIS.fullmatch(words) and any(unit in TIME_UNITS for unit in _units_in(name))))
+
+
+def _words(name: str) -> str:
+    """A column's name without its unit, its words apart: ``motorPosition_deg`` as ``motor Position deg``."""
+    plain = _UNIT.sub("", name)
+    return re.sub(r"(?<=[a-z])(?=[A-Z])|[_.:]+", " ", plain).strip()
+
+
+def _units_in(name: str) -> list[str]:
+    """What may be the unit in a name: in brackets, or its last word."""
+    found = _UNIT.search(name)
+    said = [found[1]] if found else [re.split(r"[\s_]+", name.strip())[-1]]
+    return [_SPELLINGS.get(text.lower(), text) for text in said]
+
+
+def _unit(name: str, signal: str, motion: str) -> str | None:
+    return next((unit for unit in _units_in(name) if unit in units_of(signal, motion)), None)

@@ -1,0 +1,123 @@
+"""A machine that nobody here has seen: `init` drafts its map and its model, and discover names what it hides."""
+
+import numpy as np
+import pytest
+import yaml
+from test_command_line import refused, twin
+
+from ema_bench_replay.load import load
+from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine.columns import guess_columns
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+RATIO = 12.0
+CONSTANTS = {
+    "machine.gear_ratio": RATIO,
+    "machine.motor_inertia": 2.0e-4,
+    "machine.output_inertia": 5.0e-4,
+    "machine.torque_constant": 0.4,
+    "sensors.motor_encoder_counts": 8192.0,
+    "sensors.output_encoder_counts": 262144.0,
+    "sensors.sample_period": 4.0e-3,
+    "sensors.speed_smoothing": 0.0,
+    "drive.position_gain": 240.0,
+}
+COMMANDS = ("ramp:0.5", "sine:0.6:0.5", "triangle:0.8:1.5", "sine:0.2:1.5")
+HEADER = "t [ms],shaft angle (deg),motor speed [rpm],motor current [A],link angle [deg],lab temperature [°C]"
+DEGREES, RPM = 180.0 / np.pi, 30.0 / np.pi
+
+
+@pytest.fixture(scope="module")
+def traces(stock, tmp_path_factory):
+    """Recordings of a press: ratio 12, 4 ms, degrees and rpm, and an unbalanced arm of 90 mN m on its output."""
+    press = stock
+    for path, value in CONSTANTS.items():
+        press = press.with_value(path, value)
+    press = press.with_effect("gravity_load", {"torque": 0.09, "angle": 0.4})
+    folder = tmp_path_factory.mktemp("press")
+    for k, command in enumerate(COMMANDS):
+        run = virtual_bench(press, parse_command(command), 12.0, seed=k, origins=(0.0, 0.3))
+        columns = [
+            run.time * 1e3,
+            run.signals["motor_position"] * DEGREES,
+            run.signals["speed"] * RPM,
+            run.signals["current"],
+            (run.signals["output_position"] + run.output_angle_origin) * DEGREES,
+            np.full(len(run), 21.5),
+        ]
+        np.savetxt(folder / f"run{k}.csv", np.column_stack(columns), "%.8g", ",", header=HEADER, comments="")
+    return sorted(folder.glob("*.csv"))
+
+
+def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_path):
+    done = twin("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    model, drawn = load_model(tmp_path / "press.yaml"), (tmp_path / "press_map.yaml").read_text()
+    assert model.value("machine.gear_ratio") == pytest.approx(RATIO, rel=2e-3)
+    assert model.value("sensors.motor_encoder_counts") == pytest.approx(8192.0, rel=1e-3)
+    assert model.value("sensors.sample_period") == pytest.approx(4e-3)
+    assert "CHECK" not in drawn.partition("\n")[2]
+    recording = load(traces[1], import_map=tmp_path / "press_map.yaml")
+    assert set(recording.signals) == {"current", "speed", "motor_position", "output_position", "temperature"}
+    assert np.abs(recording.signals["output_position"]).max() == pytest.approx(0.6, rel=0.1)
+
+    found = twin(
+        "discover", *traces, "--map", "press_map.yaml", "--model", "press.yaml", "-o", "better.yaml", cwd=tmp_path
+    )
+    assert found.returncode == 0, found.stderr
+    better = yaml.safe_load((tmp_path / "better.yaml").read_text())
+    assert {entry["effect"] for entry in better["effects"].values()} == {
+        "viscous_friction", "coulomb_friction", "gravity_load",
+    }  # fmt: skip
+    assert better["effects"]["gravity_load"]["parameters"]["torque"] == pytest.approx(0.09, rel=0.05)
+    assert better["machine"]["inertia"]["value"] == pytest.approx(7.0e-4, rel=0.05)
+
+
+def test_what_cannot_be_guessed_is_marked(tmp_path):
+    (tmp_path / "bare.csv").write_text(
+        "Time,Iq,Position,Velocity,foo\n" + "".join(f"{k},0.{k},{k},1,2\n" for k in range(9))
+    )
+    done = twin("init", "bare.csv", "-o", "bare", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    drawn, model = ((tmp_path / name).read_text() for name in ("bare_map.yaml", "bare.yaml"))
+    for column in ("Iq", "Position", "Velocity"):
+        line = next(line for line in drawn.splitlines() if f"'{column}'" in line)
+        assert "CHECK" in line
+    assert "not used: foo" in drawn
+    assert "CHECK" in next(line for line in model.splitlines() if "torque_constant" in line)
+    assert "marked CHECK" in done.stdout
+
+
+def test_without_a_trace_questions_are_asked(tmp_path):
+    answers = ["time [ms]", "", "force [N]", "carriage position [mm]", "", "", "1"]
+    done = twin("init", "-o", "slide", cwd=tmp_path, answers="\n".join(answers) + "\n")
+    assert done.returncode == 0, done.stderr
+    assert load_model(tmp_path / "slide.yaml").motion == "linear"
+    assert "unit: mm" in (tmp_path / "slide_map.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("columns", "expected"),
+    [
+        (["time_s", "motorPosition_deg", "q_ref"], {"motor_position": "deg"}),
+        (["Zeit [ms]", "Strom [A]", "Drehzahl [1/min]", "Lage [rad]"],
+         {"current": "A", "speed": "rpm", "motor_position": "rad"}),
+        (["X [ms]", "iq set [A]", "iq [A]", "load torque [Nm]", "motor torque [Nm]"],
+         {"current_setpoint": "A", "current": "A", "load_torque": "N m", "motor_torque": "N m"}),
+        (["t", "position reference [mm]", "position [mm]", "force [kN]"],
+         {"output_command": "mm", "motor_position": "mm", "motor_torque": "kN"}),
+    ],
+)  # fmt: skip
+def test_columns_are_known_by_their_names(columns, expected):
+    guesses = guess_columns(columns)
+    assert guesses.time is not None
+    assert {guess.signal: guess.unit for guess in guesses.signals} == expected
+
+
+def test_what_init_refuses(tmp_path):
+    (tmp_path / "odd.csv").write_text("foo,bar\n1,2\n3,4\n")
+    refused("init", "odd.csv", "-o", "odd", cwd=tmp_path, naming=("odd.csv: header", "foo, bar", "map"))
+    (tmp_path / "there.yaml").write_text("")
+    refused("init", "odd.csv", "-o", "there", cwd=tmp_path, naming=("there.yaml: exists already", "--force"))
+    refused("init", "none.csv", "-o", "none", cwd=tmp_path, naming=("none.csv", "check the path"))
