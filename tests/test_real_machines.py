@@ -1,5 +1,6 @@
 """Other people's machines, with the numbers that they published (shared/real; the tests skip where it is absent)."""
 
+import numpy as np
 import pytest
 
 from ema_bench_replay.traces.import_map import load_map
@@ -55,3 +56,31 @@ def test_emps_is_followed_by_its_published_controller(emps):
     assert train.signals["motor_position"]["relative"] <= 2e-4
     assert train.signals["motor_torque"]["unit"] == "N"
     assert train.signals["motor_torque"]["relative"] <= 0.065
+
+
+@pytest.mark.parametrize(("axis", "delay"), [("axis1", 3.08e-3), ("axis3", 2.98e-3)])
+def test_kukas_encoders_part_by_a_delay_and_by_no_play(real, axis, delay):
+    """Two standard errors of the published 2.8 to 3.0 ms; plain least squares of each record give 2.94 to 3.13 ms."""
+    records = [read_trace(path, load_map("kuka")) for path in sorted(real.glob(f"kuka_{axis}_*.csv"))]
+    found = discover(records, load_model(f"kuka_{axis}"))
+    assert "encoder_delay" in found.added
+    assert not {"backlash", "shaft_compliance"} & {*found.added}
+    told = found.parameters["encoder_delay"]["delay"]
+    assert told["value"] == pytest.approx(delay, abs=0.03e-3)
+    assert told["value"] - 2.0 * told["std"] < 3.0e-3
+    assert found.unseen.encoders and found.unseen.output[-1] <= np.radians(5e-3)
+    delayed = next(step for step in found.steps if step.effect in ("encoder_delay", "backlash", "encoder_eccentricity"))
+    assert delayed.effect == "encoder_delay"
+
+
+def test_laas_motor_cogs_at_orders_that_nobody_told(real):
+    record = read_trace(real / "laas_holding_current.csv", load_map("laas"))
+    found = discover([record], load_model("laas_motor"))
+    first, second = found.steps[:2]
+    assert (first.effect, found.model.effects[first.instance].options["order"]) == ("cogging", "72")
+    assert first.rmse_before == pytest.approx(0.145, abs=0.001)
+    assert second.effect == "coulomb_friction"
+    assert second.rmse_after <= 0.05  # on the half of the angles that was not fitted to
+    orders = {i.options["order"] for i in found.model.effects.values() if i.effect == "cogging"}
+    assert orders == {"72", "18", "12", "144", "24", "36"}
+    assert found.unseen.rmse[-1] <= 0.027

@@ -167,6 +167,14 @@ class Recording:
         return round(min(max(time, -1.0), self.duration + 1.0) * 1e9)
 
 
+def refuse_points(recording: Recording) -> None:
+    """Raise InputError where a recording is of operating points, which follow each other in no time."""
+    if recording.of_points:
+        raise InputError(
+            f"{recording.name}: holds operating points, no run to be played; compare, fit and discover take them"
+        )
+
+
 def _frozen(values: np.ndarray, kind: type) -> np.ndarray:
     """The values as a read-only array of that kind; copied only where they could be written to from elsewhere."""
     array: np.ndarray = np.asarray(values, dtype=kind)

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import Recording, refuse_points
 from ema_twin_msgs.msg import EmaState, Run
 from ema_twin_msgs.srv import Seek
 
@@ -82,6 +82,7 @@ class ReplayNode(Node):
             if not given["recording"]:
                 raise InputError("replay: parameter recording: it is not given; give recording:=FILE")
             recording = load(given["recording"], import_map=given["map"])
+        refuse_points(recording)
         for warning in recording.warnings:
             self.get_logger().warning(warning)
         self.finished = False

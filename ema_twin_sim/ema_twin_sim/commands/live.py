@@ -57,6 +57,8 @@ def run(
     The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
     compare gives for the same recording and model.
     """
+    from ema_bench_replay.recording import refuse_points
+
     from ..comparison.noise import noise_floors
     from ..model import load_model
     from ..nodes.live import run_live
@@ -75,6 +77,7 @@ def run(
         if len(recordings) != 1:
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         recording = recordings[0]
+        refuse_points(recording)
     driving = choose_input(recording, input) if recording is not None else input
     _check_outputs(rrd, record, force)
     if recording is None:

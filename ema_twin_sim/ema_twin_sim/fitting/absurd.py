@@ -45,16 +45,12 @@ class Rule:
 
 def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstances:
     """Of these recordings and a fitted model."""
-    positions = [recording.signals["motor_position"] for recording in recordings]
-    speeds = [
-        recording.signals.get("speed", np.gradient(position, recording.time))
-        for recording, position in zip(recordings, positions, strict=True)
-    ]
-    travel = max(float(np.nanmax(position) - np.nanmin(position)) for position in positions)
+    positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
+    travel = max((float(np.nanmax(position) - np.nanmin(position)) for position in positions), default=0.0)
     held = [instance for instance in model.effects.values() if instance.enabled]
     return Circumstances(
         duration=max(recording.duration for recording in recordings),
-        top_speed=max(float(np.nanmax(np.abs(speed))) for speed in speeds),
+        top_speed=max(float(np.nanmax(np.abs(_speed(recording)))) for recording in recordings),
         travel=travel,
         output_travel=travel / model.value("machine.gear_ratio"),
         dry_level=sum(i.parameters["torque"] for i in held if i.effect == "coulomb_friction"),
@@ -63,6 +59,13 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
         output_inertia=model.value("machine.output_inertia"),
         torque_limit=model.value("drive.torque_limit"),
     )
+
+
+def _speed(recording: Recording) -> np.ndarray:
+    """Speed (n,) [rad/s]: measured, or of the motor's position."""
+    if recording.has("speed"):
+        return recording.signals["speed"]
+    return np.gradient(recording.signals["motor_position"], recording.time)
 
 
 def damping_ratio(v: Values, c: Circumstances) -> float:

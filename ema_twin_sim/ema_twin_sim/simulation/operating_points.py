@@ -14,6 +14,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..effects import catalogue
 from ..model import Model
 from ..plant.measured_motion import MOTION, MOTOR_ANGLE, REQUIRED, SPEED, require
 from ..reading_noise import reading_noise
@@ -28,6 +29,8 @@ FEWEST_OF_HALVES = 4 * FEWEST
 
 SPEED_DEPENDENT = frozenset({"viscous_friction", "stribeck_friction", "quadratic_drag", "shear_thinning"})
 """Effects that do not show where nothing turns."""
+PLACES = frozenset({"order", "output_position", "encoders"})
+"""What an effect shows over that does not show where no position is known."""
 TRANSIENT = frozenset({"added_inertia", "presliding_friction", "thermal_friction", "encoder_delay"})
 """Effects that no operating point shows: they take an acceleration, a way or a time."""
 
@@ -119,9 +122,13 @@ def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
     """Effects that recordings do not show, since all of them are of operating points."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
+    hidden = set(TRANSIENT)
     speeds = [np.abs(r.signals["speed"]) for r in recordings if r.has("speed")]
-    turning = any(float(np.nanmax(speed)) >= STILL for speed in speeds)
-    return TRANSIENT if turning else TRANSIENT | SPEED_DEPENDENT
+    if not any(float(np.nanmax(speed)) >= STILL for speed in speeds):
+        hidden |= SPEED_DEPENDENT
+    if not any(r.has("motor_position") or r.has("output_position") for r in recordings):
+        hidden |= {id for id, effect in catalogue().items() if effect.depends_on in PLACES}
+    return frozenset(hidden)
 
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:

@@ -37,7 +37,7 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
     if recording.of_points:
         if wanted not in (None, POINTWISE):
             raise InputError(
-                f"{recording.name}: holds operating points, which drive no twin; leave out --input {wanted}"
+                f"{recording.name}: operating points drive no twin, each stands by itself; leave out --input {wanted}"
             )
         return POINTWISE
     chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
