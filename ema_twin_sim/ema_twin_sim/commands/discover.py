@@ -14,7 +14,7 @@ from ..quantities import estimate, quantity
 from . import options
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
+from .wording import effect_words, groups_sentence, listed, options_words, order_sentences, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery, Step
@@ -120,6 +120,8 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
         console.print(_steps(found))
     if found.parameters:
         console.print(_parameters(found))
+    for sentence in order_sentences(found.model, found.parameters):
+        say(sentence)
     moved = _constants(found)
     if moved.row_count:
         console.print(moved)

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..model import Model
 
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
@@ -75,6 +79,25 @@ def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence
 def options_words(options: Mapping[str, str]) -> str:
     """``order 24, kind dissipative``."""
     return ", ".join(f"{name} {choice}" for name, choice in options.items())
+
+
+def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
+    """What of the machine repeats as often as effects do; once, that the model does not say so."""
+    told = []
+    unnamed = []
+    for name in names:
+        order = model.effects[name].options.get("order") if name in model.effects else None
+        if order is None:
+            continue
+        if parts := model.order_names(float(order)):
+            told.append(f"{effect_words(name)}: order {order} is that of {', or '.join(parts)}.")
+        else:
+            unnamed.append(order)
+    if unnamed:
+        said = "names nothing that repeats so" if model.orders else "names no orders (`orders:` in its file)"
+        times = "times in a turn of the motor, as teeth, magnets or bearings may; the model"
+        told.append(f"Found to repeat {', '.join(unnamed)} {times} {said}.")
+    return told
 
 
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:

@@ -392,9 +392,12 @@ def suggest(
     held = doubts(eq, found, rivals, without, thorough=False)
     if not held:
         return ""
+    if any(recording.of_points for recording in recordings):
+        return "a motion, slow and fast and both ways: operating points tell of no more"
     choice = best_command(eq, held, signals_of(recordings), few=True)
     if choice.best is None:
-        return f"no command tells apart {' or '.join(dict.fromkeys(n for d in held for n in d.names))}"
+        names = dict.fromkeys("nothing more" if n == NOTHING else n for d in held for n in d.names)
+        return f"no command tells apart {' or '.join(names)}"
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
     return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"

@@ -83,15 +83,18 @@ class Model:
         )
 
     def order_names(self, order: float) -> list[str]:
-        """What of the machine repeats so often in a turn of its motor, or in whole parts of that: ``4 x slots``."""
-        found: list[str] = []
-        for name, own in self.orders.items():
-            times = round(order / own)
-            if abs(order - own) <= _ORDER_ERROR:
-                found.insert(0, name)
-            elif 1 < times <= _HARMONICS and abs(order - times * own) <= _ORDER_ERROR and own > 1.0:
-                found.append(f"{times} × {name}")
-        return found
+        """What of the machine repeats so often in a turn of its motor; or what a multiple of which does: ``4 × slots``.
+
+        Everything is a multiple of a turn, and of what takes several: they are not named.
+        """
+        exact = [name for name, own in self.orders.items() if abs(order - own) <= _ORDER_ERROR]
+        multiples = [
+            f"{times} × {name}"
+            for name, own in self.orders.items()
+            if own > 1.0 and 1 < (times := round(order / own)) <= _HARMONICS
+            if abs(order - times * own) <= _ORDER_ERROR
+        ]
+        return exact or multiples
 
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
