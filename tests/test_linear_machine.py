@@ -16,6 +16,7 @@ from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.equivalent import drum_radius, given_back, rotary, round_the_drum
 from ema_twin_sim.model.matching import matched
 from tests.recorded import record
+from tests.test_command_line import refused
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
 
@@ -135,3 +136,14 @@ def test_what_the_virtual_bench_records_of_a_carriage_is_a_carriages(emps, tmp_p
     heavier = emps.with_value("machine.motor_inertia", 70.0)
     fitted = fit_model(runs, heavier, method="equation")
     assert fitted.constants["machine"]["inertia"]["value"] == pytest.approx(50.0, rel=0.02)
+
+
+def test_it_is_not_followed_live(tmp_path):
+    """A twin of a carriage would take a drum's standstill for its own: live, it is refused."""
+    (tmp_path / "run.csv").write_text("t [s],x [m],f [N]\n" + "".join(f"0.00{k},{k},1\n" for k in range(9)))
+    (tmp_path / "m.yaml").write_text(
+        "version: 1\nmotion: linear\ntime: {column: 't .*', unit: s}\nsignals:\n"
+        "  motor_position: {columns: ['x .*']}\n  motor_torque: {columns: ['f .*']}\n"
+    )
+    naming = "model emps", "linear machine", "compare"
+    refused("live", "run.csv", "--map", "m.yaml", "--model", "emps", cwd=tmp_path, naming=naming)

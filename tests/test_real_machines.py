@@ -84,3 +84,13 @@ def test_laas_motor_cogs_at_orders_that_nobody_told(real):
     orders = {i.options["order"] for i in found.model.effects.values() if i.effect == "cogging"}
     assert orders == {"72", "18", "12", "144", "24", "36"}
     assert found.unseen.rmse[-1] <= 0.027
+
+
+def test_laas_motor_in_motion_rubs_and_cogs(real):
+    """0.019 A are left with Coulomb friction, as published; the cogging that rest shows, motion shows too."""
+    record = read_trace(real / "laas_sine_current.csv", load_map("laas_sine"))
+    model = load_model("laas_motor")
+    found = discover([record], model)
+    assert found.added == ("coulomb_friction", "cogging")
+    assert found.model.effects["cogging"].options["order"] == "72"
+    assert found.unseen.rmse[1] / model.value("machine.torque_constant") <= 0.019

@@ -60,8 +60,9 @@ def run(
     from ema_bench_replay.recording import refuse_points
 
     from ..comparison.noise import noise_floors
-    from ..model import load_model
+    from ..model.matching import matched
     from ..nodes.live import run_live
+    from ..nodes.live_model import live_model
     from ..own_effects import load_effects
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
@@ -70,14 +71,14 @@ def run(
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, record, bag)
     load_effects(with_files or ())
-    found = load_model(model)
+    found = live_model(model)
     recording = None
     if run is not None:
         recordings = load_runs([run], import_map=import_map, start=start, end=end, strict=strict, least=2)
         if len(recordings) != 1:
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
-        recording = recordings[0]
-        refuse_points(recording)
+        refuse_points(recordings[0])
+        recording = matched(recordings[0], found)
     driving = choose_input(recording, input) if recording is not None else input
     _check_outputs(rrd, record, force)
     if recording is None:
@@ -136,10 +137,8 @@ def show(result: LiveResult) -> None:
     for name in shown_signals(result.input, result.signals):
         signal = result.signals[name]
         rmse, floor = signal["rmse"], signal["noise_floor"]
-        console.print(
-            f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, str(signal['unit'])):>12}   "
-            f"{rmse / floor:8.1f} × noise"
-        )
+        times = f"   {rmse / floor:8.1f} × noise" if floor > 0.0 else ""
+        console.print(f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, signal['unit']):>12}{times}")
 
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
@@ -214,7 +213,9 @@ class Follower:
         for name, (square, count) in self._sums.items():
             rmse = (square / count) ** 0.5
             label = name.replace("_", " ")
-            parts.append(f"{label} {quantity(rmse, UNITS[name]):>10} {rmse / self._floors[name]:5.0f}×")
+            floor = self._floors[name]  # 0 where the sensor's noise is not known
+            times = f" {rmse / floor:5.0f}×" if floor > 0.0 else ""
+            parts.append(f"{label} {quantity(rmse, UNITS[name]):>10}{times}")
         console.print(f"  {elapsed:5.1f}{of} s   error " + "   ".join(parts), highlight=False)
         self._sums.clear()
 

@@ -19,9 +19,10 @@ from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..comparison.running_comparison import DRIVEN, RunningComparison
-from ..model import Model, load_model
+from ..model import Model
 from ..own_effects import load_effects
 from .follower import input_for
+from .live_model import live_model
 from .pairing import Pairing
 from .verdict import Level, judge
 from .warm_up import warm_up_comparison
@@ -73,7 +74,7 @@ class MonitorNode(Node):
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
         load_effects(given["effect_files"])
-        self.model = model or load_model(given["model"])
+        self.model = live_model(model or given["model"])
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         warm_up_comparison(self.model)

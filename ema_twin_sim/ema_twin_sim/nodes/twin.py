@@ -12,10 +12,11 @@ from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run
 
-from ..model import Model, load_model
+from ..model import Model
 from ..own_effects import load_effects
 from ..simulation.command import FORMS, parse_command
 from .beside_bench import BesideBench
+from .live_model import live_model
 from .model_parameters import ModelParameters
 from .own_clock import OwnClock
 from .twin_output import TwinOutput
@@ -51,7 +52,7 @@ class TwinNode(Node):
         super().__init__("twin", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         load_effects(given["effect_files"])
-        model = model or load_model(given["model"])
+        model = live_model(model or given["model"])
         self._output = TwinOutput(self)
         self.mode: BesideBench | OwnClock
         if given["input"] == "standalone":

@@ -1,0 +1,21 @@
+"""The models that run live."""
+
+from __future__ import annotations
+
+from ema_bench_replay.errors import InputError
+
+from ..model import Model, load_model
+
+
+def live_model(model: str | Model) -> Model:
+    """A model, by its file or name, for twin and monitor. Raises InputError where it is of a linear machine.
+
+    What counts as standstill, and the units of the topics, are a rotary machine's; offline a linear one is taken for a
+    drum that its carriage runs round (``model.equivalent``).
+    """
+    found = model if isinstance(model, Model) else load_model(model)
+    if found.motion != "rotary":
+        raise InputError(
+            f"model {found.name}: is of a linear machine, which no twin follows live; compare, fit and discover take it"
+        )
+    return found
