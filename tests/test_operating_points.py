@@ -56,9 +56,9 @@ def test_an_order_that_is_in_no_list_is_found(held, motor):
     assert found.unseen.recordings[0][0] == "points, lower half of the positions"
 
 
-def test_named_orders_are_not_looked_beyond(held, motor):
-    """A machine whose orders are known has no other: what repeats there is unknown."""
-    found = discover([held], replace(motor, orders={"electrical": 12.0}))
+def test_no_order_is_found_on_a_machine_that_has_no_others(held, motor):
+    """What repeats there is unknown."""
+    found = discover([held], replace(motor, other_orders=False))
     assert "7" not in {i.options.get("order") for i in found.model.effects.values()}
     assert found.verdict == "unknown"
 

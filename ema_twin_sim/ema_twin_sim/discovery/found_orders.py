@@ -1,9 +1,10 @@
-"""Orders that a residual shows, on a machine whose orders nobody has named: they are found, not assumed."""
+"""Orders that a residual shows, on a machine of which not all are known: they are found, not assumed."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..comparison.orders import find_order
 from ..effects import catalogue
 from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 from .candidates import Candidate
@@ -13,24 +14,42 @@ from .fit import Fit
 HIGHEST = 160
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
+WHOLE = 0.02  # of an order, within which it is a whole number
+LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
 
 
 def order_candidates(eq: Equation, f: Fit) -> list[Candidate]:
-    """Effects whose order is free, at the orders that stand out of a fit's residual; none where the model names them.
+    """Effects whose order is free, at the orders that stand out of a fit's residual.
 
-    What the motor's own turns bring about repeats with each of them: its orders are whole numbers.
+    None where the machine has no others than the usual.
+
+    What the motor's own turns bring about repeats with each of them: its orders are whole numbers. What its gears bring
+    about repeats with turns of their own.
     """
-    if f.hypothesis.base.orders:
+    if not f.hypothesis.base.other_orders:
         return []
-    free = [effect for effect in catalogue().values() if effect.free_option == "order"]
+    found = [("cogging", str(order)) for order in standing_out(eq, f)]
+    if f.hypothesis.base.value("machine.gear_ratio") != 1.0 and (order := of_the_gears(eq, f)) is not None:
+        found.append(("mesh_ripple", f"{order:.5g}"))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
-    orders = [str(order) for order in standing_out(eq, f)]
     return [
-        Candidate(effect.id, {**effect.default_options(), "order": order})
-        for effect in free
-        for order in orders
-        if order not in effect.options["order"] and (effect.id, order) not in held
+        Candidate(id, {**catalogue()[id].default_options(), "order": order})
+        for id, order in found
+        if order not in catalogue()[id].options["order"] and (id, order) not in held
     ]
+
+
+def of_the_gears(eq: Equation, f: Fit) -> float | None:
+    """The strongest order, of all that are resolved; None where it is whole, as those of the motor are, or unclear."""
+    parts = []
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
+        if not o.of_points:
+            parts.append((f.residual[part], angle, np.sign(speed)))
+    strongest = find_order(parts)
+    if strongest is None or strongest.dissipative or strongest.share < LEAST_SHARE:
+        return None
+    return None if abs(strongest.order - round(strongest.order)) < WHOLE else strongest.order
 
 
 def standing_out(eq: Equation, f: Fit) -> list[int]:

@@ -27,6 +27,7 @@ EFFECT = Effect(
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     options={"order": ("15.75", "15.0", "45")},
+    free_option="order",
     option_value=lambda options: float(options["order"]),
     act=act,
 )

@@ -65,6 +65,7 @@ class Model:
     lumped: bool = False  # whether all inertia is one number
     radius: float | None = None  # m, of the drum that stands in for a carriage (equivalent.py)
     orders: Mapping[str, float] = field(default_factory=dict)  # by name, cycles per turn of the motor
+    other_orders: bool = True  # whether anything else of it may repeat
 
     def __post_init__(self) -> None:
         for name in ("kinds", "constants", "effects", "orders"):

@@ -4,7 +4,8 @@ A file may name a ``base`` beside it (models of one bench share one file of cons
 the base's. What is written is always whole: a file that stands alone. A machine of which less is known may
 give its one ``inertia`` (of a linear machine: its mass) in place of the motor's, the gearbox's and the output's, and
 leave out what it does not have. ``tolerance: open`` says that a value is not known, but for where a fit starts.
-``orders`` names what repeats with the motor's turns, in cycles per turn; where they are named, no others are sought.
+``orders`` names what repeats with the motor's turns, in cycles per turn; ``other_orders: false`` says that nothing else
+does, so that none is looked for.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, ch
 VERSION = 1
 OPEN = "open"
 ABSENT = "not given: the machine has none"
-_KEYS = ("version", "base", *PARTS, "orders", "effects")
+_KEYS = ("version", "base", *PARTS, "orders", "other_orders", "effects")
 
 
 def load_model(name: str | os.PathLike[str]) -> Model:
@@ -66,6 +67,8 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         content[constant.part][model.shown_path(constant_path).partition(".")[2]] = entry  # type: ignore[index]
     if model.orders:
         content["orders"] = dict(model.orders)
+    if not model.other_orders:
+        content["other_orders"] = False
     content["effects"] = {
         name: {
             "effect": instance.effect,
@@ -167,7 +170,8 @@ def _model(path: Path, content: Mapping) -> Model:
     parts = {} if effects is None else _effects(check, effects, motion)
     orders = check.mapping(content.get("orders", {}), "orders")
     named = {str(k): check.number(v, f"orders.{k}", lower=1e-6, upper=1e6) for k, v in orders.items()}
-    return Model(path.stem, name, kinds, constants, parts, motion, lumped, orders=named)
+    others = check.boolean(content.get("other_orders", True), "other_orders")
+    return Model(path.stem, name, kinds, constants, parts, motion, lumped, orders=named, other_orders=others)
 
 
 def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:

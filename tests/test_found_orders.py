@@ -1,0 +1,55 @@
+"""Orders found, not assumed; and named where the model knows what repeats so."""
+
+from dataclasses import replace
+
+import pytest
+
+from ema_twin_sim.commands.wording import order_sentences
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.model import load_model, save_model
+from tests.recorded import record
+
+ORDER = 7.4286  # of a mesh that no catalogue knows
+
+
+@pytest.fixture(scope="module")
+def gearbox(stock):
+    """A machine with another gearbox, of whose orders nothing is said."""
+    return replace(stock.with_value("machine.gear_ratio", 31.0), orders={}, other_orders=True)
+
+
+@pytest.fixture(scope="module")
+def recordings(gearbox):
+    hidden = gearbox.with_effect("mesh_ripple", {"torque": 0.03, "phase": 0.4}, {"order": str(ORDER)})
+    return record(hidden, ("ramp:0.3", "sine:0.4:0.3", "triangle:0.5:1.5"), seconds=10.0)
+
+
+def test_an_order_of_the_gears_is_found(recordings, gearbox):
+    found = discover(recordings, gearbox)
+    assert (found.verdict, found.added) == ("explained", ("mesh_ripple",))
+    ripple = found.model.effects["mesh_ripple"]
+    assert float(ripple.options["order"]) == pytest.approx(ORDER, abs=2e-3)
+    assert ripple.parameters["torque"] == pytest.approx(0.03, rel=0.03)
+    (sentence,) = order_sentences(found.model, found.added)
+    assert "7.428" in sentence and "names no orders" in sentence
+
+
+def test_where_all_orders_are_known_it_is_unknown(recordings, gearbox):
+    found = discover(recordings, replace(gearbox, other_orders=False))
+    assert (found.verdict, found.depends_on) == ("unknown", ("order",))
+
+
+def test_orders_are_named_by_what_the_model_says(tmp_path):
+    model = replace(load_model("laas_motor"), orders={"slots": 18.0, "pole pairs": 12.0})
+    assert model.order_names(18.0) == ["slots"]
+    assert model.order_names(72.0) == ["4 × slots", "6 × pole pairs"]
+    assert model.order_names(7.0) == []
+    save_model(model, tmp_path / "named.yaml")
+    assert load_model(tmp_path / "named.yaml").orders == model.orders
+
+
+def test_the_benchs_orders_are_all_known(stock, tmp_path):
+    assert stock.order_names(15.75) == ["first mesh"]
+    save_model(stock, tmp_path / "whole.yaml")
+    written = load_model(tmp_path / "whole.yaml")
+    assert written.orders == stock.orders and not written.other_orders
