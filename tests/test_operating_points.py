@@ -12,6 +12,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.operating_points import approached, halves
@@ -118,6 +119,8 @@ def test_what_points_cannot_tell_is_refused(held, motor, stock):
         discover([points("odd", motor_position=np.arange(50.0))], motor)
     with pytest.raises(InputError, match="operating points drive no twin"):
         compare([held], motor, "current")
+    with pytest.raises(InputError, match="record a motion"):
+        plan([held], motor)
     with pytest.raises(InputError, match="play or a spring"):
         compare([held], stock.with_effect("backlash", {"width": 0.001}))
 

@@ -93,7 +93,8 @@ def _show_one(effect: Effect, name: str | Path) -> None:
         table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))
     console.print(table)
     for name, choices in effect.options.items():
-        say(f"option {name}: {', '.join(choices)} (default {choices[0]})")
+        other = ", or another positive number" if name == effect.free_option else ""
+        say(f"option {name}: {', '.join(choices)}{other} (default {choices[0]})")
     if effect.parameters:
         first = effect.parameters[0]
         console.print(

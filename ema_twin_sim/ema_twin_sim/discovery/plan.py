@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
@@ -90,6 +91,12 @@ def plan(
     it has done in these recordings, and more only where nothing less decides. ``progress`` is called with what is being
     done. Raises InputError where the recordings cannot be judged.
     """
+    pointwise = [recording.name for recording in recordings if recording.of_points]
+    if pointwise:
+        raise InputError(
+            f"{', '.join(pointwise)}: operating points say nothing of how the machine moves, from which a command is "
+            "planned; record a motion, slow and fast and both ways"
+        )
     found = discover(recordings, model, without=without, progress=progress)
     progress("asking what is in doubt")
     eq = found.equation
