@@ -9,7 +9,8 @@ from test_command_line import refused, twin
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import POINTS, Recording
+from ema_bench_replay.recording import MOTION, POINTS, Recording
+from ema_twin_sim.commands.judged import write_evidence_bag
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.plan import plan
@@ -54,7 +55,7 @@ def test_an_order_that_is_in_no_list_is_found(held, motor):
     assert abs(cogging["phase"]["value"] - 0.5) < max(3.0 * cogging["phase"]["std"], 0.01)
     assert found.parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(1e-3, rel=0.03)
     assert found.unseen.rmse[-1] == pytest.approx(NOISE, rel=0.1)
-    assert found.unseen.recordings[0][0] == "points, lower half of the positions"
+    assert found.unseen.recordings[0][0] == "points, odd eighths of the positions"
 
 
 def test_no_order_is_found_on_a_machine_that_has_no_others(held, motor):
@@ -62,6 +63,54 @@ def test_no_order_is_found_on_a_machine_that_has_no_others(held, motor):
     found = discover([held], replace(motor, other_orders=False))
     assert "7" not in {i.options.get("order") for i in found.model.effects.values()}
     assert found.verdict == "unknown"
+
+
+@pytest.mark.parametrize(("count", "order"), [(60, 7), (100, 12)])
+def test_no_alias_is_named(motor, count, order):
+    """So few angles a turn resolve no high order; the one that is there is below."""
+    rng = np.random.default_rng(8)
+    up = np.arange(count) * 2.0 * math.pi / count
+    angle = np.concatenate([up, up[::-1]])
+    torque = 4e-3 * np.sin(order * angle + 0.5) + 1e-3 * np.repeat([1.0, -1.0], count)
+    held = points(motor_position=angle, current=torque / CONSTANT + NOISE * rng.standard_normal(2 * count))
+    found = discover([held], motor)
+    assert found.model.effects["cogging"].options["order"] == str(order)
+
+
+def test_random_order_tells_the_way_to_each_point():
+    position = np.random.default_rng(9).permutation(np.linspace(0.0, 6.0, 200))
+    assert (approached(position)[1:] == np.sign(np.diff(position))).all()
+    holed = position.copy()
+    holed[5] = math.nan
+    assert np.mean(approached(holed) != 0.0) > 0.98
+
+
+def test_a_ripple_in_proportion_to_the_current_explains_nothing_by_itself(motor):
+    rng = np.random.default_rng(10)
+    wandering = points(motor_position=np.zeros(100), current=np.cumsum(0.1 * rng.standard_normal(100)))
+    assert not {"torque_ripple", "torque_constant_error"} & {*discover([wandering], motor).added}
+
+
+def test_a_carriages_friction_curve_needs_no_position():
+    rng = np.random.default_rng(11)
+    speed = np.concatenate([s * np.geomspace(2e-3, 0.2, 40) for s in (1.0, -1.0)])
+    force = 203.0 * speed + 20.0 * np.sign(speed) - 3.0 + 0.05 * rng.standard_normal(80)
+    curve = replace(points("rail", speed=speed, motor_torque=force), metadata={POINTS: "yes", MOTION: "linear"})
+    fitted = fit_model([curve], load_model("emps")).parameters
+    assert fitted["viscous_friction"]["coefficient"]["value"] == pytest.approx(203.0, rel=0.02)
+    assert fitted["coulomb_friction"]["torque"]["value"] == pytest.approx(20.0, rel=0.02)
+    assert fitted["constant_load"]["torque"]["value"] == pytest.approx(-3.0, rel=0.05)
+
+
+def test_points_and_motions_are_judged_apart(held, motor):
+    with pytest.raises(InputError, match="one kind at a time"):
+        discover([held, replace(held, name="run", metadata={})], motor)
+
+
+def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
+    found = discover([held], motor)
+    write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)
+    assert (tmp_path / "found.mcap").stat().st_size > 1000
 
 
 def test_what_rest_does_not_show_is_left_as_it_was(held, motor):
@@ -108,9 +157,15 @@ def test_the_way_a_point_was_come_to():
 
 
 def test_lone_points_are_judged_by_halves(held):
-    lower, higher = halves([held])
-    assert lower.signals["motor_position"].max() <= higher.signals["motor_position"].min()
-    assert len(lower) + len(higher) == len(held)
+    odd, even = halves([held])
+    assert len(odd) + len(even) == len(held)
+    assert abs(len(odd) - len(even)) < 0.02 * len(held)
+    for part in (odd, even):  # both span the whole, and share no place
+        assert np.ptp(part.signals["motor_position"]) > 0.8 * np.ptp(held.signals["motor_position"])
+    places = [set(np.round(part.signals["motor_position"], 9)) for part in (odd, even)]
+    assert len(places[0] & places[1]) <= 8
+    top = points("top", motor_position=np.r_[np.zeros(20), np.ones(40)], current=np.arange(60.0))
+    assert min(len(part) for part in halves([top])) >= 24
     assert halves([held, held]) == [held, held]
 
 

@@ -1,4 +1,4 @@
-"""Messages lost on a topic, by the numbers that each publisher gives to its own."""
+"""Messages lost on a topic, by the numbers that its publisher gives to its own."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ from collections.abc import Callable
 
 
 class PublishedNumbers:
-    """Follows the numbers of a topic's messages. A message does not say whose it is; its number mostly does.
+    """Follows the numbers of a topic's messages, which each publisher counts for itself.
 
-    A number continues the publisher that gave the one before. One that continues none begins a publisher that was not
-    heard before; where all have been heard, it has left a gap behind the nearest that is lower. What a publisher sent
-    before it was first heard is not counted: it may be older than the subscription.
+    A message does not say whose it is: where several publish, what is lost is not known. A number that falls is of a
+    publisher that began anew. What one sent before it was first heard is not counted: it may be older than the
+    subscription.
+
+    Attributes:
+        known: whether losses are known.
     """
 
     def __init__(self, publishers: Callable[[], int]) -> None:
-        """`publishers` tells how many publish now; it is asked only where a number continues none."""
+        """`publishers` tells how many publish now; it is asked only where a number does not follow the last."""
         self._publishers = publishers
-        self._last: set[int] = set()  # number given last, of each publisher
+        self._last: int | None = None
+        self.known = True
 
-    def lost_before(self, number: int) -> int:
-        """How many messages went missing before this one."""
-        nearest = number - 1
-        if nearest not in self._last:
-            lower = [last for last in self._last if last < number]
-            if not lower or len(self._last) < self._publishers():
-                self._last.add(number)
-                return 0
-            nearest = max(lower)
-        self._last.remove(nearest)
-        self._last.add(number)
-        return number - nearest - 1
+    def lost_before(self, number: int | None) -> int:
+        """How many messages went missing before this one; `number` None where the middleware gives none."""
+        last, self._last = self._last, number
+        if not self.known or last is None or number is None or number == last + 1:
+            self.known = self.known and number is not None
+            return 0
+        if self._publishers() > 1:
+            self.known = False
+            return 0
+        return max(0, number - last - 1)

@@ -34,6 +34,8 @@ _COLLECT = 0.01
 """s between two emptyings of what DDS has kept for us."""
 _AT_ONCE = 2000
 """Messages of a topic taken in one go: the others, and a signal to end, shall not wait longer."""
+_LAST_WORDS = 10.0
+"""s at the end for what has arrived and was not taken yet."""
 _FLUSH = 0.5
 """s after which a message is on disk, however slowly they come."""
 
@@ -71,7 +73,7 @@ class RecordNode(Node):
         self._diagnostics = diagnostics.Diagnostics(self, str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
-        steady_timer(self, _COLLECT, self._collect)
+        steady_timer(self, _COLLECT, self._on_collect)
         steady_timer(self, _FLUSH, self._flush)
 
     @property
@@ -102,16 +104,23 @@ class RecordNode(Node):
             message_type, topic, _never_called, _matching(offered), raw=True
         )
 
-    def _collect(self) -> None:
+    def _on_collect(self) -> None:
+        self._collect()
+
+    def _collect(self) -> bool:
+        """Take what has come; whether there was anything."""
+        any_came = False
         for topic, subscription in self._recorded.items():
             for _ in range(_AT_ONCE):
                 taken = subscription.handle.take_message(subscription.msg_type, True)
                 if taken is None:
                     break
+                any_came = True
                 self._on_message(topic, *taken)
+        return any_came
 
     def _on_message(self, topic: str, message: bytes, info: Mapping[str, int | None]) -> None:
-        self.lost[topic] += self._numbers[topic].lost_before(info["publication_sequence_number"] or 0)
+        self.lost[topic] += self._numbers[topic].lost_before(info["publication_sequence_number"])
         if self._problem:
             self.lost[topic] += 1
             return
@@ -150,7 +159,15 @@ class RecordNode(Node):
 
     def destroy_node(self) -> None:
         """Finish the file, and say what is in it."""
-        self._collect()
+        until = time.monotonic() + _LAST_WORDS
+        try:
+            while self._collect() and time.monotonic() < until:
+                pass
+        finally:
+            self._finish()
+        super().destroy_node()
+
+    def _finish(self) -> None:
         try:
             self._writer.finish()
         except InputError as error:
@@ -160,8 +177,12 @@ class RecordNode(Node):
         if lost:
             self.get_logger().warning(f"{text}; lost: {', '.join(lost)}")
         else:
-            self.get_logger().info(f"{text}, none lost")
-        super().destroy_node()
+            self.get_logger().info(f"{text}, none lost{self._doubt()}")
+
+    def _doubt(self) -> str:
+        """Of which topics losses are not known, in words."""
+        unknown = [topic for topic, numbers in self._numbers.items() if not numbers.known]
+        return f" (not known of {', '.join(unknown)}: several publish there)" if unknown else ""
 
 
 def _never_called(message: bytes) -> None:

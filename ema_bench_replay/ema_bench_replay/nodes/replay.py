@@ -147,6 +147,8 @@ class ReplayNode(Node):
 
     def _serve(self) -> None:
         """Look for samples that are due once a sample period, counted from the beginning of the playback's own time."""
+        if self._playback.ended:
+            return
         rate = self._playback.rate
         self._look(max(_SHORTEST_PERIOD, self._recording.sample_period / rate) if rate else 0.0, self._play)
 
@@ -238,7 +240,7 @@ class ReplayNode(Node):
         return self._answer(response, "a new run begins")
 
     def _answer(self, response: Trigger.Response | Seek.Response, what: str) -> Trigger.Response | Seek.Response:
-        if self._started and not self._playback.ended:
+        if self._started:
             self._serve()
         response.success = True
         response.message = f"{what} at {self._playback.position(time.monotonic_ns()) * 1e-9:.3f} s"

@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from ..quantities import quantity
 from . import options
+from .judged import warn_of
 from .output import console, progress_bar, say, sparkline
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
@@ -61,6 +62,7 @@ def run(
         for each in models:
             comparisons.append(compare(recordings, each, input, progress=lambda _: progress.advance(task)))
     show(comparisons, labels=model)
+    warn_of(list(dict.fromkeys(text for c in comparisons for text in c.warnings)), recordings)
     contents = [comparison.as_json() for comparison in comparisons]
     write_json(json, contents[0] if len(contents) == 1 else contents)
 

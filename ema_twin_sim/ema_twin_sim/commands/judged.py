@@ -52,7 +52,9 @@ def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: 
     """Write what each step left over as an MCAP."""
     from ..views.evidence_bag import write_evidence
 
-    write_evidence(found, recordings, file, force=force)
+    # a lone table of points was searched in two parts
+    used = recordings if len(recordings) == len(found.recordings) else found.recordings
+    write_evidence(found, used, file, force=force)
 
 
 def warn_of(warnings: Sequence[str], recordings: Sequence[Recording]) -> None:

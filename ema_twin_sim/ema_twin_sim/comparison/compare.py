@@ -95,7 +95,7 @@ def compare(
         running = RunningComparison(model, chosen, period=recording.sample_period)
         residuals = running.add_rows(recording.signals, twin.signals)
         for name in residuals.keys() & set(_explained(chosen)):
-            stretches[name].append(_stretch(recording, twin, residuals[name]))
+            stretches[name].append(_stretch(recording, twin, residuals[name], model.value("machine.gear_ratio")))
         error = torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
@@ -166,11 +166,12 @@ def _explained(source: str) -> tuple[str, ...]:
     return ("unexplained_torque",) if source == "current" else ("current", "output_position")
 
 
-def _stretch(recording: Recording, twin: Recording, residual: np.ndarray) -> Stretch:
+def _stretch(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:
         speed = np.gradient(position, recording.time)
     origin = 0.0 if np.isnan(recording.motor_angle_origin) else recording.motor_angle_origin
-    output = recording.signals.get("output_position", twin.signals["output_position"])
+    own = position / ratio if recording.has("motor_position") else twin.signals["output_position"]
+    output = recording.signals.get("output_position", own)
     return Stretch(residual, speed, position + origin, output, recording.time)

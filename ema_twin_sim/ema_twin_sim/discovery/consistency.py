@@ -26,6 +26,7 @@ MOVING = 0.3  # of the largest: less of a signal tells no factor
 FEWEST = 30  # samples that do
 STEADY = 0.1  # spread of a factor, relative, from which on it is none
 NAMED = 0.03  # relative, within which a factor is a usual mistake
+NAMED_SETPOINT = 0.15  # the same of a setpoint, which its signal follows late
 OFF = 0.1  # relative, beyond which the ways of one shaft do not fit its speed
 OFF_SHAFTS = 0.25  # the same of two shafts: play and springs take something away
 OFF_SETPOINT = 0.5  # the same of a controller, which may follow badly
@@ -63,7 +64,8 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
         return
     off = []
     for signal, other, factor, allowed in _factors(recording, model):
-        if abs(factor - 1.0) > allowed and (allowed < OFF_SETPOINT or _mistake(signal, other, factor, model)):
+        # only a shaft's way and its own speed can be off by nothing but a mistake
+        if abs(factor - 1.0) > allowed and (allowed == OFF or _mistake(signal, other, factor, model)):
             off.append((signal, other, factor))
     named = [name for signal, other, _ in off for name in (signal, other)]
     for signal, other, factor in off:
@@ -89,7 +91,10 @@ def _factors(recording: Recording, model: Model) -> Iterator[tuple[str, str, flo
         return signals[name][lag:] - signals[name][:-lag]
 
     if recording.has("speed", "motor_position"):
-        speed = signals["speed"]
+        known = np.isfinite(signals["speed"])
+        if not known.any():
+            return
+        speed = np.interp(recording.time, recording.time[known], signals["speed"][known])
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
         yield from _factor("motor_position", "speed", way("motor_position"), travelled[lag:] - travelled[:-lag], OFF)
     if recording.has("output_position", "motor_position"):
@@ -130,18 +135,28 @@ def _mistake(signal: str, other: str, factor: float, model: Model) -> str:
         (1.0 / TURN, f"as if {signal} were in revolutions and read as radians"),
         (1000.0, f"as if {signal} were in thousandths (mA, mrad)"),
         (0.001, f"as if {other} were in thousandths (mA, mrad)"),
-        (4.0, f"as if the counts_per_revolution of {signal} were those before the fourfold evaluation of its lines"),
-        (0.25, f"as if the counts_per_revolution of {signal} were taken times four twice"),
-        (2.0, "as if one of them counted twice"),
-        (0.5, "as if one of them counted half"),
     ]
-    if ratio != 1.0:
-        usual.append((ratio, f"the gear ratio: as if {signal} were of the other shaft"))
-        usual.append((1.0 / ratio, f"one over the gear ratio: as if {signal} were of the other shaft"))
+    # a drive that saturates stays behind its setpoint by any factor: of these no count is told
+    if not {signal, other} & {"speed_setpoint", "current_setpoint", "output_command"}:
+        usual += [
+            (
+                4.0,
+                f"as if the counts_per_revolution of {signal} were those before the fourfold evaluation of its lines",
+            ),
+            (0.25, f"as if the counts_per_revolution of {signal} were taken times four twice"),
+            (2.0, "as if one of them counted twice"),
+            (0.5, "as if one of them counted half"),
+        ]
+        if ratio != 1.0:
+            usual.append((ratio, f"the gear ratio: as if {signal} were of the other shaft"))
+            usual.append((1.0 / ratio, f"one over the gear ratio: as if {signal} were of the other shaft"))
+        near = NAMED
+    else:
+        near = NAMED_SETPOINT
     for size, words in usual:
-        if abs(abs(factor) - size) <= NAMED * size:
+        if abs(abs(factor) - size) <= near * size:
             return f", {words}" + (", and of the other sign" if factor < 0.0 else "")
-    return ", of the other sign" if abs(factor + 1.0) <= NAMED else ""
+    return ", of the other sign" if abs(factor + 1.0) <= near else ""
 
 
 def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
@@ -182,6 +197,8 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         return
     factor = float(found[0] / size[0]) / sum(part.value for part in parts)
     usual = {1000.0: "current were in mA and read as A", 1.0 / DEGREES: "the motion were in degrees", -1.0: "its sign"}
+    if found[1] * factor < 0.0:  # a spring may turn the sign round, but not friction's
+        return
     words = [text for times, text in usual.items() if abs(factor - times) <= NAMED_INERTIA * abs(times)]
     if not words:  # what a load or a disturbance makes of it has any size
         return

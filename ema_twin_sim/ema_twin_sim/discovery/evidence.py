@@ -26,6 +26,7 @@ from .trace import Round, Trial, new_names
 BINS = 24
 FEWEST = 5  # rows of a bin that has a median
 BANDS = 150  # of an order spectrum
+LEAST_SHOWN = 10.0  # orders
 SHOWN = 1.33  # times the highest order that the model names
 NEAR = 0.03  # orders that are taken to be a named one
 NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # against these, bins are narrow about zero
@@ -275,7 +276,7 @@ def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
         if found is None:
             return None
         lines[name] = found.spectrum
-    highest = SHOWN * max(model.orders.values(), default=ORDERS[-1])
+    highest = max(LEAST_SHOWN, SHOWN * max(model.orders.values(), default=ORDERS[-1]))
     bands = np.array_split(np.flatnonzero(highest >= ORDERS), BANDS)
     largest = {name: np.array([line[band].max() for band in bands]) for name, line in lines.items()}
     named = [

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ..comparison.orders import find_order
@@ -10,10 +12,12 @@ from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 from .candidates import Candidate
 from .equation import Equation
 from .fit import Fit
+from .observation import Observation
 
 HIGHEST = 160
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
+SAME = 1e-4  # rad, within which two points are of one angle
 WHOLE = 0.02  # of an order, within which it is a whole number
 LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
 
@@ -52,6 +56,25 @@ def of_the_gears(eq: Equation, f: Fit) -> float | None:
     return None if abs(strongest.order - round(strongest.order)) < WHOLE else strongest.order
 
 
+def highest_order(o: Observation) -> float:
+    """The order from which on the rows of an observation no longer resolve a wave: two rows a cycle, and no aliases."""
+    if not o.of_points:
+        step = float(np.median(np.abs(o.motion[o.rows, SPEED]))) * o.period if len(o.rows) else 0.0
+        return np.pi / step if step > 0.0 else np.inf
+    angle = o.motion[o.rows, MOTOR_ANGLE]
+    if len(angle) < 2 or np.ptp(angle) == 0.0:
+        return 0.0
+    turned = np.mod(angle, 2.0 * np.pi) if np.ptp(angle) > 2.0 * np.pi else angle
+    steps = np.diff(np.unique(np.round(turned / SAME))) * SAME
+    return float(np.pi / np.median(steps)) if len(steps) else 0.0
+
+
+def resolved(eq: Equation, options: Iterable[Candidate]) -> list[Candidate]:
+    """The candidates less those of orders that no recording resolves."""
+    highest = max((highest_order(o) for o in eq.observations), default=np.inf)
+    return [c for c in options if "order" not in c.options or float(c.options["order"]) < highest]
+
+
 def standing_out(eq: Equation, f: Fit) -> list[int]:
     """The orders, in cycles per turn of the motor, with the most power, as far up as the samples resolve them."""
     orders = np.arange(1, HIGHEST + 1)
@@ -60,12 +83,12 @@ def standing_out(eq: Equation, f: Fit) -> list[int]:
         angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
         if not len(angle) or np.ptp(angle) < 2.0 * np.pi * FEWEST_TURNS:
             continue
-        step = float(np.median(np.abs(o.motion[o.rows, SPEED]))) * o.period if not o.of_points else 0.0
+        highest = highest_order(o)
         residual = f.residual[part] - f.residual[part].mean()
         turn = np.exp(1j * angle)
         wave = np.ones(len(angle), complex)
         for k, order in enumerate(orders):
             wave *= turn
-            if order * step < np.pi:
+            if order < highest:
                 power[k] += abs(residual @ wave) ** 2 / len(angle)
     return [int(orders[k]) for k in np.argsort(-power)[:MOST] if power[k] > 0.0]

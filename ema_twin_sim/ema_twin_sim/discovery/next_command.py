@@ -396,8 +396,9 @@ def suggest(
         return "a motion, slow and fast and both ways: operating points tell of no more"
     choice = best_command(eq, held, signals_of(recordings), few=True)
     if choice.best is None:
-        names = dict.fromkeys("nothing more" if n == NOTHING else n for d in held for n in d.names)
-        return f"no command tells apart {' or '.join(names)}"
+        names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
+        said = f"tells apart {' and '.join(names)}" if len(names) > 1 else f"tells whether there is {names[0]} too"
+        return f"no command within what was recorded {said}".replace("_", " ")
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
     return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"

@@ -12,7 +12,7 @@ from .candidates import candidates
 from .decoys import order_decoys
 from .equation import FAR, Equation
 from .fit import Fit, fit
-from .found_orders import order_candidates
+from .found_orders import order_candidates, resolved
 from .hypothesis import PARTING, SIDED, Hypothesis
 from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
@@ -215,7 +215,7 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
     """The current hypothesis with each of the most promising effects added."""
     options = [c for c in candidates(current.hypothesis, without) if c.effect not in PARTING]
     options += [c for c in order_candidates(eq, current) if c.effect not in without]
-    ranked = screen(eq, current, options)
+    ranked = screen(eq, current, resolved(eq, options))
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)

@@ -118,6 +118,8 @@ def fit_model(
     refuse_inconsistent(recordings, model)
     sources = [choose_input(recording, source) for recording in recordings]
     method = method or ("equation" if {"current", POINTWISE} & {*sources} else "simulation")
+    if method == "simulation" and POINTWISE in sources:
+        raise InputError(f"{recordings[0].name}: operating points are fitted by --method equation: nothing runs there")
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
     freedom = choose_numbers(model, free, fix)

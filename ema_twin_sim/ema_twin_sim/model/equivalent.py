@@ -45,13 +45,21 @@ def drum_radius(recordings: Sequence[Recording], model: Model) -> float:
     """Radius [m] of a drum that turns at usual speeds, a power of ten; 1 where the machine is rotary."""
     if model.motion == "rotary":
         return 1.0
-    speeds = [
-        np.abs(np.diff(recording.signals["motor_position"]) / np.diff(recording.time))
-        for recording in recordings
-        if recording.has("motor_position") and len(recording) > 1
-    ]
-    fastest = float(np.quantile(np.concatenate(speeds), FASTEST)) if speeds else 0.0
+    speeds = [_speed(recording) for recording in recordings]
+    known = np.concatenate(speeds)
+    fastest = float(np.quantile(known, FASTEST)) if len(known) else 0.0
     return 10.0 ** round(math.log10(fastest / USUAL_SPEED)) if fastest > 0.0 else 1.0
+
+
+def _speed(recording: Recording) -> np.ndarray:
+    """Sizes (m,) of the speed [m/s]: measured, or of the motor's position where samples follow each other in time."""
+    if recording.has("speed"):
+        speed = np.abs(recording.signals["speed"])
+    elif recording.has("motor_position") and not recording.of_points:
+        speed = np.abs(np.diff(recording.signals["motor_position"]) / np.diff(recording.time))
+    else:
+        speed = np.zeros(0)
+    return speed[np.isfinite(speed)]
 
 
 def factor(unit: str, radius: float) -> float:

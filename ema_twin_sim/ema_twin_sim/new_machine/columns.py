@@ -9,25 +9,26 @@ from dataclasses import dataclass
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
-_SET = r"(set|ref|cmd|comm|desired|target|soll|demand|goal)"
+_SET = r"(\bset|\bref|\bcmd|command|desired|target|soll|demand|goal)"
+_NO_SIGNAL = re.compile(r"error|fehler|deviation|abweichung|limit|\bdc\b|\bmax|\bmin\b", re.IGNORECASE)
 _OUTPUT = r"(output|load|joint|link|arm|slow|secondary|abtrieb)"
 
 _SIGNALS: tuple[tuple[str, str], ...] = (
-    ("temperature", r"temp"),
+    ("temperature", r"\btemp\b|temperatur"),
     ("load_torque", rf"(?=.*(torque|force|moment))(?=.*{_OUTPUT}|.*(brake|dyno))"),
-    ("current_setpoint", rf"(?=.*(current|strom|iq\b|i_q))(?=.*{_SET})"),
-    ("current", r"current|strom|\biq\b|\bi_q\b|^i$"),
+    ("current_setpoint", rf"(?=.*(current|strom|\bi ?q\b))(?=.*{_SET})"),
+    ("current", r"current|strom|\bi ?q\b|^i$|^cur$"),
     ("speed_setpoint", rf"(?=.*(speed|velocity|drehzahl|omega))(?=.*{_SET})"),
-    ("output_command", rf"(?=.*(position|angle|pos\b|lage))(?=.*{_SET})"),
+    ("output_command", rf"(?=.*(position|angle|\bpos\b|lage|^q\b))(?=.*{_SET})"),
     ("output_position", rf"(?=.*(position|angle|pos\b|encoder|lage))(?=.*{_OUTPUT})"),
-    ("motor_torque", r"torque|force|moment"),
-    ("speed", r"speed|velocity|drehzahl|omega|\brpm\b"),
+    ("motor_torque", rf"^(?!.*{_SET}).*(torque|force|moment)"),
+    ("speed", r"speed|velocity|drehzahl|omega|\brpm\b|^vel$|^n$"),
     ("motor_position", r"position|angle|encoder|\bpos\b|\btheta\b|lage|^q$|^x$"),
-    ("voltage", r"voltage|spannung|\buq\b|\bu_q\b"),
+    ("voltage", r"voltage|spannung|\bu ?q\b"),
 )
 """Signals in the order in which they are looked for, and what the name of their column has in it."""
 
-_TIME = re.compile(r"(time|zeit|t|timestamp)\b", re.IGNORECASE)
+_TIME = re.compile(r"\b(time|zeit|timestamp)\b|^t$|^t (s|ms|us)$", re.IGNORECASE)
 _AXIS = re.compile(r"x", re.IGNORECASE)  # of a drawing: time, where its unit is one of time
 _UNIT = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
 _SPELLINGS = {
@@ -60,7 +61,7 @@ class Guesses:
 def guess_columns(header: Sequence[str]) -> Guesses:
     """What each column of a header is taken for; each signal is taken once, each column too."""
     time = next((name for name in header if _is_time(name)), None)
-    free = [name for name in header if name != time]
+    free = [name for name in header if name != time and not _NO_SIGNAL.search(_words(name))]
     taken: dict[str, str] = {}
     for signal, pattern in _SIGNALS:
         for name in free:
@@ -68,16 +69,20 @@ def guess_columns(header: Sequence[str]) -> Guesses:
                 taken[signal] = name
                 free.remove(name)
                 break
-    linear = any(_unit(name, signal, "linear") for signal, name in taken.items() if signal.endswith("position"))
+    linear = any(
+        _UNIT.search(name) and _unit(name, signal, "linear")
+        for signal, name in taken.items()
+        if signal.endswith("position")
+    )
     motion = "linear" if linear else "rotary"
     signals = tuple(Guess(signal, name, _unit(name, signal, motion)) for signal, name in taken.items())
     at = None if time is None else Guess("time", time, next((u for u in _units_in(time) if u in TIME_UNITS), None))
-    return Guesses(at, signals, tuple(free), motion)
+    return Guesses(at, signals, tuple(n for n in header if n != time and n not in taken.values()), motion)
 
 
 def _is_time(name: str) -> bool:
     words = _words(name)
-    return bool(_TIME.match(words) or (_AXIS.fullmatch(words) and any(unit in TIME_UNITS for unit in _units_in(name))))
+    return bool(_TIME.search(words) or (_AXIS.fullmatch(words) and any(unit in TIME_UNITS for unit in _units_in(name))))
 
 
 def _words(name: str) -> str:
@@ -91,6 +96,11 @@ def _units_in(name: str) -> list[str]:
     found = _UNIT.search(name)
     said = [found[1]] if found else [re.split(r"[\s_]+", name.strip())[-1]]
     return [_SPELLINGS.get(text.lower(), text) for text in said]
+
+
+def stated_unit(name: str, signal: str, motion: str) -> str | None:
+    """The unit that a column's name gives a signal of a machine of that motion; None where it gives none."""
+    return _unit(name, signal, motion)
 
 
 def _unit(name: str, signal: str, motion: str) -> str | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 
@@ -34,7 +35,7 @@ def draft_map(guesses: Guesses, trace: str) -> str:
     lines = [
         f"# First import map of {trace}, guessed from its header. Look at every line that says {CHECK}.",
         "version: 1",
-        f"description: {trace}",
+        f"description: {json.dumps(trace)}",
     ]
     if guesses.motion != "rotary":
         lines.append(f"motion: {guesses.motion}")
@@ -79,6 +80,8 @@ def draft_model(recording: Recording, given: Given) -> str:
         if ratio is not None and not given.gear_ratio and abs(ratio - 1.0) < _ALIKE:
             doubt = f"  # {CHECK}: is the motor's position given as the output's? Then say `shaft: output` in the map"
         value, where = (ratio, source) if ratio is not None else (1.0, "assumed")
+        if "against" in where:
+            doubt = f"  # {CHECK}: give the output's position `factor: -1` in the map"
         lines.append(f'  gear_ratio: {{value: {value:.6g}, unit: "1", tolerance: 0.0, source: {where}}}{doubt}')
     if recording.has("current"):
         value = given.torque_constant or 1.0
@@ -96,12 +99,12 @@ def draft_model(recording: Recording, given: Given) -> str:
                 "source: smallest step of the recording}"
             )
     for name, path in (("current", "current_noise"), ("speed", "speed_noise")):
-        if recording.has(name):
+        if recording.has(name) and len(recording) > _FEWEST:
             lines.append(
                 f"  {path}: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
-    if not recording.of_points:
+    if not recording.of_points and len(recording) > _FEWEST:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     viscous, dry = (0.01, 0.1) if motion == "rotary" else (10.0, 1.0)
     lines += [
@@ -141,7 +144,8 @@ def _ratio(recording: Recording) -> tuple[float | None, str]:
     far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
     if far.sum() < _FEWEST:
         return None, ""
-    return float(np.median(motor[far] / output[far])), "slope of both positions"
+    found = float(np.median(motor[far] / output[far]))
+    return abs(found), "slope of both positions" + (", which turn against each other" if found < 0.0 else "")
 
 
 def _smallest_step(values: np.ndarray) -> float | None:

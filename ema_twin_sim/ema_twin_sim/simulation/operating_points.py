@@ -16,16 +16,18 @@ from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
 from ..model import Model
-from ..plant.measured_motion import MOTION, MOTOR_ANGLE, REQUIRED, SPEED, require
+from ..plant.measured_motion import MOTION, MOTOR_ANGLE, MOTOR_CURRENT, REQUIRED, SPEED, require
 from ..reading_noise import reading_noise
 from .assembly import assemble
 
 HOLDING = 0.05  # rad/s with which a point counts that was approached at no speed to speak of: its sign alone acts
-STILL = 1e-3  # rad/s
+STILL = HOLDING  # rad/s: a slower shaft rests, and its speed is its sensor's noise
 SURE = 4.0  # standard deviations of a reading by which a shaft was moved, for the way it came to be known
 KNOWN = 0.95  # share of the points of which that way shall be known
 FEWEST = 12  # points that can be told anything from
 FEWEST_OF_HALVES = 4 * FEWEST
+BLOCKS = 8  # of the positions, every other of which is judged by the rest
+FAR = 0.01  # of all positions' range: by so much from point to point, each was come to by a way of its own
 
 SPEED_DEPENDENT = frozenset({"viscous_friction", "stribeck_friction", "quadratic_drag", "shear_thinning"})
 """Effects that do not show where nothing turns."""
@@ -33,6 +35,8 @@ PLACES = frozenset({"order", "output_position", "encoders"})
 """What an effect shows over that does not show where no position is known."""
 TRANSIENT = frozenset({"added_inertia", "presliding_friction", "thermal_friction", "encoder_delay"})
 """Effects that no operating point shows: they take an acceleration, a way or a time."""
+BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error"})
+"""Effects in proportion to the very current that is to be explained: they would explain any."""
 
 
 def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
@@ -71,7 +75,19 @@ def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
 
 
 def approached(position: np.ndarray) -> np.ndarray:
-    """The direction (n,), -1 or 1, in which each position was come to in the order of the points; 0 where unknown."""
+    """The direction (n,), -1 or 1, in which each position was come to in the order of the points; 0 where unknown.
+
+    From one point to the next where they lie far apart; else, where readings shake by more than a step, over several.
+    """
+    whole = np.isfinite(position)
+    if not whole.all():
+        direction = np.zeros(len(position))
+        if whole.any():
+            direction[whole] = approached(position[whole])
+        return direction
+    steps = np.diff(position, prepend=position[:1])
+    if len(position) > 2 and float(np.median(np.abs(steps[1:]))) > FAR * float(np.ptp(position)):
+        return np.sign(steps)
     reading = reading_noise(position)
     direction = np.zeros(len(position))
     reach = 1
@@ -90,12 +106,17 @@ def twin_at_points(model: Model, recording: Recording) -> Recording:
     """The current that a model needs at each point, at the recording's own positions and speeds."""
     motion = motion_at_points(recording, model)
     plant = assemble(model).plant[0]
-    needed = required_at_points(model, recording, motion)
+    unpowered = motion.copy()
+    unpowered[:, MOTOR_CURRENT] = 0.0
+    without = required_at_points(model, recording, unpowered)
+    current = motion[:, MOTOR_CURRENT]
+    more = required_at_points(model, recording, motion) - without
+    by_current = np.divide(more, current, out=np.zeros(len(current)), where=current != 0.0)
     angle = motion[:, MOTOR_ANGLE]
     return replace(
         recording,
         signals={
-            "current": needed / plant["torque_constant"],
+            "current": without / (plant["torque_constant"] - by_current),  # effects may ask in proportion to it
             "speed": motion[:, SPEED],
             "motor_position": angle,
             "output_position": angle / plant["gear_ratio"],
@@ -122,13 +143,24 @@ def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
     """Effects that recordings do not show, since all of them are of operating points."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
-    hidden = set(TRANSIENT)
+    hidden = {*TRANSIENT, *BY_CURRENT}
     speeds = [np.abs(r.signals["speed"]) for r in recordings if r.has("speed")]
     if not any(float(np.nanmax(speed)) >= STILL for speed in speeds):
         hidden |= SPEED_DEPENDENT
-    if not any(r.has("motor_position") or r.has("output_position") for r in recordings):
+    positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
+    if not any(float(np.nanmax(position) - np.nanmin(position)) > 0.0 for position in positions):
         hidden |= {id for id, effect in catalogue().items() if effect.depends_on in PLACES}
     return frozenset(hidden)
+
+
+def refuse_mixed(recordings: Sequence[Recording]) -> None:
+    """Raise InputError where operating points stand beside recordings of a motion: they are judged differently."""
+    names = [recording.name for recording in recordings if recording.of_points]
+    if names and len(names) < len(recordings):
+        raise InputError(
+            f"{', '.join(names)}: operating points, beside recordings of a motion; give one kind at a time, the second "
+            "with the model that the first gave"
+        )
 
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
@@ -147,21 +179,22 @@ def woken(found: Model, given: Model) -> Model:
 
 
 def halves(recordings: Sequence[Recording]) -> list[Recording]:
-    """A lone recording of points as two, so that each can be judged by the other: its lower and its higher positions.
+    """A lone recording of points as two, so that each can be judged by the other: every other eighth of its positions.
 
     Where all its positions are one, every other point. Others, and few points, stay as they are.
     """
+    refuse_mixed(recordings)
     if len(recordings) != 1 or not recordings[0].of_points or len(recordings[0]) < FEWEST_OF_HALVES:
         return list(recordings)
     whole = recordings[0]
     position = whole.signals.get("motor_position")
-    if position is not None and np.ptp(position) > 0.0:
-        lower = position <= np.median(position)
-        names = "lower half of the positions", "higher half of the positions"
+    rank = np.arange(len(whole))
+    if position is not None and np.nanmax(position) > np.nanmin(position):
+        rank[np.argsort(position, kind="stable")] = np.arange(len(whole))
+        odd, names = (rank * BLOCKS // len(whole)) % 2 == 0, ("odd eighths of the positions", "even eighths")
     else:
-        lower = np.arange(len(whole)) % 2 == 0
-        names = "odd points", "even points"
-    return [_part(whole, chosen, name) for chosen, name in zip((lower, ~lower), names, strict=True)]
+        odd, names = rank % 2 == 0, ("odd points", "even points")
+    return [_part(whole, chosen, name) for chosen, name in zip((odd, ~odd), names, strict=True)]
 
 
 def _part(whole: Recording, chosen: np.ndarray, name: str) -> Recording:
