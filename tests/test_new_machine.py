@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from test_command_line import refused, twin
+from test_command_line import done, refused, twin
 
 from ema_bench_replay.load import load
 from ema_twin_sim.model import load_model
@@ -51,8 +51,8 @@ def traces(stock, tmp_path_factory):
 
 
 def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_path):
-    done = twin("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    ended = twin("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
     model, drawn = load_model(tmp_path / "press.yaml"), (tmp_path / "press_map.yaml").read_text()
     assert model.value("machine.gear_ratio") == pytest.approx(RATIO, rel=2e-3)
     assert model.value("sensors.motor_encoder_counts") == pytest.approx(8192.0, rel=1e-3)
@@ -78,21 +78,21 @@ def test_what_cannot_be_guessed_is_marked(tmp_path):
     (tmp_path / "bare.csv").write_text(
         "Time,Iq,Position,Velocity,foo\n" + "".join(f"{k},0.{k},{k},1,2\n" for k in range(9))
     )
-    done = twin("init", "bare.csv", "-o", "bare", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    ended = twin("init", "bare.csv", "-o", "bare", cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
     drawn, model = ((tmp_path / name).read_text() for name in ("bare_map.yaml", "bare.yaml"))
     for column in ("Iq", "Position", "Velocity"):
         line = next(line for line in drawn.splitlines() if f"'{column}'" in line)
         assert "CHECK" in line
     assert "not used: foo" in drawn
     assert "CHECK" in next(line for line in model.splitlines() if "torque_constant" in line)
-    assert "marked CHECK" in done.stdout
+    assert "marked CHECK" in ended.stdout
 
 
 def test_without_a_trace_questions_are_asked(tmp_path):
-    answers = ["time [ms]", "", "force [N]", "carriage position [mm]", "", "", "1"]
-    done = twin("init", "-o", "slide", cwd=tmp_path, answers="\n".join(answers) + "\n")
-    assert done.returncode == 0, done.stderr
+    answers = ["time [ms]", "", "force [N]", "s [mm]", "", "", "1"]
+    ended = twin("init", "-o", "slide", cwd=tmp_path, answers="\n".join(answers) + "\n")
+    assert ended.returncode == 0, ended.stderr
     assert load_model(tmp_path / "slide.yaml").motion == "linear"
     assert "unit: mm" in (tmp_path / "slide_map.yaml").read_text()
 
@@ -100,11 +100,13 @@ def test_without_a_trace_questions_are_asked(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "expected"),
     [
-        (["time_s", "motorPosition_deg", "q_ref"], {"motor_position": "deg"}),
+        (["time_s", "motorPosition_deg", "q_ref"], {"motor_position": "deg", "output_command": None}),
         (["Zeit [ms]", "Strom [A]", "Drehzahl [1/min]", "Lage [rad]"],
          {"current": "A", "speed": "rpm", "motor_position": "rad"}),
         (["X [ms]", "iq set [A]", "iq [A]", "load torque [Nm]", "motor torque [Nm]"],
          {"current_setpoint": "A", "current": "A", "load_torque": "N m", "motor_torque": "N m"}),
+        (["elapsed time [s]", "i_q [A]", "current limit [A]", "torque setpoint", "torque [Nm]", "speed error"],
+         {"current": "A", "motor_torque": "N m"}),
         (["t", "position reference [mm]", "position [mm]", "force [kN]"],
          {"output_command": "mm", "motor_position": "mm", "motor_torque": "kN"}),
     ],
@@ -113,6 +115,23 @@ def test_columns_are_known_by_their_names(columns, expected):
     guesses = guess_columns(columns)
     assert guesses.time is not None
     assert {guess.signal: guess.unit for guess in guesses.signals} == expected
+
+
+def test_an_answer_with_another_unit_is_refused_and_nothing_is_written(tmp_path):
+    answers = ["time [s]", "motor_position [deg]", "", "current [A]", "", ""]
+    naming = "'motor_position [deg]'", "unit", "A, mA"
+    refused("init", "-o", "slip", cwd=tmp_path, answers="\n".join(answers) + "\n", naming=naming)
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_output_that_turns_the_other_way_is_said(tmp_path):
+    rows = "".join(f"{k},{0.1 * k},{12.0 * k % 700},{-1.0 * k % 700 - 0.0}\n" for k in range(50))
+    (tmp_path / "a: b.csv").write_text("time [s],current [A],motor position [deg],output position [deg]\n" + rows)
+    told = done("init", "a: b.csv", "-o", "counter", cwd=tmp_path)
+    assert "marked CHECK" in told.stdout
+    assert (
+        "factor: -1" in (tmp_path / "counter.yaml").read_text() or "against" in (tmp_path / "counter.yaml").read_text()
+    )
 
 
 def test_what_init_refuses(tmp_path):

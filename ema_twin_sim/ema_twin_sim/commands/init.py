@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,6 +15,7 @@ from . import options
 from .output import say
 
 if TYPE_CHECKING:
+    from ..new_machine.columns import Guesses
     from ..new_machine.drafts import Given
 
 EXAMPLES = """Examples:
@@ -23,6 +26,7 @@ ema-twin init trace.csv -o press --gear-ratio 50 --torque-constant 0.8
 
 ema-twin init -o press      (asks which columns your traces have)"""
 
+LEAST_RATIO = 1e-3
 _QUESTIONS = {
     "time": "Column of the time, with its unit, as in 'time [s]'",
     "current": "Column of the motor's current, as in 'current [A]' (empty: there is none)",
@@ -42,7 +46,7 @@ def run(
         Path | None, typer.Argument(metavar="[TRACE]", help="A CSV of the machine; without it, questions are asked.")
     ] = None,
     gear_ratio: Annotated[
-        float | None, typer.Option(min=1e-3, metavar="RATIO", help="Turns of the motor per turn of the output.")
+        float | None, typer.Option(min=LEAST_RATIO, metavar="RATIO", help="Turns of the motor per turn of the output.")
     ] = None,
     torque_constant: Annotated[
         float | None, typer.Option(min=1e-6, metavar="N_M_PER_A", help="Torque (N m, or N) per ampere.")
@@ -54,7 +58,7 @@ def run(
     What could not be guessed is marked CHECK in both files: look at these lines before you believe a result.
     """
     from ..model.model_file import check_model_name
-    from ..new_machine.drafts import Given
+    from ..new_machine.drafts import Given, checked_drafts
 
     place = Path(output)
     files = place.with_name(f"{place.name}_map.yaml"), place.with_name(f"{place.name}.yaml")
@@ -64,17 +68,24 @@ def run(
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
     given = Given(place.name, gear_ratio, torque_constant)
     if trace is None:
-        _from_answers(files, given, force)
+        guesses, given = _asked(given)
+        drafts = checked_drafts(guesses, given, None)
     else:
-        _from_trace(trace, files, given, force)
+        guesses = _guessed(trace)
+        drafts = checked_drafts(guesses, given, trace)
+    for path, text in zip(files, drafts, strict=True):
+        _write(path, text, force)
+    if trace is not None:
+        for guess in guesses.signals:
+            say(f"{guess.column} → {guess.signal}{f' in {guess.unit}' if guess.unit else ', unit unknown'}")
+    _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)))
 
 
-def _from_trace(trace: Path, files: tuple[Path, Path], given: Given, force: bool) -> None:
-    from ema_bench_replay.load import load
+def _guessed(trace: Path) -> Guesses:
+    """What the columns of a trace seem to be. Raises InputError where nothing can be told of them."""
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
-    from ..new_machine.drafts import draft_map, draft_model
 
     header = read_table(trace).header
     guesses = guess_columns(header)
@@ -83,46 +94,25 @@ def _from_trace(trace: Path, files: tuple[Path, Path], given: Given, force: bool
             f"{trace}: header: none of {', '.join(header)[:200]} tells what it is; name its columns in a copy of a "
             "shipped map (--map siemens reads a Siemens drive's trace as it is)"
         )
-    _write(files[0], draft_map(guesses, trace.name), force)
-    recording = load(trace, import_map=files[0])
-    _write(files[1], draft_model(recording, given), force)
-    for guess in guesses.signals:
-        say(f"{guess.column} → {guess.signal}{f' in {guess.unit}' if guess.unit else ', unit unknown'}")
-    _say_next(files, str(trace))
+    return guesses
 
 
-def _from_answers(files: tuple[Path, Path], given: Given, force: bool) -> None:
-    import numpy as np
+def _asked(given: Given) -> tuple[Guesses, Given]:
+    """What the columns are said to be, and the machine's numbers; each answer is checked as it is given."""
+    from ..new_machine.columns import named_columns
 
-    from ema_bench_replay.recording import MOTION, Recording
-
-    from ..new_machine.columns import Guess, Guesses, guess_columns
-    from ..new_machine.drafts import Given, draft_map, draft_model
-
-    asked = {
-        signal: str(typer.prompt(text, default="", show_default=False)).strip() for signal, text in _QUESTIONS.items()
-    }
+    asked = {signal: str(_ask(text, "")).strip() for signal, text in _QUESTIONS.items()}
     named = {signal: column for signal, column in asked.items() if column}
     if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
         raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
-    heard = guess_columns(list(named.values()))
-    units = {guess.column: guess.unit for guess in heard.signals}
-    time = None if "time" not in named else heard.time or Guess("time", named["time"], None)
-    signals = tuple(Guess(signal, column, units.get(column)) for signal, column in named.items() if signal != "time")
-    guesses = Guesses(time, signals, (), heard.motion)
-    ratio = given.gear_ratio or float(
-        typer.prompt("Turns of the motor per turn of the output", default=1.0, type=float)
-    )
-    # nothing is recorded yet: what a recording would tell of the sensors is left out
-    nothing = Recording(
-        given.name,
-        np.arange(2) * 1_000_000,
-        {guess.signal: np.zeros(2) for guess in signals},
-        metadata={MOTION: heard.motion} if heard.motion != "rotary" else {},
-    )
-    _write(files[0], draft_map(guesses, f"{given.name}'s traces"), force)
-    _write(files[1], draft_model(nothing, Given(given.name, ratio, given.torque_constant)), force)
-    _say_next(files, "TRACE.csv")
+    guesses = named_columns(named)
+    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
+    if not ratio >= LEAST_RATIO:
+        raise InputError(f"init: a gear ratio of {ratio:g} is none; give {LEAST_RATIO:g} or more")
+    constant = given.torque_constant
+    if constant is None and "current" in named:
+        constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None
+    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant)
 
 
 def _ask(question: str, usual: str | float) -> str | float:
@@ -137,22 +127,18 @@ def _write(path: Path, text: str, force: bool) -> None:
         file.write(text.encode())
 
 
-def _say_next(files: tuple[Path, Path], trace: str) -> None:
-    import shlex
-
-    from ema_bench_replay.traces.import_map import load_map
-
-    from ..model import load_model
+def _say_next(files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesses, trace: str) -> None:
     from ..new_machine.drafts import CHECK
 
-    load_map(files[0])
-    load_model(files[1])
-    doubtful = {path: path.read_text().count(CHECK) - 1 for path in files}
-    for path, count in doubtful.items():
+    for path, text in zip(files, drafts, strict=True):
+        count = sum(CHECK in line for line in text.splitlines()[2:])
         say(f"{path}: {f'{count} line(s) to look at, marked {CHECK}' if count else 'nothing was left to guess'}")
-    word, map_name, model = (shlex.quote(str(part)) for part in (trace, *files))
-    if trace == "TRACE.csv":
-        word = trace
+    if guesses.time is None:
+        say("No column of time was found: each row is taken for an operating point, at rest or at constant speed.")
+    map_name, model = (quote(str(file)) for file in files)
     say("Then:")
-    say(f"  ema-twin info {word} --map {map_name}")
-    say(f"  ema-twin discover {word} --map {map_name} --model {model} -o better.yaml")
+    say(f"  ema-twin info {trace} --map {map_name}")
+    if guesses.drives:
+        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o better.yaml")
+    else:
+        say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")

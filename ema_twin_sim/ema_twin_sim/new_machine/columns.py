@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
@@ -57,6 +58,11 @@ class Guesses:
     left: tuple[str, ...]  # columns that nothing is made of
     motion: str  # rotary, or linear where a position is in metres
 
+    @property
+    def drives(self) -> bool:
+        """Whether what drives the machine is among them."""
+        return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
+
 
 def guess_columns(header: Sequence[str]) -> Guesses:
     """What each column of a header is taken for; each signal is taken once, each column too."""
@@ -98,9 +104,28 @@ def _units_in(name: str) -> list[str]:
     return [_SPELLINGS.get(text.lower(), text) for text in said]
 
 
-def stated_unit(name: str, signal: str, motion: str) -> str | None:
-    """The unit that a column's name gives a signal of a machine of that motion; None where it gives none."""
-    return _unit(name, signal, motion)
+def named_columns(named: Mapping[str, str]) -> Guesses:
+    """The columns that a person named, by signal (``time`` among them), with the units in their names.
+
+    Raises InputError where a name states a unit that its signal cannot have.
+    """
+    linear = any(_unit(name, signal, "linear") for signal, name in named.items() if signal.endswith("position"))
+    motion = "linear" if linear else "rotary"
+    signals = []
+    for signal, name in named.items():
+        if signal == "time":
+            continue
+        unit = _unit(name, signal, motion)
+        if unit is None and _UNIT.search(name):
+            raise InputError(
+                f"init: {name!r}: its unit is none of the {signal.replace('_', ' ')} of a {motion} machine; "
+                f"use one of {', '.join(units_of(signal, motion))}"
+            )
+        signals.append(Guess(signal, name, unit))
+    time = None
+    if "time" in named:
+        time = Guess("time", named["time"], next((u for u in _units_in(named["time"]) if u in TIME_UNITS), None))
+    return Guesses(time, tuple(signals), (), motion)
 
 
 def _unit(name: str, signal: str, motion: str) -> str | None:

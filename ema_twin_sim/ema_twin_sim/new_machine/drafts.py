@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import json
 import math
+import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import MOTION, Recording
+from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import signal_unit, unit_in
 
+from ..model import load_model
 from ..reading_noise import reading_noise
 from .columns import Guess, Guesses
 
@@ -28,6 +33,28 @@ class Given:
     name: str
     gear_ratio: float | None = None
     torque_constant: float | None = None  # N m/A, or N/A where the machine is linear
+
+
+def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[str, str]:
+    """Texts of a map and of a model that can be read; ``trace`` is the recording, None where there is none yet.
+
+    Raises InputError where the trace cannot be read so.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        files = Path(folder) / "map.yaml", Path(folder) / "model.yaml"
+        drafted = draft_map(guesses, f"{given.name}'s traces" if trace is None else trace.name)
+        files[0].write_text(drafted)
+        load_map(files[0])
+        if trace is None:  # what a recording would tell of the sensors is left out
+            empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
+            metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
+            recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
+        else:
+            recording = load(trace, import_map=files[0])
+        model = draft_model(recording, given)
+        files[1].write_text(model)
+        load_model(files[1])
+    return drafted, model
 
 
 def draft_map(guesses: Guesses, trace: str) -> str:
@@ -106,6 +133,8 @@ def draft_model(recording: Recording, given: Given) -> str:
             )
     if not recording.of_points and len(recording) > _FEWEST:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
+    if lines[-1] == "sensors:":
+        lines[-1] = "sensors: {}"
     viscous, dry = (0.01, 0.1) if motion == "rotary" else (10.0, 1.0)
     lines += [
         "effects:",
@@ -145,7 +174,7 @@ def _ratio(recording: Recording) -> tuple[float | None, str]:
     if far.sum() < _FEWEST:
         return None, ""
     found = float(np.median(motor[far] / output[far]))
-    return abs(found), "slope of both positions" + (", which turn against each other" if found < 0.0 else "")
+    return abs(found), "slope of both positions" + (" that turn against each other" if found < 0.0 else "")
 
 
 def _smallest_step(values: np.ndarray) -> float | None:
