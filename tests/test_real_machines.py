@@ -94,3 +94,21 @@ def test_laas_motor_in_motion_rubs_and_cogs(real):
     assert found.added == ("coulomb_friction", "cogging")
     assert found.model.effects["cogging"].options["order"] == "72"
     assert found.unseen.rmse[1] / model.value("machine.torque_constant") <= 0.019
+
+
+def test_a_second_encoder_does_not_drown_what_the_torque_tells(real):
+    """KUKA's model is rigid: its encoders' difference is no number's, and the torque gives all of them."""
+    record = read_trace(real / "kuka_axis1_A.csv", load_map("kuka"))
+    fitted = fit_model([record], load_model("kuka_axis1"))
+    for name, parameter in (("viscous_friction", "coefficient"), ("coulomb_friction", "torque")):
+        told = fitted.parameters[name][parameter]
+        assert told["std"] < 0.3 * told["value"]
+    assert fitted.torque_errors["kuka_axis1_A"].filtered < 0.2
+
+
+def test_a_start_far_off_is_no_obstacle(emps):
+    """A hundredth of the mass, a twentieth of the friction: open values may begin anywhere."""
+    model = load_model("emps").with_value("machine.motor_inertia", 1.0)
+    model = model.with_value("effects.viscous_friction.coefficient", 10.0)
+    fitted = fit_model(emps[:1], model, method="equation")
+    assert fitted.constants["machine"]["inertia"]["value"] == pytest.approx(PUBLISHED["mass"], rel=0.01)

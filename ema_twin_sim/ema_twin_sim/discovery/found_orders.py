@@ -17,6 +17,7 @@ from .observation import Observation
 HIGHEST = 160
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
+SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
 SAME = 1e-4  # rad, within which two points are of one angle
 WHOLE = 0.02  # of an order, within which it is a whole number
 LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
@@ -59,7 +60,7 @@ def of_the_gears(eq: Equation, f: Fit) -> float | None:
 def highest_order(o: Observation) -> float:
     """The order from which on the rows of an observation no longer resolve a wave: two rows a cycle, and no aliases."""
     if not o.of_points:
-        step = float(np.median(np.abs(o.motion[o.rows, SPEED]))) * o.period if len(o.rows) else 0.0
+        step = float(np.quantile(np.abs(o.motion[o.rows, SPEED]), SLOW)) * o.period if len(o.rows) else 0.0
         return np.pi / step if step > 0.0 else np.inf
     angle = o.motion[o.rows, MOTOR_ANGLE]
     if len(angle) < 2 or np.ptp(angle) == 0.0:
@@ -70,7 +71,9 @@ def highest_order(o: Observation) -> float:
 
 
 def resolved(eq: Equation, options: Iterable[Candidate]) -> list[Candidate]:
-    """The candidates less those of orders that no recording resolves."""
+    """The candidates less those of orders that no table of points resolves."""
+    if not all(o.of_points for o in eq.observations):
+        return list(options)
     highest = max((highest_order(o) for o in eq.observations), default=np.inf)
     return [c for c in options if "order" not in c.options or float(c.options["order"]) < highest]
 

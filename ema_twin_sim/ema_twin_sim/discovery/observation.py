@@ -82,6 +82,17 @@ class Observation:
         """Whether rows are operating points, each by itself."""
         return len(self.kernel) == 1
 
+    def without_encoders(self) -> Observation:
+        """The torque alone."""
+        none = np.zeros(0)
+        return replace(
+            self,
+            encoder_rows=self.encoder_rows[:0],
+            encoder=none,
+            encoder_noise=none,
+            encoder_piece=self.encoder_piece[:0],
+        )
+
     def window(self, first: int, last: int) -> Observation:
         """The samples from ``first`` to before ``last``; times stay as they are."""
         reach = len(self.kernel) // 2  # a row looks so far to both sides

@@ -31,7 +31,7 @@ from .freedom import Freedom, choose_numbers
 from .misfit import Misfit
 from .simulation_misfit import SimulationMisfit
 from .solver import FINAL, ROUGH, Solution, solve
-from .starts import explored, structural_starts
+from .starts import explored, open_start, structural_starts
 from .uncertainty import Uncertainty, solved, uncertainty, weigh
 from .unseen import Errors, judge
 
@@ -166,8 +166,13 @@ def _solution(
     """
     progress("reading the motion")
     observations = observe_all(list(recordings), freedom.model)
+    if method == "equation" and freedom.model.is_open and not _parts_encoders(freedom.model):
+        # no number of it moves them: of an unknown machine they would only say how bad the whole is
+        observations = [o.without_encoders() for o in observations]
     equation = Equation(observations)
     starts = structural_starts(equation, freedom, progress)
+    if freedom.model.is_open and starts[0] is freedom.start:
+        starts[0] = open_start(equation, freedom)
     equated = EquationMisfit(equation, freedom)
     solution = explored(equated, starts[0], FINAL if method == "equation" else ROUGH, progress)
     misfit: Misfit = equated
@@ -191,6 +196,11 @@ def _solution(
         if number.periodic:
             values[k] = math.remainder(values[k], 2.0 * math.pi)
     return misfit, replace(solution, values=values), loosened
+
+
+def _parts_encoders(model: Model) -> bool:
+    """Whether anything in a model lets its encoders part."""
+    return any(catalogue()[instance.effect].depends_on == "encoders" for instance in model.active.values())
 
 
 def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:

@@ -8,9 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..discovery.equation import Equation
+from ..discovery.equation import FAR, Equation
 from ..discovery.excerpt import excerpt
-from ..discovery.hypothesis import PARTING
+from ..discovery.fit import fit
+from ..discovery.hypothesis import PARTING, null_hypothesis
 from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS, encoder_spread
 from ..discovery.valleys import NARROW, WIDE
 from ..effects import catalogue
@@ -57,6 +58,23 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
         finalists.append(refine(misfit, wide.values, STEPS))
     finalists.sort(key=lambda solution: solution.cost)
     return [solution.values[: len(freedom.numbers)] for solution in finalists]
+
+
+def open_start(equation: Equation, freedom: Freedom) -> np.ndarray:
+    """Values (k,) that the torque alone gives what is open, by factors of where it stands: a start may be far off.
+
+    From afar all rows are outliers to a fit that takes them for such, and none of them draws it nearer.
+    """
+    reach, use_encoder = equation.reach, equation.use_encoder
+    equation.reach, equation.use_encoder = np.full(equation.rows, FAR), False
+    found = fit(equation, null_hypothesis(freedom.model)).hypothesis.model()
+    equation.reach, equation.use_encoder = reach, use_encoder
+    values = freedom.start.copy()
+    for k, number in enumerate(freedom.numbers):
+        part, name, parameter = split(number.path)
+        value = found.effects[name].parameters[parameter] if part == "effects" else found.value(number.path)
+        values[k] = min(max(value / number.shares[0], number.lower), number.upper)
+    return values
 
 
 def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress: Progress) -> Solution:
