@@ -131,7 +131,7 @@ def discover(
         known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
         unseen = judge_unseen(eq, recordings, found)
-    as_given = not known and not unseen.rmse[-1] < unseen.rmse[0]
+    as_given = not known and not unseen.betters
     if as_given:  # what is unknown may draw everything beside it away
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is unknown it makes the model no better")
         unseen = judge_unseen(eq, recordings, found, as_given=True)
@@ -211,7 +211,8 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         if parting and removed is not None and removed < FOLLOWED:
             return parting
         there = unseen.removed(k, k + 1)
-        if real and came and there is not None and there <= 0.0:
+        by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)
+        if real and came and not by_encoders and there is not None and there <= 0.0:
             return tuple(came)
         if bending and there is not None and there <= 0.0:
             return bending

@@ -39,6 +39,11 @@ class Unseen:
     output: tuple[float, ...]
     encoders: bool = False
 
+    @property
+    def betters(self) -> bool:
+        """Whether the end is nearer to the recordings than the start: in the signal, or in how the encoders part."""
+        return self.rmse[-1] < self.rmse[0] or (self.encoders and self.output[-1] < self.output[0])
+
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
         excess = self.rmse[before] ** 2 - self.noise_floor**2
@@ -104,7 +109,8 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     jobs: list[tuple[int, Recording, str, Model]] = []
     parting: list[float] = []
     for k, f in enumerate(fits):
-        untouched = k == 0 or (as_given and f is found.fit)
+        # what is open in the model is no effect's merit: it begins with what fits best
+        untouched = (k == 0 and not base.is_open) or (as_given and f is found.fit)
         fitted_to_all = untouched or len(recordings) < 2
         numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(eq, f)
         if driven and eq.rows > eq.size:
