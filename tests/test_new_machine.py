@@ -134,6 +134,25 @@ def test_an_output_that_turns_the_other_way_is_said(tmp_path):
     )
 
 
+def test_counts_are_no_radians(tmp_path):
+    rows = "".join(f"{k},{(k * 37) % 4096},{0.1 * k}\n" for k in range(50))
+    (tmp_path / "counts.csv").write_text("time [ms],encoder_counts,iq [A]\n" + rows)
+    done("init", "counts.csv", "-o", "counts", cwd=tmp_path)
+    line = next(line for line in (tmp_path / "counts_map.yaml").read_text().splitlines() if "encoder_counts" in line)
+    assert "counts_per_revolution" in line and "CHECK" in line
+
+
+def test_an_encoder_without_steps_is_as_fine_as_its_noise(tmp_path):
+    rng = np.random.default_rng(3)
+    time = np.arange(500) * 1e-3
+    position = 30.0 * np.sin(6.0 * time) + 0.01 * rng.standard_normal(500)
+    table = np.column_stack([time, position, np.cos(6.0 * time)])
+    np.savetxt(tmp_path / "a.csv", table, "%.9g", ",", header="time [s],motor position [deg],current [A]", comments="")
+    done("init", "a.csv", "-o", "a", cwd=tmp_path)
+    counts = load_model(tmp_path / "a.yaml").value("sensors.motor_encoder_counts")
+    assert 360.0 / counts / np.sqrt(12.0) == pytest.approx(0.01, rel=0.2)
+
+
 def test_what_init_refuses(tmp_path):
     (tmp_path / "odd.csv").write_text("foo,bar\n1,2\n3,4\n")
     refused("init", "odd.csv", "-o", "odd", cwd=tmp_path, naming=("odd.csv: header", "foo, bar", "map"))

@@ -48,7 +48,11 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
     contents = []
     for recording in load_runs([path], import_map=import_map):
         name = escape(recording.name)
-        say(f"[bold]{name}[/bold]: {len(recording)} samples, {recording.duration:.3f} s", markup=True)
+        points = recording.of_points
+        held = (
+            f"{len(recording)} operating points" if points else f"{len(recording)} samples, {recording.duration:.3f} s"
+        )
+        say(f"[bold]{name}[/bold]: {held}", markup=True)
         table = ReportTable()
         table.words("signal")
         table.numbers("least", "mean", "greatest")
@@ -63,7 +67,8 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
             table.add_row(name, *(quantity(number, unit) for number in numbers.values()))
             signals[name] = {"unit": unit, **numbers}
         console.print(table)
-        say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
+        if not points:
+            say(f"usual step {quantity(recording.sample_period, 's')}; {len(recording.gaps)} gap(s)")
         for key, value in recording.metadata.items():
             if "\n" not in value and len(value) < 200:
                 say(f"  {key}: {value}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +23,7 @@ from .columns import Guess, Guesses
 CHECK = "CHECK"
 _MOVING = 0.3  # of the furthest way
 _FEWEST = 10
+_COUNTS = re.compile(r"count|cnt|increment|inkrement|tick|pulse", re.IGNORECASE)
 _ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
 _WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
 
@@ -119,11 +121,15 @@ def draft_model(recording: Recording, given: Given) -> str:
     lines.append("sensors:")
     for side in ("motor", "output"):
         position = recording.signals.get(f"{side}_position")
-        step = None if position is None else _smallest_step(position)
-        if step is not None:
+        if position is None or len(recording) <= _FEWEST:
+            continue
+        step, where = _smallest_step(position), "smallest step of the recording"
+        if step is None:  # as fine as a counter whose steps would make as much noise
+            step, where = math.sqrt(12.0) * reading_noise(_finite(position)), "as fine as the noise of the recording"
+        if step > 0.0:
             lines.append(
                 f"  {side}_encoder_counts: {{value: {turn / step:.6g}, unit: {per_turn}, tolerance: 0.0, "
-                "source: smallest step of the recording}"
+                f"source: {where}}}"
             )
     for name, path in (("current", "current_noise"), ("speed", "speed_noise")):
         if recording.has(name) and len(recording) > _FEWEST:
@@ -147,6 +153,11 @@ def draft_model(recording: Recording, given: Given) -> str:
 
 
 def _signal_line(guess: Guess, motion: str) -> str:
+    if guess.unit is None and guess.signal.endswith("position") and _COUNTS.search(guess.column):
+        return (
+            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: 4096}}"
+            f"  # {CHECK}: the counts of one turn, all edges counted"
+        )
     unit = guess.unit or signal_unit(guess.signal, motion)
     doubt = "" if guess.unit else f"  # {CHECK}: the header names no unit of it"
     if guess.signal == "motor_position":
