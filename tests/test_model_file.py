@@ -172,7 +172,8 @@ def test_what_is_written_is_whole_and_stands_alone(tmp_path):
     path = save_model(load_model("polito_bench"), tmp_path / "alone.yaml")
     written = yaml.safe_load(path.read_text())
     assert "base" not in written
-    assert list(written) == ["version", "machine", "drive", "transmission", "sensors", "effects"]
+    parts = ["machine", "drive", "transmission", "sensors"]
+    assert list(written) == ["version", *parts, "orders", "other_orders", "effects"]
     for constant in CONSTANTS.values():
         if not constant.optional:
             assert written[constant.part][constant.name]["unit"] == constant.unit

@@ -11,7 +11,6 @@ from rich.markup import escape
 
 from ..quantities import quantity
 from . import options
-from .judged import warn_of
 from .output import console, progress_bar, say, sparkline
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
@@ -51,6 +50,7 @@ def run(
     from ..model import load_model
     from ..own_effects import load_effects
     from .inputs import input_files, load_runs, refuse_inputs, write_json
+    from .judged import warn_of
 
     refuse_inputs(input_files(runs, model, import_map, with_files), json)
     load_effects(with_files or ())
