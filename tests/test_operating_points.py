@@ -13,10 +13,11 @@ from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.commands.judged import write_evidence_bag
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.halves import halves
 from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
-from ema_twin_sim.simulation.operating_points import approached, halves
+from ema_twin_sim.simulation.operating_points import approached
 from ema_twin_sim.simulation.simulate import simulate
 
 CONSTANT = 0.025
@@ -83,6 +84,17 @@ def test_random_order_tells_the_way_to_each_point():
     holed = position.copy()
     holed[5] = math.nan
     assert np.mean(approached(holed) != 0.0) > 0.98
+
+
+def test_friction_is_found_where_angles_were_taken_at_random(motor):
+    """Each half keeps the way to its points, though the points before them are in the other."""
+    rng = np.random.default_rng(12)
+    angle = rng.permutation(np.linspace(0.0, 2.0 * math.pi, 600, endpoint=False))
+    torque = 4e-3 * np.sin(12.0 * angle) + 1e-3 * np.sign(np.diff(angle, prepend=0.0))
+    held = points(motor_position=angle, current=torque / CONSTANT + NOISE * rng.standard_normal(600))
+    found = discover([held], motor)
+    assert set(found.added) == {"cogging", "coulomb_friction"}
+    assert found.parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(1e-3, rel=0.05)
 
 
 def test_a_ripple_in_proportion_to_the_current_explains_nothing_by_itself(motor):

@@ -15,9 +15,10 @@ from ema_twin_sim.discovery.bench_limits import Limits, driven_limits, reached, 
 from ema_twin_sim.discovery.command_grid import command_grid, nice
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.doubts import doubts
-from ema_twin_sim.discovery.next_command import DECIDED, suggest
+from ema_twin_sim.discovery.next_command import DECIDED
 from ema_twin_sim.discovery.observation import observe
 from ema_twin_sim.discovery.plan import plan
+from ema_twin_sim.discovery.suggestion import suggest
 from ema_twin_sim.simulation.command import in_words, parse_command, write_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.accuracy.commands import Drive

@@ -33,7 +33,7 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
     if len(data) > _LARGEST:
         raise InputError(f"{path}: is larger than 1 MiB; {remedy}")
     try:
-        return yaml.load(text, _Loader), text
+        return _Loader(text).get_single_data(), text
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark else ""

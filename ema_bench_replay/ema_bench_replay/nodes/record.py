@@ -73,7 +73,7 @@ class RecordNode(Node):
         self._diagnostics = diagnostics.Diagnostics(self, str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
-        steady_timer(self, _COLLECT, self._on_collect)
+        steady_timer(self, _COLLECT, self._collect)
         steady_timer(self, _FLUSH, self._flush)
 
     @property
@@ -100,12 +100,10 @@ class RecordNode(Node):
             return
         self.written[topic] = self.lost[topic] = 0
         self._numbers[topic] = PublishedNumbers(partial(self.count_publishers, topic))
+        # rclpy wants a callback, but no executor serves the subscription
         self._recorded[topic] = self.create_subscription(
-            message_type, topic, _never_called, _matching(offered), raw=True
+            message_type, topic, lambda _message: None, _matching(offered), raw=True
         )
-
-    def _on_collect(self) -> None:
-        self._collect()
 
     def _collect(self) -> bool:
         """Take what has come; whether there was anything."""
@@ -175,19 +173,14 @@ class RecordNode(Node):
         text = f"{sum(self.written.values())} messages of {len(self.written)} topics in {self._writer.path}"
         lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
         if lost:
-            self.get_logger().warning(f"{text}; lost: {', '.join(lost)}")
+            self.get_logger().warning(f"{text}; lost: {', '.join(lost)}{self._doubt()}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")
 
     def _doubt(self) -> str:
         """Of which topics losses are not known, in words."""
         unknown = [topic for topic, numbers in self._numbers.items() if not numbers.known]
-        return f" (not known of {', '.join(unknown)}: several publish there)" if unknown else ""
-
-
-def _never_called(message: bytes) -> None:
-    """Recorded topics are emptied on a timer; rclpy wants a callback all the same."""
-    raise NotImplementedError
+        return f" (not known of {', '.join(unknown)}: several publish there, or do not number)" if unknown else ""
 
 
 def _matching(offered: Sequence[QoSProfile]) -> QoSProfile:

@@ -77,7 +77,7 @@ def spin(executor: Executor, until: Callable[[], bool], context: Context | None 
         pass
 
 
-def steady_timer(node: Node, period: float, callback: Callable[[], None]) -> Timer:
+def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> Timer:
     """A timer [s] on the monotonic clock: `/clock` stands still while a replay is paused, and jumps when it seeks.
 
     Its periods are counted from its making and do not drift. Never `reset` it: with `EventsExecutor` that leaves a

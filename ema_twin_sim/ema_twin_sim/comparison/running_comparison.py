@@ -10,6 +10,7 @@ from typing import TypedDict
 import numpy as np
 
 from ..model import Model
+from ..simulation.simulate import POINTWISE
 from .noise import noise_floors
 
 UNITS: dict[str, str] = {
@@ -23,7 +24,7 @@ UNITS: dict[str, str] = {
 
 DRIVEN: dict[str, tuple[str, ...]] = {
     "current": ("current",),
-    "motion": ("speed", "motor_position", "output_position"),
+    POINTWISE: ("speed", "motor_position", "output_position"),
 }
 """The compared signals that drive the twin under an input: their residuals say nothing."""
 

@@ -6,7 +6,6 @@ papers on identification give (force error of Janot, Gautier, Brunot 2019): both
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +16,9 @@ from ema_bench_replay.recording import Recording
 
 from ..discovery.observation import full_rate
 from ..model import Model
-from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, REQUIRED, require
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT
 from ..simulation.assembly import assemble
+from ..simulation.required import required_torque
 
 BAND = 50.0  # Hz
 DECIMATED = 0.02  # s from one sample that counts to the next
@@ -49,16 +49,10 @@ def torque_error(recording: Recording, model: Model) -> TorqueError | None:
         motion, period = full_rate(recording, model)
     except InputError:
         return None
-    motor, output = (
-        origin if math.isfinite(origin) else 0.0
-        for origin in (recording.motor_angle_origin, recording.output_angle_origin)
-    )
-    required = np.empty((len(motion), len(REQUIRED)))
-    require(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
     inertia = float(plant["motor_inertia"] + plant["output_inertia"])
     inside = slice(round(ENDS / period), len(motion) - round(ENDS / period))  # at the ends no acceleration is known
     measured = plant["nominal_torque_constant"] * motion[inside, MOTOR_CURRENT]
-    needed = required[inside, 0] + inertia * motion[inside, ACCELERATION]
+    needed = required_torque(assembly, recording, motion)[inside] + inertia * motion[inside, ACCELERATION]
     if not len(measured):
         return None
     pairs = [(measured, needed)]

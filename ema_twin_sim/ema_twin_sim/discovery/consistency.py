@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,18 +26,40 @@ WINDOW = 0.1  # s over which ways are compared
 MOVING = 0.3  # of the largest: less of a signal tells no factor
 FEWEST = 30  # samples that do
 STEADY = 0.1  # spread of a factor, relative, from which on it is none
-NAMED = 0.03  # relative, within which a factor is a usual mistake
-NAMED_SETPOINT = 0.15  # the same of a setpoint, which its signal follows late
-OFF = 0.1  # relative, beyond which the ways of one shaft do not fit its speed
-OFF_SHAFTS = 0.25  # the same of two shafts: play and springs take something away
-OFF_SETPOINT = 0.5  # the same of a controller, which may follow badly
-NAMED_INERTIA = 0.25
+NAMED_INERTIA = 0.25  # relative, within which a factor of the inertia is a usual mistake
 LEFT = 0.1  # of what friction leaves of the torque, in power: where an acceleration leaves more, it is not in charge
 OVER_LIMIT = 3.0  # times the drive's limit
 ALL_BUT_SPIKES = 0.999  # quantile of a current that is its largest
 NOISY = 0.3  # of an acceleration: with more noise in it, a slope to it tells nothing
 
 DEGREES, RPM, TURN = 180.0 / math.pi, 60.0 / (2.0 * math.pi), 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class _Relation:
+    """How two signals belong together; shares are relative."""
+
+    off: float  # beyond which they do not fit
+    named: float  # within which a factor is a usual mistake
+    unnamed: bool  # whether any other factor is one too
+    counted: bool  # whether counts, or the gear ratio, may stand between them
+
+
+WAY_AND_SPEED = _Relation(off=0.1, named=0.03, unnamed=True, counted=True)
+TWO_SHAFTS = _Relation(off=0.25, named=0.03, unnamed=False, counted=True)  # play and springs take something away
+SETPOINT = _Relation(off=0.5, named=0.15, unnamed=False, counted=False)  # which a drive follows late, or not at all
+
+
+class _Factor(NamedTuple):
+    """``signal`` is so many times what ``other`` makes it."""
+
+    signal: str
+    other: str
+    value: float
+    relation: _Relation
+
+    def turned(self) -> _Factor:
+        return _Factor(self.other, self.signal, 1.0 / self.value, self.relation)
 
 
 @dataclass(frozen=True)
@@ -62,69 +85,82 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
     """What does not fit, the plainest first. The recording is matched to the model, which is of a rotary machine."""
     if recording.of_points:
         return
-    off = []
-    for signal, other, factor, allowed in _factors(recording, model):
-        # only a shaft's way and its own speed can be off by nothing but a mistake
-        if abs(factor - 1.0) > allowed and (allowed == OFF or _mistake(signal, other, factor, model)):
-            off.append((signal, other, factor))
-    named = [name for signal, other, _ in off for name in (signal, other)]
-    for signal, other, factor in off:
-        if named.count(other) > named.count(signal):  # what fits none of two others is what is wrong
-            signal, other, factor = other, signal, 1.0 / factor
+    off = [
+        factor
+        for factor in _factors(recording, model)
+        if abs(factor.value - 1.0) > factor.relation.off and (factor.relation.unnamed or _mistake(factor, model))
+    ]
+    named = [name for factor in off for name in factor[:2]]
+    for found in off:
+        # what fits none of two others is what is wrong
+        factor = found.turned() if named.count(found.other) > named.count(found.signal) else found
+        pair = {factor.signal, factor.other}
         yield Inconsistency(
             recording.name,
-            f"{signal} is {factor:.3g} times what {other} makes it{_mistake(signal, other, factor, model)}",
-            f"check unit, factor and counts of {signal} and {other} in the import map"
-            + (", and machine.gear_ratio" if {signal, other} == {"output_position", "motor_position"} else ""),
+            f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
+            f"check unit, factor and counts of {factor.signal} and {factor.other} in the import map"
+            + (", and machine.gear_ratio" if pair == {"output_position", "motor_position"} else ""),
         )
     yield from _by_limit(recording, model)
     yield from _by_inertia(recording, model)
 
 
-def _factors(recording: Recording, model: Model) -> Iterator[tuple[str, str, float, float]]:
-    """(signal, the other that it should fit, factor between them, how far that may be from one)."""
+def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
+    """The factors between all signals that belong together and show one."""
     signals = recording.signals
     lag = max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
-    ratio = model.value("machine.gear_ratio")
 
     def way(name: str) -> np.ndarray:
         return signals[name][lag:] - signals[name][:-lag]
 
+    def told(
+        signal: str, other: str, values: np.ndarray, expected: np.ndarray, relation: _Relation
+    ) -> Iterator[_Factor]:
+        value = _steady_factor(values, expected)
+        if value is not None:
+            yield _Factor(signal, other, value, relation)
+
     if recording.has("speed", "motor_position"):
-        known = np.isfinite(signals["speed"])
-        if not known.any():
-            return
-        speed = np.interp(recording.time, recording.time[known], signals["speed"][known])
-        travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
-        yield from _factor("motor_position", "speed", way("motor_position"), travelled[lag:] - travelled[:-lag], OFF)
+        travelled = _travelled(recording)
+        expected = travelled[lag:] - travelled[:-lag]
+        yield from told("motor_position", "speed", way("motor_position"), expected, WAY_AND_SPEED)
     if recording.has("output_position", "motor_position"):
-        expected = way("motor_position") / ratio
-        yield from _factor("output_position", "motor_position", way("output_position"), expected, OFF_SHAFTS)
+        expected = way("motor_position") / model.value("machine.gear_ratio")
+        yield from told("output_position", "motor_position", way("output_position"), expected, TWO_SHAFTS)
     for setpoint, name in (("speed_setpoint", "speed"), ("current_setpoint", "current")):
         if recording.has(setpoint, name):
-            yield from _factor(setpoint, name, signals[setpoint], signals[name], OFF_SETPOINT)
+            yield from told(setpoint, name, signals[setpoint], signals[name], SETPOINT)
     if recording.has("output_command", "output_position"):
-        yield from _factor(
-            "output_command", "output_position", way("output_command"), way("output_position"), OFF_SETPOINT
-        )
+        expected = way("output_position")
+        yield from told("output_command", "output_position", way("output_command"), expected, SETPOINT)
 
 
-def _factor(
-    signal: str, other: str, values: np.ndarray, expected: np.ndarray, allowed: float
-) -> Iterator[tuple[str, str, float, float]]:
+def _travelled(recording: Recording) -> np.ndarray:
+    """The way (n,) [rad] that the speed makes, across samples that are missing; NaN where there is no speed."""
+    speed = recording.signals["speed"]
+    known = np.isfinite(speed)
+    if not known.any():
+        return np.full(len(speed), np.nan)
+    speed = np.interp(recording.time, recording.time[known], speed[known])
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
+
+
+def _steady_factor(values: np.ndarray, expected: np.ndarray) -> float | None:
+    """How many times what was expected the values are; None where they are no steady multiple of it."""
     both = np.isfinite(values) & np.isfinite(expected)
     values, expected = values[both], expected[both]
     large = np.abs(expected) > MOVING * np.abs(expected).max(initial=0.0)
     if large.sum() < FEWEST:
-        return
+        return None
     ratios = values[large] / expected[large]
     middle = float(np.median(ratios))
-    if middle != 0.0 and 1.4826 * float(np.median(np.abs(ratios - middle))) < STEADY * abs(middle):
-        yield signal, other, middle, allowed
+    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    return middle if spread < STEADY * abs(middle) else None
 
 
-def _mistake(signal: str, other: str, factor: float, model: Model) -> str:
+def _mistake(factor: _Factor, model: Model) -> str:
     """What a factor is usually the sign of, in words; empty where it is none of these."""
+    signal, other, value, relation = factor
     ratio = model.value("machine.gear_ratio")
     usual = [
         (DEGREES, f"as if {signal} were in degrees and read as radians"),
@@ -136,27 +172,21 @@ def _mistake(signal: str, other: str, factor: float, model: Model) -> str:
         (1000.0, f"as if {signal} were in thousandths (mA, mrad)"),
         (0.001, f"as if {other} were in thousandths (mA, mrad)"),
     ]
-    # a drive that saturates stays behind its setpoint by any factor: of these no count is told
-    if not {signal, other} & {"speed_setpoint", "current_setpoint", "output_command"}:
+    if relation.counted:
+        counts = f"as if the counts_per_revolution of {signal} were"
         usual += [
-            (
-                4.0,
-                f"as if the counts_per_revolution of {signal} were those before the fourfold evaluation of its lines",
-            ),
-            (0.25, f"as if the counts_per_revolution of {signal} were taken times four twice"),
+            (4.0, f"{counts} those before the fourfold evaluation of its lines"),
+            (0.25, f"{counts} taken times four twice"),
             (2.0, "as if one of them counted twice"),
             (0.5, "as if one of them counted half"),
         ]
         if ratio != 1.0:
             usual.append((ratio, f"the gear ratio: as if {signal} were of the other shaft"))
             usual.append((1.0 / ratio, f"one over the gear ratio: as if {signal} were of the other shaft"))
-        near = NAMED
-    else:
-        near = NAMED_SETPOINT
     for size, words in usual:
-        if abs(abs(factor) - size) <= near * size:
-            return f", {words}" + (", and of the other sign" if factor < 0.0 else "")
-    return ", of the other sign" if abs(factor + 1.0) <= near else ""
+        if abs(abs(value) - size) <= relation.named * size:
+            return f", {words}" + (", and of the other sign" if value < 0.0 else "")
+    return ", of the other sign" if abs(value + 1.0) <= relation.named else ""
 
 
 def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
@@ -196,15 +226,18 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     if float(left @ left) > LEFT * float(rest @ rest):
         return
     factor = float(found[0] / size[0]) / sum(part.value for part in parts)
-    usual = {1000.0: "current were in mA and read as A", 1.0 / DEGREES: "the motion were in degrees", -1.0: "its sign"}
     if found[1] * factor < 0.0:  # a spring may turn the sign round, but not friction's
         return
-    words = [text for times, text in usual.items() if abs(factor - times) <= NAMED_INERTIA * abs(times)]
-    if not words:  # what a load or a disturbance makes of it has any size
+    usual = {
+        1000.0: "as if current were in mA and read as A",
+        1.0 / DEGREES: "as if the motion were in degrees",
+        -1.0: "as if its sign were turned round",
+    }
+    why = next((text for times, text in usual.items() if abs(factor - times) <= NAMED_INERTIA * abs(times)), None)
+    if why is None:  # what a load or a disturbance makes of it has any size
         return
-    why = ", as if " + words[0] + (" were turned round" if factor < 0.0 else "")
     yield Inconsistency(
         recording.name,
-        f"current is {factor:.3g} times what the model's inertia needs for the acceleration{why}",
+        f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
         "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
     )

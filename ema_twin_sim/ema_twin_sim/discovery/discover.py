@@ -12,7 +12,6 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.equivalent import as_rotary, given_back
-from ..simulation.operating_points import at_rest, halves, not_shown, woken
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
 from .contradictions import contradictions
@@ -21,12 +20,14 @@ from .equation import Equation
 from .estimates import constants, far_off, parameters, standard_errors
 from .explained import apart, explained
 from .fit import fit
+from .halves import halves
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
-from .next_command import suggest
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
 from .search import ROUNDS, less, search, significant
+from .shown_by_points import at_rest, not_shown, woken
 from .split import with_best_split
+from .suggestion import suggest
 from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen

@@ -171,6 +171,10 @@ class Equation:
             rows = Equation.predict(self, more, beside=predicted).rows - predicted.rows
         return rows
 
+    def noise_of_encoders(self, part: slice) -> np.ndarray:
+        """Noise [rad] of some of the encoders' rows; ``part`` counts from the first of all rows."""
+        return self.encoder_noise[part.start - self.size : part.stop - self.size]
+
     def residual(self, predicted: Prediction) -> np.ndarray:
         """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
         rows = self.measured - predicted.rows
@@ -178,7 +182,7 @@ class Equation:
             rows[self.size :] = 0.0
             return rows
         for e in self.encoder_pieces:
-            noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+            noise = self.noise_of_encoders(e)
             part = rows[e] - np.median(rows[e] * noise) / noise
             w = 1.0 / (1.0 + (part / self.reach[e]) ** 2)
             rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
@@ -209,7 +213,7 @@ class Equation:
         """Rows with the weighted mean of each recording's encoder rows taken out."""
         rows = rows.copy()
         for e in self.encoder_pieces:
-            noise = self.encoder_noise[e.start - self.size : e.stop - self.size]
+            noise = self.noise_of_encoders(e)
             w = weights[e] ** 2
             if not w.any():  # the torque alone is looked at
                 continue

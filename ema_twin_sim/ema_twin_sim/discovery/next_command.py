@@ -23,12 +23,11 @@ from ..simulation.command import parse_command
 from ..simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Planned, command_grid
-from .doubts import NOTHING, Doubt, Rival, doubts, information, reverses
+from .doubts import NOTHING, Doubt, Rival, information, reverses
 from .equation import Equation
 from .hypothesis import Hypothesis
 from .observation import STANDSTILL, Observation, observe
-from .rivals import CLOSE, Rivalry
-from .trace import Search
+from .rivals import CLOSE
 
 DECIDED = 5.0
 """Standard deviations by which rivals must come apart for a recording to decide between them."""
@@ -379,29 +378,6 @@ def _varied(ranked: Sequence[_Evaluated]) -> list[_Evaluated]:
     """The same, but the best of each kind of command first."""
     first = {e.trial.kind: e for e in reversed(ranked)}
     return sorted(ranked, key=lambda e: first[e.trial.kind] is not e)
-
-
-def suggest(
-    eq: Equation,
-    found: Search,
-    rivals: Sequence[Rivalry],
-    recordings: Sequence[Recording],
-    without: frozenset[str] = frozenset(),
-) -> str:
-    """What to record next, in a line that begins with the command; empty where nothing is in doubt."""
-    held = doubts(eq, found, rivals, without, thorough=False)
-    if not held:
-        return ""
-    if any(recording.of_points for recording in recordings):
-        return "a motion, slow and fast and both ways: operating points tell of no more"
-    choice = best_command(eq, held, signals_of(recordings), few=True)
-    if choice.best is None:
-        names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
-        said = f"tells apart {' and '.join(names)}" if len(names) > 1 else f"tells whether there is {names[0]} too"
-        return f"no command within what was recorded {said}".replace("_", " ")
-    further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
-    beyond = further if choice.best.beyond else ""
-    return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"
 
 
 def signals_of(recordings: Sequence[Recording]) -> frozenset[str]:

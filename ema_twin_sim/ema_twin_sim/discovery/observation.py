@@ -21,7 +21,7 @@ from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import reading_noise
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
-from ..simulation.operating_points import motion_at_points
+from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.simulate import LONGEST_GAP
 from .bandwidth import narrowest, narrowest_for_speed
 from .smoothing import gaussian, smooth, smooth_at
@@ -220,7 +220,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         name=recording.name,
         period=float(np.median(np.diff(motion[:, TIME]))),
         geared=model.value("machine.output_inertia") > 0.0,
-        motion=np.repeat(motion, 2, axis=0),  # what a row transmits is known to the one after it
+        motion=doubled(motion),
         motor_origin=_known(recording.motor_angle_origin),
         output_origin=_known(recording.output_angle_origin),
         kernel=np.ones(1),

@@ -107,14 +107,14 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     if len(fits) == 1 or fits[-1] is not found.fit:
         fits.append(found.fit)
     jobs: list[tuple[int, Recording, str, Model]] = []
-    parting: list[float] = []
+    of_output: list[float] = []
     for k, f in enumerate(fits):
         # what is open in the model is no effect's merit: it begins with what fits best
         untouched = (k == 0 and not base.is_open) or (as_given and f is found.fit)
         fitted_to_all = untouched or len(recordings) < 2
         numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(eq, f)
         if driven and eq.rows > eq.size:
-            parting.append(_parting(eq, f, numbers))
+            of_output.append(_parting(eq, f, numbers))
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
             model = base if untouched else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, model))
@@ -126,25 +126,23 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     floors = [noise_floors(base, has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
     each = np.sqrt(rows / np.maximum(counts, 1))
     output = table[:, :, 2:].sum(axis=1)
+    if not driven and output[:, 1].all():
+        of_output = [math.sqrt(s / n) for s, n in output]
     return Unseen(
         signal,
         unit,
         math.sqrt(sum(floor**2 for floor in floors) / len(floors)),
         tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
         tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
-        tuple(parting) if driven else tuple(math.sqrt(s / n) for s, n in output) if output[:, 1].all() else (),
-        driven and bool(parting),
+        tuple(of_output),
+        driven and bool(of_output),
     )
 
 
 def _parting(eq: Equation, f: Fit, numbers: Sequence[np.ndarray]) -> float:
     """RMS [rad, slow shaft] that the encoders part by, each recording's beside numbers that others gave."""
     square = 0.0
-    for k, values in enumerate(numbers):
-        part = eq.encoder_parts[k]
-        rows = (
-            eq.residual(eq.predict(f.hypothesis.at(values)))[part]
-            * eq.encoder_noise[part.start - eq.size : part.stop - eq.size]
-        )
-        square += float(rows @ rows)
+    for part, values in zip(eq.encoder_parts, numbers, strict=True):
+        left = eq.residual(eq.predict(f.hypothesis.at(values)))[part] * eq.noise_of_encoders(part)
+        square += float(left @ left)
     return math.sqrt(square / (eq.rows - eq.size))

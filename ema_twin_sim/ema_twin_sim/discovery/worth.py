@@ -122,8 +122,9 @@ def _hardly_parts(eq: Equation, before: Fit, after: Fit) -> bool:
         return False
     parted, gone = 0.0, 0.0
     for part in eq.encoder_parts:
-        noise = eq.encoder_noise[part.start - eq.size : part.stop - eq.size]
-        parted += float(np.sum((eq.measured[part] * noise - np.mean(eq.measured[part] * noise)) ** 2))
+        noise = eq.noise_of_encoders(part)
+        difference = eq.measured[part] * noise
+        parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < PARTING_SHARE * parted
 

@@ -17,12 +17,13 @@ from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
 from ..discovery.consistency import refuse_inconsistent
 from ..discovery.equation import Equation
+from ..discovery.halves import halves
 from ..discovery.observation import observe_all
+from ..discovery.shown_by_points import at_rest, woken
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.equivalent import as_rotary, given_back, shown, shown_entry
-from ..simulation.operating_points import at_rest, halves, woken
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit

@@ -82,13 +82,13 @@ def guess_columns(header: Sequence[str]) -> Guesses:
     )
     motion = "linear" if linear else "rotary"
     signals = tuple(Guess(signal, name, _unit(name, signal, motion)) for signal, name in taken.items())
-    at = None if time is None else Guess("time", time, next((u for u in _units_in(time) if u in TIME_UNITS), None))
-    return Guesses(at, signals, tuple(n for n in header if n != time and n not in taken.values()), motion)
+    left = tuple(name for name in header if name != time and name not in taken.values())
+    return Guesses(None if time is None else _time(time), signals, left, motion)
 
 
 def _is_time(name: str) -> bool:
     words = _words(name)
-    return bool(_TIME.search(words) or (_AXIS.fullmatch(words) and any(unit in TIME_UNITS for unit in _units_in(name))))
+    return bool(_TIME.search(words) or (_AXIS.fullmatch(words) and _time_unit(name)))
 
 
 def _words(name: str) -> str:
@@ -122,10 +122,15 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
         signals.append(Guess(signal, name, unit))
-    time = None
-    if "time" in named:
-        time = Guess("time", named["time"], next((u for u in _units_in(named["time"]) if u in TIME_UNITS), None))
-    return Guesses(time, tuple(signals), (), motion)
+    return Guesses(_time(named["time"]) if "time" in named else None, tuple(signals), (), motion)
+
+
+def _time(name: str) -> Guess:
+    return Guess("time", name, _time_unit(name))
+
+
+def _time_unit(name: str) -> str | None:
+    return next((unit for unit in _units_in(name) if unit in TIME_UNITS), None)
 
 
 def _unit(name: str, signal: str, motion: str) -> str | None:

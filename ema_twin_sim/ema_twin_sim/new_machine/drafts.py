@@ -72,11 +72,11 @@ def draft_map(guesses: Guesses, trace: str) -> str:
         lines.append(f"operating_points: true  # {CHECK}: no column of time was found; each row is taken for a point")
     else:
         unit = guesses.time.unit or "s"
-        doubt = "" if guesses.time.unit else f"  # {CHECK}: the header names no unit"
+        doubt = _comment("" if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion) for guess in guesses.signals]
-    if not {guess.signal for guess in guesses.signals} & {"current", "motor_torque"}:
+    if not guesses.drives:
         lines.append(
             f"# {CHECK}: no current and no torque was found, which all rests on. Where a voltage commands the drive's "
             "torque, map it so:"
@@ -91,9 +91,8 @@ def draft_map(guesses: Guesses, trace: str) -> str:
 def draft_model(recording: Recording, given: Given) -> str:
     """YAML of a first model: all inertia in one number, everything open that the recording may tell."""
     motion = recording.motion
-    turn = 2.0 * math.pi if motion == "rotary" else 1.0
-    inertia, constant, per_turn = (unit_in(unit, motion) for unit in ("kg m^2", "N m/A", "1/rev"))
-    ratio, source = (given.gear_ratio, "given") if given.gear_ratio else _ratio(recording)
+    sensors = _sensor_lines(recording)
+    inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
         f"# Look at every line that says {CHECK}.",
@@ -101,48 +100,12 @@ def draft_model(recording: Recording, given: Given) -> str:
         "machine:",
         f"  name: {given.name}",
         *([f"  motion: {motion}"] if motion != "rotary" else []),
-        f"  inertia: {{value: {1e-3 if motion == 'rotary' else 1.0:g}, unit: {inertia}, tolerance: open, "
-        "source: start value}  # at the motor",
-    ]
-    if ratio is not None or motion == "rotary":
-        doubt = "" if ratio is not None else f"  # {CHECK}: turns of the motor per turn of the output"
-        if ratio is not None and not given.gear_ratio and abs(ratio - 1.0) < _ALIKE:
-            doubt = f"  # {CHECK}: is the motor's position given as the output's? Then say `shaft: output` in the map"
-        value, where = (ratio, source) if ratio is not None else (1.0, "assumed")
-        if "against" in where:
-            doubt = f"  # {CHECK}: give the output's position `factor: -1` in the map"
-        lines.append(f'  gear_ratio: {{value: {value:.6g}, unit: "1", tolerance: 0.0, source: {where}}}{doubt}')
-    if recording.has("current"):
-        value = given.torque_constant or 1.0
-        doubt = "" if given.torque_constant else f"  # {CHECK}: take it from the motor's data sheet"
-        where = "given" if given.torque_constant else "assumed"
-        lines.append(f"  torque_constant: {{value: {value:g}, unit: {constant}, source: {where}}}{doubt}")
-    lines.append("transmission: {kind: rigid}")
-    lines.append("sensors:")
-    for side in ("motor", "output"):
-        position = recording.signals.get(f"{side}_position")
-        if position is None or len(recording) <= _FEWEST:
-            continue
-        step, where = _smallest_step(position), "smallest step of the recording"
-        if step is None:  # as fine as a counter whose steps would make as much noise
-            step, where = math.sqrt(12.0) * reading_noise(_finite(position)), "as fine as the noise of the recording"
-        if step > 0.0:
-            lines.append(
-                f"  {side}_encoder_counts: {{value: {turn / step:.6g}, unit: {per_turn}, tolerance: 0.0, "
-                f"source: {where}}}"
-            )
-    for name, path in (("current", "current_noise"), ("speed", "speed_noise")):
-        if recording.has(name) and len(recording) > _FEWEST:
-            lines.append(
-                f"  {path}: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
-                f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
-            )
-    if not recording.of_points and len(recording) > _FEWEST:
-        lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
-    if lines[-1] == "sensors:":
-        lines[-1] = "sensors: {}"
-    viscous, dry = (0.01, 0.1) if motion == "rotary" else (10.0, 1.0)
-    lines += [
+        f"  inertia: {{value: {inertia:g}, unit: {unit_in('kg m^2', motion)}, tolerance: open, source: start value}}"
+        "  # at the motor",
+        *_ratio_lines(recording, given.gear_ratio),
+        *_torque_lines(recording, given.torque_constant),
+        "transmission: {kind: rigid}",
+        *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
         "  viscous_friction: {effect: viscous_friction, options: {side: motor}, "
         f"parameters: {{coefficient: {viscous}}}, open: true}}",
@@ -152,6 +115,68 @@ def draft_model(recording: Recording, given: Given) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _ratio_lines(recording: Recording, given: float | None) -> list[str]:
+    """The gear ratio: given, or what both positions show, or one of a rotary machine."""
+    shown = None if given else _ratio(recording)
+    doubt = ""
+    if given:
+        value, source = given, "given"
+    elif shown is not None:
+        value, source = abs(shown), "slope of both positions"
+        if shown < 0.0:
+            doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
+        elif abs(shown - 1.0) < _ALIKE:
+            doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
+    elif recording.motion == "rotary":
+        value, source, doubt = 1.0, "assumed", "turns of the motor per turn of the output"
+    else:
+        return []
+    return [f'  gear_ratio: {{value: {value:.6g}, unit: "1", tolerance: 0.0, source: {source}}}{_comment(doubt)}']
+
+
+def _torque_lines(recording: Recording, given: float | None) -> list[str]:
+    """The torque constant, where there is a current."""
+    if not recording.has("current"):
+        return []
+    source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
+    unit = unit_in("N m/A", recording.motion)
+    return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}, source: {source}}}{_comment(doubt)}"]
+
+
+def _sensor_lines(recording: Recording) -> list[str]:
+    """What a recording tells of its sensors; nothing where there is none yet."""
+    if len(recording) <= _FEWEST:
+        return []
+    motion = recording.motion
+    turn = 2.0 * math.pi if motion == "rotary" else 1.0
+    lines = []
+    for side in ("motor", "output"):
+        if not recording.has(f"{side}_position"):
+            continue
+        position = _finite(recording.signals[f"{side}_position"])
+        step, source = _smallest_step(position), "smallest step of the recording"
+        if step is None:  # as fine as a counter whose steps would make as much noise
+            step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
+        if step > 0.0:
+            lines.append(
+                f"  {side}_encoder_counts: {{value: {turn / step:.6g}, unit: {unit_in('1/rev', motion)}, "
+                f"tolerance: 0.0, source: {source}}}"
+            )
+    for name in ("current", "speed"):
+        if recording.has(name):
+            lines.append(
+                f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
+                f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
+            )
+    if not recording.of_points:
+        lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
+    return lines
+
+
+def _comment(doubt: str) -> str:
+    return f"  # {CHECK}: {doubt}" if doubt else ""
+
+
 def _signal_line(guess: Guess, motion: str) -> str:
     if guess.unit is None and guess.signal.endswith("position") and _COUNTS.search(guess.column):
         return (
@@ -159,23 +184,26 @@ def _signal_line(guess: Guess, motion: str) -> str:
             f"  # {CHECK}: the counts of one turn, all edges counted"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    doubt = "" if guess.unit else f"  # {CHECK}: the header names no unit of it"
+    doubt = _comment("" if guess.unit else "the header names no unit of it")
     if guess.signal == "motor_position":
         doubt = doubt or "  # of the motor's shaft; `shaft: output` where it is given as the output's"
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}}}{doubt}"
 
 
 def _quoted(column: str) -> str:
-    """A column's name as the regular expression that fits it alone, in single quotes."""
+    """A column's name as the regular expression that fits it alone, in single quotes.
+
+    ``re.escape`` would escape its blanks and hyphens too, and a person shall read it.
+    """
     special = set(r".^$*+?{}[]\|()")
     plain = "".join("\\" + mark if mark in special else mark for mark in column)
     return "'" + plain.replace("'", "''") + "'"
 
 
-def _ratio(recording: Recording) -> tuple[float | None, str]:
-    """The gear ratio that both positions show, and where it is from; None where they show none."""
+def _ratio(recording: Recording) -> float | None:
+    """The gear ratio that both positions show, negative where they turn against each other; None where they do not."""
     if not recording.has("motor_position", "output_position"):
-        return None, ""
+        return None
     lag = max(1, int(_WINDOW * len(recording)))
     motor, output = (
         recording.signals[name][lag:] - recording.signals[name][:-lag] for name in ("motor_position", "output_position")
@@ -183,14 +211,13 @@ def _ratio(recording: Recording) -> tuple[float | None, str]:
     both = np.isfinite(motor) & np.isfinite(output) & (output != 0.0)
     far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
     if far.sum() < _FEWEST:
-        return None, ""
-    found = float(np.median(motor[far] / output[far]))
-    return abs(found), "slope of both positions" + (" that turn against each other" if found < 0.0 else "")
+        return None
+    return float(np.median(motor[far] / output[far]))
 
 
 def _smallest_step(values: np.ndarray) -> float | None:
     """The step that all differences of a counter are made of; None where values come in no steps."""
-    steps = np.diff(np.unique(_finite(values)))
+    steps = np.diff(np.unique(values))
     if not len(steps):
         return None
     smallest = float(np.median(steps[steps <= 1.5 * np.quantile(steps, 0.2)]))

@@ -56,9 +56,6 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
     """
-    if recording.of_points:
-        choose_input(recording, source)
-        return twin_at_points(model, recording)
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(
@@ -66,6 +63,8 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
             f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
         )
     chosen = choose_input(recording, source)
+    if chosen == POINTWISE:
+        return twin_at_points(model, recording)
     if chosen == "command" and not (model.value("drive.position_gain") and model.value("drive.speed_gain")):
         raise InputError(
             f"model {model.name}: has no drive.position_gain and drive.speed_gain to follow a command with; give them, "

@@ -1,0 +1,56 @@
+"""A lone table of operating points as two recordings, so that each can be judged by the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..simulation.operating_points import FEWEST, directed
+
+FEWEST_OF_BOTH = 4 * FEWEST
+BLOCKS = 8  # of the positions, every other of which is judged by the rest
+
+
+def halves(recordings: Sequence[Recording]) -> list[Recording]:
+    """A lone recording of points as two, so that each can be judged by the other: every other eighth of its positions.
+
+    Where all its positions are one, every other point. Others, and few points, stay as they are.
+    """
+    refuse_mixed(recordings)
+    if len(recordings) != 1 or not recordings[0].of_points or len(recordings[0]) < FEWEST_OF_BOTH:
+        return list(recordings)
+    whole = directed(recordings[0])  # in a part, the way to a point can no longer be seen
+    position = whole.signals.get("motor_position")
+    rank = np.arange(len(whole))
+    if position is not None and np.nanmax(position) > np.nanmin(position):
+        rank[np.argsort(position, kind="stable")] = np.arange(len(whole))
+        odd, names = (rank * BLOCKS // len(whole)) % 2 == 0, ("odd eighths of the positions", "even eighths")
+    else:
+        odd, names = rank % 2 == 0, ("odd points", "even points")
+    return [_part(whole, chosen, name) for chosen, name in zip((odd, ~odd), names, strict=True)]
+
+
+def _part(whole: Recording, chosen: np.ndarray, name: str) -> Recording:
+    stamps = whole.stamps[chosen]
+    return replace(
+        whole,
+        name=f"{whole.name}, {name}",
+        stamps=stamps - stamps[0],
+        signals={key: values[chosen] for key, values in whole.signals.items()},
+        start=whole.start + int(stamps[0]),
+    )
+
+
+def refuse_mixed(recordings: Sequence[Recording]) -> None:
+    """Raise InputError where operating points stand beside recordings of a motion: they are judged differently."""
+    names = [recording.name for recording in recordings if recording.of_points]
+    if names and len(names) < len(recordings):
+        raise InputError(
+            f"{', '.join(names)}: operating points, beside recordings of a motion; give one kind at a time, the second "
+            "with the model that the first gave"
+        )

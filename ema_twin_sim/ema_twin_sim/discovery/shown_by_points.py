@@ -1,0 +1,52 @@
+"""What recordings of operating points show of a machine, and what they do not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..effects import catalogue
+from ..model import Model
+from ..simulation.operating_points import HOLDING
+
+SPEED_DEPENDENT = frozenset({"viscous_friction", "stribeck_friction", "quadratic_drag", "shear_thinning"})
+"""Effects that do not show where nothing turns."""
+PLACES = frozenset({"order", "output_position", "encoders"})
+"""What an effect shows over that does not show where no position is known."""
+TRANSIENT = frozenset({"added_inertia", "presliding_friction", "thermal_friction", "encoder_delay"})
+"""Effects that no operating point shows: they take an acceleration, a way or a time."""
+BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error"})
+"""Effects in proportion to the very current that is to be explained: they would explain any."""
+
+
+def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
+    """Effects that recordings do not show, since all of them are of operating points."""
+    if not all(recording.of_points for recording in recordings):
+        return frozenset()
+    hidden = {*TRANSIENT, *BY_CURRENT}
+    speeds = [np.abs(r.signals["speed"]) for r in recordings if r.has("speed")]
+    if not any(float(np.nanmax(speed)) > HOLDING for speed in speeds):
+        hidden |= SPEED_DEPENDENT
+    positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
+    if not any(float(np.nanmax(position) - np.nanmin(position)) > 0.0 for position in positions):
+        hidden |= {id for id, effect in catalogue().items() if effect.depends_on in PLACES}
+    return frozenset(hidden)
+
+
+def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
+    """The model less what recordings of points at rest do not show, switched off; ``woken`` switches it on again."""
+    hidden = not_shown(recordings)
+    sleeping = {
+        name: replace(instance, enabled=False) for name, instance in model.active.items() if instance.effect in hidden
+    }
+    return replace(model, effects={**model.effects, **sleeping}) if sleeping else model
+
+
+def woken(found: Model, given: Model) -> Model:
+    """A model with what is on in the one ``given`` switched on."""
+    on = {name: replace(found.effects[name], enabled=True) for name in given.active if name in found.effects}
+    return replace(found, effects={**found.effects, **on})
