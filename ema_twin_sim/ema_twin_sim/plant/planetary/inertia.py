@@ -7,6 +7,7 @@ inertias are parameters, by default in the proportions of solid discs and scaled
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,3 +94,21 @@ def equivalent_masses(gearing: Gearing, inertia: TrainInertia, motor_inertia: fl
     )
     sun = np.array([gearing.sun_radius**2 / (motor_inertia + inertia.sun), 0.0, 0.0])
     return 1.0 / (planet + sun)
+
+
+def shaft_stiffness(radius: float, length: float, shear_modulus: float) -> float:
+    """Stiffness [N m/rad] of a round shaft of ``radius`` and ``length`` [m]: I_p G/L, I_p = pi/2 r^4 (eq. 3.1).
+
+    ``shear_modulus`` is in Pa. Of the script's two shafts, one is set to zero and the other takes 0.33 E for G, where
+    steel's is E/2.6.
+    """
+    return 0.5 * math.pi * radius**4 * shear_modulus / length
+
+
+def shaft_damping(stiffness: float, inertia: float, damping_ratio: float) -> float:
+    """Damping [N m s/rad] of a shaft of ``stiffness`` [N m/rad]: 2 ratio sqrt(k J), J [kg m^2] at the shaft.
+
+    Eq. 3.2 prints the shaft's mass, with which the dimension is not a damping's. J is 1/(1/J_1 + 1/J_2) of what hangs
+    on both ends, as the script takes it: of a motor and a light gearbox, nearly the gearbox's.
+    """
+    return 2.0 * damping_ratio * math.sqrt(stiffness * inertia)

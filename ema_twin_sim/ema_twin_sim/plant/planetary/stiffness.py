@@ -73,7 +73,8 @@ def printed_series(constant: float, cycle: Array) -> Array:
     k is 1, 3 and 5, K the ``constant`` stiffness: the start of a square wave of 3/4 and 5/4 of K with equal halves,
     where two pairs in contact last e - 1 of a cycle (a sixth on the bench).
     """
-    waves = sum(np.sin(2.0 * math.pi * k * cycle) / k for k in PRINTED_HARMONICS)
+    k = np.array(PRINTED_HARMONICS)
+    waves = np.sin(2.0 * math.pi * np.multiply.outer(cycle, k)) @ (1.0 / k)
     return constant * (1.0 + waves / math.pi)
 
 
