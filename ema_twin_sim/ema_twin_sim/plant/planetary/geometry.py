@@ -175,14 +175,9 @@ def _fault_of_assembly(gearing: Gearing) -> str:
             f"sun and fixed ring have {g.sun_teeth + g.ring_teeth} teeth together, which {PLANETS} does not divide: "
             f"{PLANETS} equally spaced planets cannot be put in; change the number of teeth"
         )
-    step = PLANETS * math.gcd(g.planet_teeth, g.second_planet_teeth)
-    # In the place of the next planet the fixed ring's teeth stand z_r/3 of a pitch further on and the output ring's
-    # z_o/3. A planet turned by any whole number of teeth must find both, so that z_o z_p - z_r z_p2 is a multiple.
-    if (g.output_ring_teeth * g.planet_teeth - g.ring_teeth * g.second_planet_teeth) % step:
-        return (
-            f"{PLANETS} equal planets cannot be put in: {g.output_ring_teeth} x {g.planet_teeth} - {g.ring_teeth} x "
-            f"{g.second_planet_teeth} teeth is no multiple of {step}; change the number of teeth"
-        )
+    # Equal planets then find the output ring's teeth too, turned by whole teeth. In the place of the next planet the
+    # rings' teeth stand z_r/3 and z_o/3 further on, which takes (z_o z_p - z_r z_p2)/3 to be a multiple of gcd(z_p,
+    # z_p2); and with equal centre distances it is (z_s + z_p)/3 (z_p - z_p2).
     largest = max(sun.second_tip_radius, output.first_tip_radius)
     gap = math.sqrt(3.0) * g.centre_distance - 2.0 * largest
     if gap <= 0.0:

@@ -30,11 +30,11 @@ def mesh_phases(gearing: Gearing) -> NDArray[np.float64]:
     phases[SUN_MESH] = -_thirds(planet, gearing.sun_teeth)  # a planet further on meets the sun's earlier teeth
     phases[RING_MESH] = sun_to_ring(gearing) + _thirds(planet, gearing.ring_teeth)
     phases[OUTPUT_MESH] = _thirds(planet, gearing.output_ring_teeth)
-    return np.round(phases, 12) % 1.0
+    return phases % 1.0
 
 
 def _thirds(planet: NDArray[np.int64], teeth: int) -> NDArray[np.float64]:
-    """Cycles between the first planet and each, of a wheel: whole thirds, so that meshes in phase are exactly so."""
+    """Cycles from the first planet to each, of a wheel: whole thirds, so that meshes in phase are so exactly."""
     return planet * teeth % PLANETS / PLANETS
 
 

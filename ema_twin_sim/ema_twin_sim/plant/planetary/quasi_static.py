@@ -2,7 +2,8 @@
 
 Without inertia, and with the mean arms of friction over a mesh cycle. Together with friction, the force F of a mesh
 acts on its two wheels by the arms a_j = r_j + mu sgn(F) sgn(V) B_j (``mesh_table``): what the thesis's eqs 3.42 to 3.47
-become by virtual work, carried on to the carrier and the output ring. In forward motion no V is negative. Of each planet
+become by virtual work, carried on to the carrier and the output ring. V is never negative while the sun turns forwards.
+Of each planet
 
     planet   a_s2 F_s = a_r1 F_r + a_o1 F_o            sun     T_s = 3 a_s1 F_s
     carrier  a_s1 F_s + a_r2 F_r + a_o2 F_o = 0        output  T_o = -3 a_o2 F_o
@@ -132,11 +133,9 @@ def balance(
             new *= -np.sign(gearing.ratio) * torque / (-PLANETS * acting[OUTPUT_MESH, 1] * new[OUTPUT_MESH])
         else:
             new *= torque / (PLANETS * acting[SUN_MESH, 0] * new[SUN_MESH])
-        settled = np.abs(new - forces).max() <= SETTLED * np.abs(new).max() and np.array_equal(
-            np.sign(new), np.sign(forces)
-        )
+        change = np.abs(new - forces).max()
         forces = new
-        if settled:
+        if change <= SETTLED * np.abs(forces).max():
             break
         coefficients = friction.coefficients(gearing, forces, speed)
     sun_torque = PLANETS * acting[SUN_MESH, 0] * forces[SUN_MESH]
