@@ -15,6 +15,7 @@ from .geometry import Gearing
 from .stiffness import constant_stiffness, pair_stiffness, printed_series
 
 POINTS = 256
+SAMPLES = 64  # for each point of the table, even
 STIFFNESS_KINDS = ("alternating", "fourier", "constant")
 ENTERING, AHEAD, FIRST_ARM, SECOND_ARM = range(4)
 
@@ -49,28 +50,26 @@ def mesh_table(gearing: Gearing, stiffness: str = "alternating", youngs_modulus_
         columns[:] = _cycle_of_pairs(gearing, mesh, youngs_modulus_ratio)
         if stiffness != "alternating":
             constant = constant_stiffness(gearing, mesh, youngs_modulus_ratio)
-            cycle = np.linspace(0.0, 1.0, POINTS + 1)
+            cycle = np.arange(POINTS + 1) % POINTS / POINTS
             columns[:, ENTERING] = constant if stiffness == "constant" else printed_series(constant, cycle)
             columns[:, AHEAD] = 0.0
-    table[:, -1] = table[:, 0]
     return table
 
 
 def _cycle_of_pairs(gearing: Gearing, mesh: Mesh, youngs_modulus_ratio: float) -> Array:
     """One mesh's columns, (POINTS + 1, 4), of alternating pairs.
 
-    Where a pair enters, parts or passes the pitch point, the mean over the step of the grid about the point is given:
-    the jump falls between the same points wherever it lies, and means over the cycle hold.
+    Each point has the mean over the step of the grid about it: so means over the cycle hold, wherever between points a
+    pair enters, parts or passes the pitch point.
     """
-    step = mesh.base_pitch / POINTS
-    position = step * np.arange(POINTS + 1)[:, np.newaxis] + mesh.base_pitch * np.arange(2)  # (points, pairs)
-    touching = np.clip(np.minimum(position, mesh.contact_length - position) / step + 0.5, 0.0, 1.0)
-    pairs = touching * pair_stiffness(gearing, mesh, np.clip(position, 0.0, mesh.contact_length), youngs_modulus_ratio)
-    first, second = mesh.curvature_radii(position)
-    signed_share = (
-        pairs / pairs.sum(axis=1, keepdims=True) * np.clip(2.0 * (position - mesh.approach) / step, -1.0, 1.0)
-    )
-    return np.column_stack([pairs, (signed_share * first).sum(axis=1), (signed_share * second).sum(axis=1)])
+    u = (np.arange(POINTS * SAMPLES) + 0.5 * (1 - SAMPLES)) / (POINTS * SAMPLES) % 1.0
+    position = mesh.base_pitch * (u[:, np.newaxis] + np.arange(2))  # (samples, pairs)
+    pairs = pair_stiffness(gearing, mesh, np.minimum(position, mesh.contact_length), youngs_modulus_ratio)
+    pairs[position > mesh.contact_length] = 0.0
+    signed_share = pairs / pairs.sum(axis=1, keepdims=True) * np.sign(position - mesh.approach)
+    arms = [(signed_share * arm).sum(axis=1) for arm in mesh.curvature_radii(position)]
+    points = np.column_stack([pairs, *arms]).reshape(POINTS, SAMPLES, 4).mean(axis=1)
+    return np.concatenate([points, points[:1]])
 
 
 def mean_stiffness(table: Array) -> Array:
