@@ -93,7 +93,7 @@ def test_friction_arms_never_let_friction_drive():
 
 def test_mean_arms_are_those_of_the_path_shared_by_stiffness():
     for mesh, found in zip(BENCH.meshes, mean_arms(TABLE), strict=True):
-        u = (np.arange(20000) + 0.5) / 20000
+        u = (np.arange(1000000) + 0.5) / 1000000
         position = np.stack([u, u + 1.0]) * mesh.base_pitch
         pairs = np.where(position < mesh.contact_length, pair_stiffness(BENCH, mesh, position), 0.0)
         share = pairs / pairs.sum(axis=0) * np.sign(position - mesh.approach)

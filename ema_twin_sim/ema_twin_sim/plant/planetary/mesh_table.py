@@ -15,7 +15,7 @@ from .geometry import Gearing
 from .stiffness import constant_stiffness, pair_stiffness, printed_series
 
 POINTS = 256
-SAMPLES = 64  # for each point of the table, even
+SAMPLES = 16  # for each point of the table, even
 STIFFNESS_KINDS = ("alternating", "fourier", "constant")
 ENTERING, AHEAD, FIRST_ARM, SECOND_ARM = range(4)
 
@@ -64,9 +64,12 @@ def _cycle_of_pairs(gearing: Gearing, mesh: Mesh, youngs_modulus_ratio: float) -
     """
     u = (np.arange(POINTS * SAMPLES) + 0.5 * (1 - SAMPLES)) / (POINTS * SAMPLES) % 1.0
     position = mesh.base_pitch * (u[:, np.newaxis] + np.arange(2))  # (samples, pairs)
-    pairs = pair_stiffness(gearing, mesh, np.minimum(position, mesh.contact_length), youngs_modulus_ratio)
-    pairs[position > mesh.contact_length] = 0.0
-    signed_share = pairs / pairs.sum(axis=1, keepdims=True) * np.sign(position - mesh.approach)
+    sample = mesh.base_pitch / (POINTS * SAMPLES)
+    touching = np.clip((mesh.contact_length - position) / sample + 0.5, 0.0, 1.0)
+    way = np.clip(2.0 * (position - mesh.approach) / sample, -1.0, 1.0)
+    within = np.minimum(position, mesh.contact_length)
+    pairs = touching * pair_stiffness(gearing, mesh, within, youngs_modulus_ratio)
+    signed_share = way * pairs / pairs.sum(axis=1, keepdims=True)
     arms = [(signed_share * arm).sum(axis=1) for arm in mesh.curvature_radii(position)]
     points = np.column_stack([pairs, *arms]).reshape(POINTS, SAMPLES, 4).mean(axis=1)
     return np.concatenate([points, points[:1]])
