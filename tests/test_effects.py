@@ -10,7 +10,7 @@ from ema_twin_sim.comparison.noise import noise_floors
 from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.effects import Effect, Parameter, catalogue, find_effect
 from ema_twin_sim.model import load_model, save_model
-from ema_twin_sim.plant.kernel import advance
+from ema_twin_sim.plant.kernel import kernel
 from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS, OperatingPoint
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
@@ -84,6 +84,7 @@ def test_an_effect_survives_its_model_file(tmp_path, stock, id):
 
 @ids
 def test_switching_an_effect_compiles_no_kernel(stock, id):
+    advance = kernel(False, False)
     compiled = len(advance.signatures)
     twin = Twin(stock, "setpoint")
     twin.start({"speed": 0.0, "current": 0.0, "speed_setpoint": 1.0})

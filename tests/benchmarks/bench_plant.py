@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.model import load_model
-from ema_twin_sim.plant.kernel import advance
+from ema_twin_sim.plant.kernel import kernel
 from ema_twin_sim.plant.layout import BENCH, SETPOINT, STATE, TWIN
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.twin import DEFAULT_STEP
+from ema_twin_sim.simulation.fidelity import DEFAULT_STEP, resting_state
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 SECONDS = 20.0
@@ -64,12 +64,14 @@ def by_kernel(model, recording):
     bench = np.full((len(recording), len(BENCH)), np.nan)
     bench[:, BENCH.index("speed_setpoint")] = recording.signals["speed_setpoint"]
     rows = np.zeros((len(recording), len(TWIN)))
+    fine = resting_state(assembly.fine, assembly.effects)
+    advance = kernel(False, False)
 
     def call():
         state[:] = 0
         state["control_phase"] = assembly.plant["control_cycle"]
         advance(
-            assembly.plant, state, assembly.effects, SETPOINT, recording.stamps, bench, rows, DEFAULT_STEP, False
+            assembly.plant, state, assembly.effects, fine, SETPOINT, recording.stamps, bench, rows, DEFAULT_STEP, False
         )  # fmt: skip
 
     return call, state

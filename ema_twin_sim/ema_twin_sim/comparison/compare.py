@@ -15,7 +15,6 @@ from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE, choose_input, simulate
-from ..simulation.twin import DEFAULT_STEP
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .torque_error import TorqueError, torque_error
 from .where import STANDSTILL, Dependence, Stretch, find_dependences
@@ -76,7 +75,7 @@ def compare(
     model: Model,
     source: str | None = None,
     *,
-    step: float = DEFAULT_STEP,
+    step: float | None = None,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Comparison:
     """Simulate the model beside each recording and compare; nothing is estimated.

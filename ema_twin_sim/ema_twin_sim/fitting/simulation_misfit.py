@@ -25,8 +25,8 @@ from ..comparison.noise import counter_noise, noise_floors
 from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
+from ..simulation.fidelity import DEFAULT_STEP
 from ..simulation.simulate import simulate
-from ..simulation.twin import DEFAULT_STEP
 from .freedom import Freedom
 
 POOL = ThreadPoolExecutor(os.cpu_count())
@@ -34,7 +34,7 @@ OUTLIER = 4.0  # robust standard deviations from which on a row counts less and 
 LINGER = 0.06  # s around standstill in which rows do not count
 LEAP = 5.0  # steps of a finite difference over which leaps are looked for
 LEAPS = 3  # times that they are looked for
-COARSE = 5e-5  # s, the step of integration where only differences count
+COARSE = 2.0  # times the usual step of a lumped model, where only differences count
 MOST_ROWS = 600_000  # rows beyond which samples are passed over
 FINE = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
 UNMEASURED = 1e-4  # of a signal's size: the noise of one whose noise the model calls zero
@@ -88,11 +88,13 @@ class SimulationMisfit:
         self._trust = np.concatenate([part.trust for part in self._parts])
         self._predicted: tuple[np.ndarray, np.ndarray] | None = None
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
-        self._run(freedom.start, 0, DEFAULT_STEP)  # an effect compiles here, and not in several threads at once
+        lumped = freedom.model.kinds["drive"] == "averaged" and freedom.model.kinds["transmission"] != "planetary"
+        self._coarse = COARSE * DEFAULT_STEP if lumped else None
+        self._run(freedom.start, 0, None)  # an effect compiles here, and not in several threads at once
 
     def check(self, values: np.ndarray) -> None:
         """Raise InputError where no twin can be made of these values at the coarsest step that is used of them."""
-        self._run(values, 0, COARSE)
+        self._run(values, 0, self._coarse)
 
     def doubt(self, values: np.ndarray) -> None:
         """Count those rows less at which a small change of the numbers acts by leaps: an impact or a break-away, sooner
@@ -107,7 +109,7 @@ class SimulationMisfit:
             step = size * random.choice([-1.0, 1.0], len(size))
             step[(values - np.abs(step) < lower) | (values + np.abs(step) > upper)] = 0.0
             moved += [values + step, values - step]
-        here, *there = self._predict_all([values, *moved], COARSE)
+        here, *there = self._predict_all([values, *moved], self._coarse)
         noise = np.concatenate([np.full(len(part.samples), part.noise) for part in self._parts])
         leaps = np.zeros(self.rows)
         for up, down in zip(there[::2], there[1::2], strict=True):
@@ -149,7 +151,7 @@ class SimulationMisfit:
             steps = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)])
             down, up = np.minimum(steps, values - lower), np.minimum(steps, upper - values)
             points = [*(values + np.diag(up)), *(values - np.diag(down))]
-            there = self._predict_all(points, COARSE)
+            there = self._predict_all(points, self._coarse)
             changes = [
                 (above - below) / width
                 for above, below, width in zip(there[: len(steps)], there[len(steps) :], up + down, strict=True)
@@ -160,10 +162,10 @@ class SimulationMisfit:
     def _predict(self, values: np.ndarray) -> np.ndarray:
         """The twins' signals (m,); the last answer is kept."""
         if self._predicted is None or not np.array_equal(self._predicted[0], values):
-            self._predicted = (values.copy(), self._predict_all([values], DEFAULT_STEP)[0])
+            self._predicted = (values.copy(), self._predict_all([values], None)[0])
         return self._predicted[1]
 
-    def _predict_all(self, points: Sequence[np.ndarray], step: float, shift: float = 0.0) -> list[np.ndarray]:
+    def _predict_all(self, points: Sequence[np.ndarray], step: float | None, shift: float = 0.0) -> list[np.ndarray]:
         count = len(self._recordings)
         jobs = [(point, k) for point in points for k in range(count)]
         runs = list(POOL.map(lambda job: self._run(job[0], job[1], step, shift), jobs))
@@ -171,7 +173,7 @@ class SimulationMisfit:
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
-        there = self._predict_all([values], DEFAULT_STEP, counter_noise(self.freedom.model, "motor"))[0]
+        there = self._predict_all([values], None, counter_noise(self.freedom.model, "motor"))[0]
         return self._settled(there - self._predict(values), weights)
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
@@ -196,7 +198,7 @@ class SimulationMisfit:
                 self._spread[k] = max(1.0, before[k] * bulk)
         return bool((np.abs(np.log(self._spread / before)) > 0.1).any())
 
-    def _run(self, values: np.ndarray, k: int, step: float, shift: float = 0.0) -> np.ndarray:
+    def _run(self, values: np.ndarray, k: int, step: float | None, shift: float = 0.0) -> np.ndarray:
         """The twin's signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""
         model = self.freedom.at(values)
         ratio = model.value("machine.gear_ratio")

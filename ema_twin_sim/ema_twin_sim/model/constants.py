@@ -6,26 +6,11 @@ takes its place where the machine is linear.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from .constant import Constant
+from .planetary_constants import PLANETARY_CHOICES, PLANETARY_CONSTANTS
+from .switching_constants import SWITCHING_CHOICES, SWITCHING_CONSTANTS
 
-
-@dataclass(frozen=True)
-class Constant:
-    """One constant: where it stands in a model file, its unit and its bounds."""
-
-    part: str
-    name: str
-    unit: str
-    lower: float
-    upper: float
-    description: str
-    absent: float | None = None  # stands for having none, or knowing none, where all inertia is one number
-    optional: bool = False  # no value stands for having none
-
-    @property
-    def path(self) -> str:
-        """``part.name``, as in error messages and ROS parameters."""
-        return f"{self.part}.{self.name}"
+__all__ = ["CHOICES", "CONSTANTS", "KINDS", "PARTS", "Constant"]
 
 
 CONSTANTS: dict[str, Constant] = {
@@ -107,10 +92,18 @@ CONSTANTS: dict[str, Constant] = {
         ),
         Constant("sensors", "motor_encoder_noise", "count", 0.0, 1e6, "white noise of the motor counter", absent=0.0),
         Constant("sensors", "output_encoder_noise", "count", 0.0, 1e6, "white noise of the output encoder", absent=0.0),
+        *SWITCHING_CONSTANTS,
+        *PLANETARY_CONSTANTS,
     )
 }
 
-KINDS: dict[str, tuple[str, ...]] = {"drive": ("averaged",), "transmission": ("rigid", "two_inertia")}
+KINDS: dict[str, tuple[str, ...]] = {
+    "drive": ("averaged", "switching"),
+    "transmission": ("rigid", "two_inertia", "planetary"),
+}
 """The fidelities that a part can have."""
+
+CHOICES: dict[str, dict[str, tuple[str, ...]]] = {"switching": SWITCHING_CHOICES, "planetary": PLANETARY_CHOICES}
+"""By fidelity, the words that a model of it may choose among, by path; the first is taken where none is given."""
 
 PARTS: tuple[str, ...] = ("machine", "drive", "transmission", "sensors")

@@ -66,9 +66,10 @@ class Model:
     radius: float | None = None  # m, of the drum that stands in for a carriage (equivalent.py)
     orders: Mapping[str, float] = field(default_factory=dict)  # by name, cycles per turn of the motor
     other_orders: bool = True  # whether anything else of it may repeat
+    choices: Mapping[str, str] = field(default_factory=dict)  # by path, of what its fidelities may choose among
 
     def __post_init__(self) -> None:
-        for name in ("kinds", "constants", "effects", "orders"):
+        for name in ("kinds", "constants", "effects", "orders", "choices"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     @property

@@ -26,7 +26,7 @@ from ema_bench_replay.outputs import new_file
 from ema_bench_replay.units import MOTIONS, unit_in
 
 from ..effects import find_effect
-from .constants import CONSTANTS, KINDS, PARTS, Constant
+from .constants import CHOICES, CONSTANTS, KINDS, PARTS, Constant
 from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, checked_instance
 
 VERSION = 1
@@ -55,6 +55,9 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         content["machine"] = {"name": model.machine, "motion": model.motion}
     for part in PARTS[1:]:
         content[part] = {"kind": model.kinds[part]} if part in model.kinds else {}
+    for chosen_path, chosen in model.choices.items():
+        part, _, word = chosen_path.partition(".")
+        content[part][word] = chosen  # type: ignore[index]
     for constant_path, held in model.constants.items():
         constant = CONSTANTS[constant_path]
         if held.source == ABSENT:
@@ -147,15 +150,23 @@ def _model(path: Path, content: Mapping) -> Model:
     machine = check.mapping(content.get("machine"), "machine")
     motion = check.choice(machine.get("motion", MOTIONS[0]), "machine.motion", MOTIONS)
     lumped = LUMPED in machine
-    kinds: dict[str, str] = {}
+    kinds = {
+        part: check.choice(check.mapping(content.get(part, {}), part).get("kind", among[0]), f"{part}.kind", among)
+        for part, among in KINDS.items()
+    }
+    choices: dict[str, str] = {}
     constants: dict[str, ConstantValue] = {}
     for part in PARTS:
         names = {c.name: c for c in CONSTANTS.values() if c.part == part}
-        words = ("name", "motion", LUMPED) if part == "machine" else (("kind",) if part in KINDS else ())
-        section = check.mapping(content.get(part, {}), part, (*words, *names))
-        if part in KINDS:
-            kinds[part] = check.choice(section.get("kind", KINDS[part][0]), f"{part}.kind", KINDS[part])
+        words = {p.partition(".")[2] for of in CHOICES.values() for p in of if p.startswith(f"{part}.")}
+        words |= {"name", "motion", LUMPED} if part == "machine" else ({"kind"} if part in KINDS else set())
+        section = check.mapping(content.get(part, {}), part, (*sorted(words), *names))
+        for place, among in ((p, a) for kind in kinds.values() for p, a in CHOICES.get(kind, {}).items()):
+            if place.startswith(f"{part}."):
+                choices[place] = check.choice(section.get(place.partition(".")[2], among[0]), place, among)
         for name, constant in names.items():
+            if constant.kind and constant.kind not in kinds.values():
+                continue  # models of one bench share a file of constants, whatever their fidelity
             given = LUMPED if lumped and name == "motor_inertia" else name
             if lumped and name in section and name.endswith("_inertia"):
                 raise check.error(f"machine.{name}", "stands beside the machine's one inertia", "give one or the other")
@@ -163,6 +174,8 @@ def _model(path: Path, content: Mapping) -> Model:
                 constants[constant.path] = _constant(check, constant, section[given], f"{part}.{given}", motion)
             elif lumped and constant.absent is not None:
                 constants[constant.path] = ConstantValue(constant.absent, 0.0, ABSENT)
+            elif constant.usual is not None:
+                constants[constant.path] = ConstantValue(constant.usual, 0.0, ABSENT)
             elif not constant.optional:
                 raise check.error(f"{part}.{name}", "is missing", f"give its value in {unit_in(constant.unit, motion)}")
     name = check.text(machine.get("name", path.stem), "machine.name")
@@ -171,7 +184,9 @@ def _model(path: Path, content: Mapping) -> Model:
     orders = check.mapping(content.get("orders", {}), "orders")
     named = {str(k): check.number(v, f"orders.{k}", lower=1e-6, upper=1e6) for k, v in orders.items()}
     others = check.boolean(content.get("other_orders", True), "other_orders")
-    return Model(path.stem, name, kinds, constants, parts, motion, lumped, orders=named, other_orders=others)
+    return Model(
+        path.stem, name, kinds, constants, parts, motion, lumped, orders=named, other_orders=others, choices=choices
+    )
 
 
 def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:

@@ -13,7 +13,7 @@ import numba
 
 def _cache_folder() -> Path:
     content = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
         content.update(source.read_bytes())
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return base / "ema-twin" / content.hexdigest()[:16]

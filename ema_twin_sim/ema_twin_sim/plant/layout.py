@@ -122,6 +122,10 @@ TWIN = (
     "motor_torque",
     "load_torque",
     "unexplained_torque",
+    "direct_current",
+    "phase_current_u",
+    "phase_current_v",
+    "phase_current_w",
 )
 """Columns of a twin sample that the kernel writes: the same signals as a bench's, through the same sensors."""
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..effects import Effect, catalogue
+from ..effects import Effect, catalogue, mesh_friction
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..plant.layout import DRY_LEVEL, ENCODER_MEMORY, PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
+from .fidelity import Effects, FineParts, fine_parts
+from .lumped_train import lump_train
 
 _SAME_NAME = (
     "machine.gear_ratio",
@@ -43,14 +45,17 @@ _SAME_NAME = (
 
 @dataclass(frozen=True)
 class Assembly:
-    """The arguments that a model gives to ``plant.kernel.advance``.
+    """The arguments that a model gives to a ``plant.kernel``, and to what balances torques without integrating.
 
+    Of a planetary train, ``plant`` and ``effects`` are the two inertias that stand for it (``lumped_train.py``).
     ``plant`` is a record array (1,) of ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and
     parameters (n, 4), dry levels first, so that what depends on the level sees it whole.
     """
 
     plant: np.ndarray
-    effects: tuple[np.ndarray, np.ndarray, np.ndarray]
+    effects: Effects
+    acting: Effects  # without what stands for a train's own losses in ``effects``
+    fine: FineParts
 
 
 def assemble(model: Model) -> Assembly:
@@ -77,15 +82,22 @@ def assemble(model: Model) -> Assembly:
             effect.settle(record, instance.parameters, instance.options)
         else:
             acting.append((effect.where(instance.options), effect_address(effect), effect_slots(effect, instance)))
+    fine = fine_parts(model, record)
+    alone = _effects(acting)
+    if fine.planetary:
+        loss = lump_train(model, record, fine)
+        acting.append((mesh_friction.EFFECT.where({}), effect_address(mesh_friction.EFFECT), [loss, 0.0, 0.0, 0.0]))
     _check(model, record)
-    acting.sort(key=lambda entry: entry[0] != DRY_LEVEL)
-    return Assembly(
-        plant,
-        (
-            np.array([address for _, address, _ in acting], np.int64),
-            np.array([place for place, _, _ in acting], np.int64),
-            np.array([slots for _, _, slots in acting], np.float64).reshape(len(acting), PARAMETER_SLOTS),
-        ),
+    return Assembly(plant, _effects(acting) if fine.planetary else alone, alone, fine)
+
+
+def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:
+    """What acts (place, address, parameters) as arrays, dry levels first."""
+    ordered = sorted(acting, key=lambda entry: entry[0] != DRY_LEVEL)
+    return (
+        np.array([address for _, address, _ in ordered], np.int64),
+        np.array([place for place, _, _ in ordered], np.int64),
+        np.array([slots for _, _, slots in ordered], np.float64).reshape(len(ordered), PARAMETER_SLOTS),
     )
 
 

@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .operating_points import twin_at_points
-from .twin import DEFAULT_STEP, Twin
+from .twin import Twin
 
 LONGEST_GAP = 60.0
 """s without a sample across which a twin integrates."""
@@ -51,7 +51,7 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
     return chosen
 
 
-def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float = DEFAULT_STEP) -> Recording:
+def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float | None = None) -> Recording:
     """The twin's own recording beside a bench's: the same stamps, the signals that the twin has.
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.

@@ -13,13 +13,13 @@ from ema_bench_replay.errors import InputError
 from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
-from ..plant.kernel import advance
+from ..plant.kernel import kernel
 from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from ..plant.sensors import shown
 from .assembly import assemble, stiffest_step
+from .fidelity import DEFAULT_STEP, Fine, longest_step, resting_state, set_in_motion, usual_step, with_parts
 
-DEFAULT_STEP = 25e-6
-"""s. The tests show it converged: halving or doubling it moves no RMSE by 1 %."""
+__all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
 
 @dataclass(frozen=True)
@@ -39,19 +39,25 @@ class Twin:
 
     ``source`` tells what drives it: ``setpoint`` (the recorded speed setpoint), ``current`` (the measured current) or
     ``standalone`` (its own position command; ``standalone_speed`` for a speed command). All effects of the catalogue
-    can be switched: those that the model lacks are there with their default parameters, switched off.
+    can be switched: those that the model lacks are there with their default parameters, switched off. ``step`` [s] is
+    the integration step, by default what the model's fidelity asks for. ``accounting`` books all energies too
+    (``energies``); it takes a finer fidelity than averaged and lumped.
     """
 
-    def __init__(self, model: Model, source: str = "setpoint", *, step: float = DEFAULT_STEP) -> None:
+    def __init__(
+        self, model: Model, source: str = "setpoint", *, step: float | None = None, accounting: bool = False
+    ) -> None:
         if source not in INPUTS:
             raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
-        if not 1e-7 <= step <= 1e-3:
-            raise InputError(f"step {step} s is out of range; give 1e-7 to 1e-3 s")
+        if step is not None and not 1e-8 <= step <= 1e-3:
+            raise InputError(f"step {step} s is out of range; give 1e-8 to 1e-3 s")
         for id in catalogue():
             if id not in model.effects:
                 model = model.with_effect(id, enabled=False)
         self.source = INPUTS.index(source)
-        self.step = step
+        self._asked_step = step
+        self._accounting = accounting
+        self._fine: Fine | None = None
         self._state = np.zeros(1, STATE)
         self._stamps = np.zeros(2, np.int64)
         self._bench = np.full((2, len(BENCH)), math.nan)
@@ -116,6 +122,9 @@ class Twin:
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
         state["encoder_memory"] = -speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
         state["encoder_newest"] = ENCODER_MEMORY - 1
+        self._fine = resting_state(self._parts, self._assembly.effects)
+        angle = float(state["motor_angle_origin"])
+        set_in_motion(self._fine, self._parts, speed, current, angle)
         # in plain Python: once a run, and compiling it would cost more than it saves
         plant, moving = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
         state["encoder_zero"] = shown.py_func(plant, moving, 0.0, ages[1])
@@ -149,21 +158,33 @@ class Twin:
     def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         hold_input(bench, self.source)
         assembly = self._assembly
-        advance(assembly.plant, self._state, assembly.effects, self.source, stamps, bench, rows, self.step, True)
+        assert self._fine is not None  # start comes first
+        self._advance(
+            assembly.plant, self._state, assembly.acting, self._fine, self.source, stamps, bench, rows, self.step, True
+        )
 
     def _signals(self) -> dict[str, float]:
         return dict(zip(TWIN, self._row[1].tolist(), strict=True))
 
     def _take(self, model: Model) -> None:
         assembly = assemble(model)
-        longest = stiffest_step(assembly.plant)
-        if self.step > longest:
+        parts = assembly.fine
+        step = self._asked_step or usual_step(parts)
+        longest = longest_step(parts) if parts.planetary else stiffest_step(assembly.plant)
+        if step > longest:
+            too_stiff = "its teeth are" if parts.planetary else "its contact is"
+            less = "youngs_modulus_ratio" if parts.planetary else "contact_stiffness or _damping"
             raise InputError(
-                f"model {model.name}: its contact is too stiff for its inertias at a step of {self.step:g} s; give "
-                f"less transmission.contact_stiffness or _damping, or a step below {longest:.2g} s"
+                f"model {model.name}: {too_stiff} too stiff for its inertias at a step of {step:g} s; give less "
+                f"transmission.{less}, or a step below {longest:.2g} s"
             )
+        self.step = step
         self._model = model
         self._assembly = assembly
+        self._parts = parts
+        self._advance = kernel(parts.switching, parts.planetary, self._accounting)
+        if self._fine is not None:
+            self._fine = with_parts(self._fine, parts, assembly.effects)
 
 
 def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray) -> np.ndarray:
@@ -183,7 +204,7 @@ def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarr
             plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"],
             torque,
             0.0,
-            math.nan,
+            *(math.nan,) * 5,
         ]
     )
 

@@ -13,7 +13,9 @@ from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
 from .simulate import refuse_infinite
-from .twin import DEFAULT_STEP, Twin
+from .twin import Twin
+
+_OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
 
 
 def virtual_bench(
@@ -23,7 +25,7 @@ def virtual_bench(
     *,
     seed: int | None = 0,
     name: str = "",
-    step: float = DEFAULT_STEP,
+    step: float | None = None,
     origins: tuple[float, float] = (0.0, 0.0),
 ) -> Recording:
     """A recording of the model driven by a command, with the sensors' noise (``seed`` None: none).
@@ -47,7 +49,7 @@ def virtual_bench(
     rows = twin.follow(stamps, bench)
     refuse_infinite(rows, stamps * 1e-9, f"model {model.name}: on the virtual bench")
     signals = {
-        n: rows[:, k] for k, n in enumerate(TWIN) if n not in ("motor_torque", "load_torque", "unexplained_torque")
+        name: rows[:, k] for k, name in enumerate(TWIN) if name not in _OF_THE_TWIN and not np.isnan(rows[1:, k]).all()
     }
     if command.speed:
         del signals["output_command"]

@@ -11,17 +11,19 @@ where v_n is gone because the m_k add up to zero. Solved for the step's end, wit
 f_k = v_k - e_k - R_k i_k: i_k' - i_k = g_k (f_k - v_n), v_n = sum g_k f_k / sum g_k; in the two voltages f_u - f_w
 and f_v - f_w that is a symmetric matrix of three constants (``step_constants.py``).
 
-Shorted turns leave a share N of a phase's turns: N of the back-EMF (turns that the flux cuts), N of the resistance
-(length of wire), N^2 of the inductance, as models of the Politecnico group do with the script's BLDC.Nabc. The current
-in the shorted loop, its heat and its braking torque are not modelled.
+Shorted turns leave a share N of a phase's turns (the script's BLDC.Nabc): N of the back-EMF (turns that the flux cuts),
+N of the resistance (length of wire), N^2 of the inductance. The current in the shorted loop, its heat and its braking
+torque are not modelled. Shorts and eccentricity are the faults of the bench's group (Dalla Vedova, Germana, Berri and
+Maggiore, Aerospace 6, 2019, 94).
 
 Eccentricity: a rotor off centre by the share zeta of the air gap leaves a gap 1 - zeta cos around the stator, and the
-flux follows its inverse, to first order 1 + zeta cos. The group lets the three back-EMF coefficients follow the rotor's
-angle so (BLDC.zeta, BLDC.phi). Here each phase meets the narrow gap when the rotor has turned to it, a third of a turn
-after the one before: k_k = Ke N_k (1 + zeta cos(theta + phi - 2 pi k / 3)), k = 0, 1, 2. One cosine common to all three
-would say that the whole flux swells and shrinks, which no displacement does: it widens the gap on one side as it
-narrows it on the other. With imposed sinusoidal currents the torque then keeps its mean and ripples at the order
-P + P + 1 by zeta / 2 (see the tests).
+flux follows its inverse, to first order 1 + zeta cos. The script gives a modulus and a phase (BLDC.zeta, BLDC.phi); its
+block is not printed. Here each phase meets the narrow gap when the rotor has turned to it, a third of a turn after the
+one before: k_k = Ke N_k (1 + zeta cos(theta + phi - 2 pi k / 3)), k = 0, 1, 2. One cosine common to all three would say
+that the whole flux swells and shrinks, which no displacement does: it widens the gap on one side as it narrows it on
+the other. (A gap that stayed narrow at one place of the stator would only set the phases off against each other, which
+is what active turns do.) With imposed sinusoidal currents the torque keeps its mean and ripples at the order P + P + 1
+by zeta / 2 (see the tests).
 """
 
 import math

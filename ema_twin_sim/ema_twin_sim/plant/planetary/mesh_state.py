@@ -1,0 +1,155 @@
+"""What the meshes are at the wheels' present angles: stiffness and friction's arms, damaged teeth, run-out, friction.
+
+All change with the mesh cycle, thousands of steps long: they are read again once a mesh has moved on by ``refresh``
+cycles. Friction's coefficient, the mean over a mesh cycle as in the thesis (3.4.2), is taken once a control cycle.
+"""
+
+import math
+
+from numba import njit
+
+from .friction_coefficient import friction_coefficient
+from .layout import LANE, PLANETS, ROW, TURN
+
+_STIFFNESS, _ARM_1, _ARM_2 = ROW["STIFFNESS_SUN"], ROW["ARM_1_SUN"], ROW["ARM_2_SUN"]
+_RUNOUT, _FORCE = ROW["RUNOUT_SUN"], ROW["FORCE_SUN"]
+_THIRD = 1.0 / PLANETS
+
+
+@njit(error_model="numpy")
+def mesh_cycles(train, sun, carrier, output):
+    """Mesh cycles (sun, ring, output) of the first planet at the wheels' own angles [rad]; (3.52-3.60) have time."""
+    return (
+        train.sun_teeth * (sun - carrier) / TURN + train.mesh_phase[0],
+        train.ring_teeth * carrier / TURN + train.mesh_phase[1],
+        train.output_ring_teeth * (carrier - output) / TURN + train.mesh_phase[2],
+    )
+
+
+@njit(error_model="numpy")
+def wheel_angles(train, origin, sun_travel, carrier_travel, output_travel):
+    """Own angles [rad] of sun, carrier and output ring: from where a rigid train stands with the sun at ``origin``.
+
+    What the counters do not tell, which of the teeth of planets and rings were together then, is taken as zero.
+    """
+    to_carrier = train.sun_radius / (train.sun_radius + train.ring_radius)
+    to_output = 1.0 - train.ring_radius * train.second_planet_radius / (train.planet_radius * train.output_ring_radius)
+    carrier = origin * to_carrier
+    return origin + sun_travel, carrier + carrier_travel, carrier * to_output + output_travel
+
+
+@njit(error_model="numpy")
+def _tooth(cycles, teeth):
+    return math.floor(cycles) - teeth * math.floor(math.floor(cycles) / teeth)
+
+
+@njit(error_model="numpy")
+def _left(train, wheel, tooth, teeth, leading):
+    """Share of its stiffness that a pair has: less where its tooth of this wheel is the damaged one.
+
+    ``leading`` pairs came into contact last: the pair before it is one tooth behind.
+    """
+    damage = train.tooth_damage[wheel]
+    if damage == 0.0:
+        return 1.0
+    damaged = train.damaged_tooth[wheel]
+    at = tooth if leading else tooth - 1.0
+    at = at + teeth if at < 0.0 else at
+    return 1.0 - damage if at == damaged else 1.0
+
+
+@njit(error_model="numpy")
+def read_meshes(train, moving, lanes, table, sun, carrier, output):
+    """Read stiffness, arms and run-out of all meshes at the wheels' own angles [rad] into ``lanes``.
+
+    ``table`` float64 (3, points + 1, 4) is ``mesh_table.mesh_table``'s.
+    """
+    x_sun, x_ring, x_output = mesh_cycles(train, sun, carrier, output)
+    moving.mesh_read[0] = x_sun
+    moving.mesh_read[1] = x_ring
+    moving.mesh_read[2] = x_output
+    points = table.shape[1] - 1
+    healthy = (
+        train.tooth_damage[0] == 0.0
+        and train.tooth_damage[1] == 0.0
+        and train.tooth_damage[2] == 0.0
+        and train.tooth_damage[3] == 0.0
+    )
+    for mesh in range(3):
+        x_mesh = x_sun if mesh == 0 else (x_ring if mesh == 1 else x_output)
+        # planets are numbered in the positive sense: a later one meets the sun's earlier teeth, the rings' later ones
+        teeth = -train.sun_teeth if mesh == 0 else (train.ring_teeth if mesh == 1 else train.output_ring_teeth)
+        for planet in range(PLANETS):
+            x = x_mesh + teeth * (planet * _THIRD)
+            # a negative force is on the opposite flanks, which pass their line of action the other way
+            place = x if lanes[_FORCE + LANE * mesh + planet] >= 0.0 else train.opposite_flank[mesh] - x
+            at = (place - math.floor(place)) * points
+            low = int(at)
+            low = points - 1 if low >= points else low
+            share = at - low
+            first = table[mesh, low, 0] + share * (table[mesh, low + 1, 0] - table[mesh, low, 0])
+            second = table[mesh, low, 1] + share * (table[mesh, low + 1, 1] - table[mesh, low, 1])
+            if not healthy:
+                if mesh == 0:
+                    tooth = _tooth(x, train.sun_teeth)
+                    first *= _left(train, 0, tooth, train.sun_teeth, True)
+                    second *= _left(train, 0, tooth, train.sun_teeth, False)
+                elif mesh == 1:
+                    tooth = _tooth(x, train.ring_teeth)
+                    first *= _left(train, 2, tooth, train.ring_teeth, True)
+                    second *= _left(train, 2, tooth, train.ring_teeth, False)
+                else:
+                    tooth = _tooth(x, train.output_ring_teeth)
+                    first *= _left(train, 3, tooth, train.output_ring_teeth, True)
+                    second *= _left(train, 3, tooth, train.output_ring_teeth, False)
+                if planet == 0 and mesh < 2:
+                    # a planet's tooth meets the ring half a turn after the sun
+                    across = 0.0 if mesh == 0 else math.floor(0.5 * train.planet_teeth)
+                    tooth = _tooth(x - across, train.planet_teeth)
+                    first *= _left(train, 1, tooth, train.planet_teeth, True)
+                    second *= _left(train, 1, tooth, train.planet_teeth, False)
+            lane = LANE * mesh + planet
+            lanes[_STIFFNESS + lane] = first + second
+            lanes[_ARM_1 + lane] = table[mesh, low, 2] + share * (table[mesh, low + 1, 2] - table[mesh, low, 2])
+            lanes[_ARM_2 + lane] = table[mesh, low, 3] + share * (table[mesh, low + 1, 3] - table[mesh, low, 3])
+    _read_runout(train, lanes, sun, carrier, output)
+
+
+@njit(error_model="numpy")
+def _read_runout(train, lanes, sun, carrier, output):
+    """Run-out [m] of each mesh: what an eccentric wheel's teeth stand out towards a planet."""
+    if train.runout[0] == 0.0 and train.runout[1] == 0.0 and train.runout[2] == 0.0:
+        return
+    planet_turn = carrier * (train.ring_radius / train.planet_radius) + train.runout_phase[1]
+    for planet in range(PLANETS):
+        place = planet * _THIRD * TURN
+        of_planet = train.runout[1] * math.sin(planet_turn) if planet == 0 else 0.0
+        lanes[_RUNOUT + planet] = train.runout[0] * math.sin(sun - carrier - place + train.runout_phase[0]) + of_planet
+        lanes[_RUNOUT + LANE + planet] = -of_planet
+        lanes[_RUNOUT + 2 * LANE + planet] = train.runout[2] * math.sin(
+            carrier - output + place + train.runout_phase[2]
+        )
+
+
+@njit(error_model="numpy")
+def read_friction(train, moving, lanes, sun_speed, output_speed):
+    """Take the coefficient of friction of each mesh type at the present forces and speeds."""
+    carrier = moving.carrier_speed
+    rolling = 2.0 * math.tan(
+        train.pressure_angle
+    )  # sum of both flanks' speeds at the pitch point, over that of the base circle
+    for mesh in range(3):
+        force = 0.0
+        for planet in range(PLANETS):
+            force += math.fabs(lanes[_FORCE + LANE * mesh + planet])
+        radius = train.sun_radius if mesh == 0 else (train.ring_radius if mesh == 1 else train.output_ring_radius)
+        relative = sun_speed - carrier if mesh == 0 else (carrier if mesh == 1 else carrier - output_speed)
+        moving.friction_coefficient[mesh] = friction_coefficient(
+            train.friction_law,
+            train.friction_coefficient,
+            force * _THIRD / train.face_width,
+            rolling * radius * math.fabs(relative),
+            train.pitch_curvature[mesh],
+            train.viscosity,
+            train.roughness,
+        )

@@ -1,0 +1,178 @@
+"""One step of the planetary 3K train between a motor and an output: sun, three planet pairs, carrier, output ring.
+
+Thesis, chapter 3, whole and corrected (the thesis stops at the first stage and divides by 124). With W_i a planet's
+absolute spin, so that it turns by theta_c - phi_i against the carrier, the mesh deflections (3.17-3.28) are
+
+    delta_s,i = r_s (theta_s - theta_c) - r_p (theta_c - phi_i)
+    delta_r,i = r_p (theta_c - phi_i) - r_r theta_c
+    delta_o,i = r_p2 (theta_c - phi_i) - r_o (theta_c - theta_o)
+
+In these coordinates inertia is diagonal: a planet's spin, and the carrier with its planets' orbiting masses (3.5-3.8
+leave out that the carrier takes the planets along). Per mesh F = k f(delta) + c delta', f the dead zone of (3.4): the
+thesis prints k where k f(delta) is meant, and "f = 1" where f(delta) = delta. Torques are -F d(delta)/d(coordinate)
+(3.3, 3.5-3.8). A mesh pulls as well as it pushes: the output ring's carry -42 times the sun's force.
+
+Friction acts across the line of action (3.29-3.30), on each coordinate as virtual work has it: with the weighted
+sliding speed V = sum of dV/dq' q', -mu |F| sat(V / v0) dV/dq'. (3.40-3.47 subtract the carrier's speed twice, leave
+the ring out, and give the planet the sun's arm: friction then adds power.) Below the creep speed v0 it grows from zero
+so steeply that no explicit step could follow; every wheel's speed takes it implicitly: h times its slope is added to
+the wheel's inertia, three times over since a mesh couples three wheels (C <= 3 diag C for a matrix of such terms), so
+that the step is stable at any load. What is locked creeps at v0 at most; a sliding mesh knows nothing of it.
+
+Step: drift, kick, drift as in ``transmission.py``.
+"""
+
+import math
+
+from numba import njit
+
+from .layout import COUPLED, LANE, ROW
+
+SPIN, SPIN_SPEED = ROW["SPIN"], ROW["SPIN_SPEED"]
+STIFFNESS_SUN, STIFFNESS_RING, STIFFNESS_OUT = ROW["STIFFNESS_SUN"], ROW["STIFFNESS_RING"], ROW["STIFFNESS_OUT"]
+DAMPING_SUN, DAMPING_RING, DAMPING_OUT = ROW["DAMPING_SUN"], ROW["DAMPING_RING"], ROW["DAMPING_OUT"]
+ARM_1_SUN, ARM_1_RING, ARM_1_OUT = ROW["ARM_1_SUN"], ROW["ARM_1_RING"], ROW["ARM_1_OUT"]
+ARM_2_SUN, ARM_2_RING, ARM_2_OUT = ROW["ARM_2_SUN"], ROW["ARM_2_RING"], ROW["ARM_2_OUT"]
+RUNOUT_SUN, RUNOUT_RING, RUNOUT_OUT = ROW["RUNOUT_SUN"], ROW["RUNOUT_RING"], ROW["RUNOUT_OUT"]
+FORCE_SUN, FORCE_RING, FORCE_OUT = ROW["FORCE_SUN"], ROW["FORCE_RING"], ROW["FORCE_OUT"]
+FRICTION_SUN, FRICTION_RING, FRICTION_OUT = ROW["FRICTION_SUN"], ROW["FRICTION_RING"], ROW["FRICTION_OUT"]
+DAMPED_SUN, DAMPED_RING, DAMPED_OUT = ROW["DAMPED_SUN"], ROW["DAMPED_RING"], ROW["DAMPED_OUT"]
+ON_SUN, ON_CARRIER, ON_OUTPUT = ROW["ON_SUN"], ROW["ON_CARRIER"], ROW["ON_OUTPUT"]
+HOLD_SUN, HOLD_PLANET = ROW["HOLD_SUN"], ROW["HOLD_PLANET"]
+HOLD_CARRIER, HOLD_OUTPUT = ROW["HOLD_CARRIER"], ROW["HOLD_OUTPUT"]
+
+
+@njit(error_model="numpy", inline="always")
+def _elastic(depth, stiffness, half_play):
+    """Elastic force [N] of a mesh over its dead zone (3.4)."""
+    beyond = depth - half_play if depth > half_play else (depth + half_play if depth < -half_play else 0.0)
+    return stiffness * beyond
+
+
+@njit(error_model="numpy", inline="always")
+def _saturated(value):
+    return 1.0 if value > 1.0 else (-1.0 if value < -1.0 else value)
+
+
+@njit(error_model="numpy")
+def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_speed, h):
+    """Advance planets and carrier by ``h`` [s]; return what the train does to the sun and to the output ring.
+
+    That is the torque on each [N m], and the inertia [kg m2] that each takes as long as friction holds it.
+
+    Angles [rad] of sun and output ring are those at the middle of the step, speeds [rad/s] those before it; the output
+    is the slow shaft. ``moving`` holds the carrier, ``lanes`` the planets and what the meshes last were
+    (``mesh_state.py``).
+    """
+    r_s = train.sun_radius
+    r_p = train.planet_radius
+    r_p2 = train.second_planet_radius
+    r_o = train.output_ring_radius
+    r_sp = r_s + r_p
+    r_pr = r_p - train.ring_radius
+    r_po = r_p2 - r_o
+    play_s = train.half_play[0]
+    play_r = train.half_play[1]
+    play_o = train.half_play[2]
+    mu_s = moving.friction_coefficient[0]
+    mu_r = moving.friction_coefficient[1]
+    mu_o = moving.friction_coefficient[2]
+    steep = 1.0 / train.creep_speed
+    half = 0.5 * h
+    carrier_speed = moving.carrier_speed
+    carrier = moving.carrier_angle + half * carrier_speed
+    # what all planets' meshes share
+    d_s = r_s * sun_angle - r_sp * carrier
+    d_r = r_pr * carrier
+    d_o = r_po * carrier + r_o * output_angle
+    v_s = r_s * sun_speed - r_sp * carrier_speed
+    v_r = r_pr * carrier_speed
+    v_o = r_po * carrier_speed + r_o * output_speed
+    kick = h / train.planet_inertia
+    hold = COUPLED * h / train.planet_inertia
+
+    for i in range(LANE):  # the empty lane costs nothing, and all four fit one register
+        speed = lanes[SPIN_SPEED + i]
+        spin = lanes[SPIN + i] + half * speed
+        # the sun's mesh
+        deflection_speed = v_s + r_p * speed
+        damped = lanes[DAMPING_SUN + i] * deflection_speed
+        elastic = _elastic(d_s + r_p * spin + lanes[RUNOUT_SUN + i], lanes[STIFFNESS_SUN + i], play_s)
+        damped = 0.0 if elastic == 0.0 else damped
+        force_s = elastic + damped
+        lanes[DAMPED_SUN + i] = damped
+        arm_1 = lanes[ARM_1_SUN + i]
+        arm_2 = lanes[ARM_2_SUN + i]
+        both = arm_1 + arm_2
+        sliding = (arm_1 * sun_speed - both * carrier_speed + arm_2 * speed) * steep
+        level = mu_s * math.fabs(force_s)
+        friction_s = level * _saturated(sliding)
+        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
+        hold_planet = slope * arm_2 * arm_2
+        hold_carrier = slope * both * both
+        lanes[HOLD_SUN + i] = slope * arm_1 * arm_1
+        on_sun = -r_s * force_s - arm_1 * friction_s
+        on_carrier = r_sp * force_s + both * friction_s
+        on_planet = -r_p * force_s - arm_2 * friction_s
+        lanes[FORCE_SUN + i] = force_s
+        lanes[FRICTION_SUN + i] = friction_s
+        # the fixed ring's
+        deflection_speed = v_r - r_p * speed
+        damped = lanes[DAMPING_RING + i] * deflection_speed
+        elastic = _elastic(d_r - r_p * spin + lanes[RUNOUT_RING + i], lanes[STIFFNESS_RING + i], play_r)
+        damped = 0.0 if elastic == 0.0 else damped
+        force_r = elastic + damped
+        lanes[DAMPED_RING + i] = damped
+        arm_1 = lanes[ARM_1_RING + i]
+        both = arm_1 - lanes[ARM_2_RING + i]
+        sliding = (both * carrier_speed - arm_1 * speed) * steep
+        level = mu_r * math.fabs(force_r)
+        friction_r = level * _saturated(sliding)
+        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
+        hold_planet += slope * arm_1 * arm_1
+        hold_carrier += slope * both * both
+        on_carrier -= r_pr * force_r + both * friction_r
+        on_planet += r_p * force_r + arm_1 * friction_r
+        lanes[FORCE_RING + i] = force_r
+        lanes[FRICTION_RING + i] = friction_r
+        # the output ring's
+        deflection_speed = v_o - r_p2 * speed
+        damped = lanes[DAMPING_OUT + i] * deflection_speed
+        elastic = _elastic(d_o - r_p2 * spin + lanes[RUNOUT_OUT + i], lanes[STIFFNESS_OUT + i], play_o)
+        damped = 0.0 if elastic == 0.0 else damped
+        force_o = elastic + damped
+        lanes[DAMPED_OUT + i] = damped
+        arm_1 = lanes[ARM_1_OUT + i]
+        arm_2 = lanes[ARM_2_OUT + i]
+        both = arm_1 - arm_2
+        sliding = (both * carrier_speed - arm_1 * speed + arm_2 * output_speed) * steep
+        level = mu_o * math.fabs(force_o)
+        friction_o = level * _saturated(sliding)
+        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
+        hold_planet += slope * arm_1 * arm_1
+        hold_carrier += slope * both * both
+        lanes[HOLD_OUTPUT + i] = slope * arm_2 * arm_2
+        on_carrier -= r_po * force_o + both * friction_o
+        on_planet += r_p2 * force_o + arm_1 * friction_o
+        lanes[FORCE_OUT + i] = force_o
+        lanes[FRICTION_OUT + i] = friction_o
+
+        lanes[ON_SUN + i] = on_sun
+        lanes[ON_CARRIER + i] = on_carrier
+        lanes[ON_OUTPUT + i] = -r_o * force_o - arm_2 * friction_o
+        lanes[HOLD_PLANET + i] = hold_planet
+        lanes[HOLD_CARRIER + i] = hold_carrier
+        speed += kick * on_planet / (1.0 + hold * hold_planet)
+        lanes[SPIN_SPEED + i] = speed
+        lanes[SPIN + i] = spin + half * speed
+
+    on_carrier = lanes[ON_CARRIER] + lanes[ON_CARRIER + 1] + lanes[ON_CARRIER + 2]
+    hold_carrier = lanes[HOLD_CARRIER] + lanes[HOLD_CARRIER + 1] + lanes[HOLD_CARRIER + 2]
+    carrier_speed += h * on_carrier / (train.carrier_inertia + COUPLED * h * hold_carrier)
+    moving.carrier_speed = carrier_speed
+    moving.carrier_angle = carrier + half * carrier_speed
+    on_sun = lanes[ON_SUN] + lanes[ON_SUN + 1] + lanes[ON_SUN + 2]
+    on_output = lanes[ON_OUTPUT] + lanes[ON_OUTPUT + 1] + lanes[ON_OUTPUT + 2]
+    hold_sun = lanes[HOLD_SUN] + lanes[HOLD_SUN + 1] + lanes[HOLD_SUN + 2]
+    hold_output = lanes[HOLD_OUTPUT] + lanes[HOLD_OUTPUT + 1] + lanes[HOLD_OUTPUT + 2]
+    return on_sun, on_output, COUPLED * h * hold_sun, COUPLED * h * hold_output

@@ -1,0 +1,63 @@
+"""The two inertias that stand for a planetary train wherever torques are balanced without integrating it.
+
+The unexplained torque, and all that fits and searches by equations, ask which torque the measured motion needs: there a
+train is a spring between motor and output, a dead zone, and a loss in proportion to the load.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from ..model import Model
+from ..plant.planetary.geometry import Gearing
+from ..plant.planetary.quasi_static import ToothFriction, balance, static_forces
+from ..plant.planetary.torsional_stiffness import torsional_stiffness
+from .fidelity import FineParts, gearing_of
+
+TYPICAL_TORQUE = 0.1
+"""N m at the sun, at which a standard's coefficient of friction is taken: some times the friction of the bench."""
+TYPICAL_SPEED = 10.0
+"""rad/s of the sun, at which it is taken."""
+
+
+def lump_train(model: Model, plant: np.void, parts: FineParts) -> float:
+    """Make a record of ``plant.layout.PLANT`` two inertias with the train's stiffness, damping and play between them.
+
+    Returns the train's loss as ``mesh_friction`` has it: torque lost per torque passed on, the mean of both ways.
+    """
+    gearing = gearing_of(model)
+    train = parts.train[0]
+    stiffness = _stiffness(gearing, parts.table.tobytes(), parts.table.shape)
+    relaxation = float(train["damping"][1] / parts.table[1, :-1, :2].sum(axis=1).mean())
+    if train["shaft_stiffness"] > 0.0:
+        stiffness = 1.0 / (1.0 / stiffness + 1.0 / float(train["shaft_stiffness"]))
+    plant["two_inertia"] = 1.0
+    plant["contact_stiffness"] = stiffness
+    plant["contact_damping"] = stiffness * relaxation
+    # play of a mesh turns the sun by as much as its force is of the sun's torque
+    weights = 3.0 * np.abs(static_forces(gearing, 1.0))
+    plant["gap"] = float(weights @ train["half_play"])
+    friction = ToothFriction(
+        int(train["friction_law"]),
+        float(train["friction_coefficient"]),
+        float(train["viscosity"]),
+        float(train["roughness"]),
+    )
+    return _loss(gearing, parts.table.tobytes(), parts.table.shape, friction)
+
+
+@lru_cache(maxsize=32)
+def _stiffness(gearing: Gearing, table: bytes, shape: tuple[int, ...]) -> float:
+    return torsional_stiffness(gearing, np.frombuffer(table).reshape(shape))[0]
+
+
+@lru_cache(maxsize=256)
+def _loss(gearing: Gearing, table: bytes, shape: tuple[int, ...], friction: ToothFriction) -> float:
+    meshes = np.frombuffer(table).reshape(shape)
+    forward, backward = (
+        balance(gearing, meshes, friction, torque, TYPICAL_SPEED, output_drives).efficiency
+        for torque, output_drives in ((TYPICAL_TORQUE, False), (TYPICAL_TORQUE * gearing.ratio, True))
+    )
+    return 0.5 * ((1.0 / forward - 1.0) + (1.0 - backward))

@@ -1,0 +1,128 @@
+"""The switching step beside the same equations in C, in one run: ratios, since machines differ and are noisy."""
+
+import ctypes
+import math
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numba import njit
+
+from ema_twin_sim.plant.switching.electrical_angle import sine_and_cosine, turned
+from ema_twin_sim.plant.switching.step import switching_step
+from ema_twin_sim.plant.switching.step_constants import step_constants
+from tests.turned_motor import STEP, winding
+
+ROUNDS = 40
+CYCLE = 125  # steps of 1 us in a control cycle
+SETPOINT = 2.0  # A
+SPEED = 5.0  # rad/s
+CONSTANTS = (
+    "pole_pairs", "phase_resistance", "phase_inductance", "back_emf_constant", "torque_constant", "trapezoidal",
+    "torque_limit", "magnet_strength", "active_turns_u", "active_turns_v", "active_turns_w", "eccentricity",
+    "eccentricity_phase", "resolver_offset", "resolver_amplitude", "resolver_order", "resolver_phase",
+    "dc_link_voltage", "hysteresis", "switch_resistance", "current_filter",
+)  # fmt: skip
+RESULTS = (
+    "current_u", "current_v", "current_w", "leg_u", "leg_v", "leg_w", "quadrature_current", "direct_current",
+    "quadrature_voltage", "angle", "torque", "air_gap_torque", "link_energy", "loss_energy",
+)  # fmt: skip
+MOTORS = {
+    "sinusoidal": {},
+    "trapezoidal": {"trapezoidal": 1.0},
+    "all faults": {
+        "active_turns_u": 0.9, "active_turns_w": 0.8, "eccentricity": 0.1, "eccentricity_phase": 0.4,
+        "resolver_amplitude": 0.01, "resolver_order": 2.0, "resolver_offset": 0.02, "magnet_strength": 0.95,
+        "torque_limit": 3.5,
+    },
+}  # fmt: skip
+
+
+class State(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_double) for name in RESULTS]
+
+
+@njit(error_model="numpy")
+def advance(windings, steps, cycle, step, setpoint, speed):
+    """As ``advance`` of switching.c."""
+    constants = step_constants(windings[0], step)
+    turns = constants.pole_pairs / (2.0 * math.pi)
+    current_u = current_v = current_w = quadrature = direct = voltage = 0.0
+    leg_u = leg_v = leg_w = -1.0
+    angle = torques = air_gap_torques = energy = lost = 0.0
+    sine, cosine = 0.0, 1.0
+    left = 0
+    for _ in range(steps):
+        middle = angle + 0.5 * step * speed
+        if left == 0:
+            left = cycle
+            sine, cosine = sine_and_cosine(turns * middle)
+        else:
+            sine, cosine = turned(sine, cosine, constants.pole_pairs * step * speed)
+        left -= 1
+        (
+            current_u, current_v, current_w, leg_u, leg_v, leg_w, quadrature, direct, voltage,
+            torque, air_gap_torque, power, loss,
+        ) = switching_step(
+            constants, current_u, current_v, leg_u, leg_v, leg_w, quadrature, direct, voltage,
+            setpoint, middle, sine, cosine, speed,
+        )  # fmt: skip
+        torques += torque
+        air_gap_torques += air_gap_torque
+        energy += power * step
+        lost += loss * step
+        angle += step * speed
+    return (
+        current_u, current_v, current_w, leg_u, leg_v, leg_w, quadrature, direct, voltage,
+        angle, torques / steps, air_gap_torques / steps, energy, lost,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def in_c(tmp_path_factory):
+    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    assert compiler, "no C compiler: install the package build-essential"
+    library = tmp_path_factory.mktemp("c") / "switching.so"
+    source = Path(__file__).with_name("switching.c")
+    flags = ["-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-shared", "-fPIC"]
+    subprocess.run([compiler, *flags, str(source), "-o", str(library), "-lm"], check=True)
+    return ctypes.CDLL(str(library)).advance
+
+
+def by_c(function, motor, steps):
+    constants = (ctypes.c_double * len(CONSTANTS))(*(float(motor[name][0]) for name in CONSTANTS))
+    state = State()
+
+    def call():
+        ctypes.memset(ctypes.byref(state), 0, ctypes.sizeof(state))
+        state.leg_u = state.leg_v = state.leg_w = -1.0
+        function(
+            constants, ctypes.byref(state), ctypes.c_long(steps), ctypes.c_long(CYCLE),
+            *(ctypes.c_double(value) for value in (STEP, SETPOINT, SPEED)),
+        )  # fmt: skip
+        return tuple(getattr(state, name) for name in RESULTS)
+
+    return call
+
+
+@pytest.mark.parametrize("motor", MOTORS)
+def test_speed_of_the_switching_step(motor, in_c, capsys):
+    record = winding(**MOTORS[motor])
+    steps = 100_000
+    results = advance(record, steps, CYCLE, STEP, SETPOINT, SPEED)
+    np.testing.assert_allclose(by_c(in_c, record, steps)(), results, rtol=1e-9, atol=1e-9)
+
+    calls = (lambda: advance(record, steps, CYCLE, STEP, SETPOINT, SPEED), by_c(in_c, record, steps))
+    best = [math.inf, math.inf]
+    for _ in range(ROUNDS):  # in turn, so that a machine's moods hit both alike
+        for k, call in enumerate(calls):
+            begin = time.process_time()
+            call()
+            best[k] = min(best[k], time.process_time() - begin)
+    ours, theirs = (1e9 * seconds / steps for seconds in best)
+    with capsys.disabled():
+        print(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
+    assert ours <= 1.5 * theirs
