@@ -13,7 +13,7 @@ and f_v - f_w that is a symmetric matrix of three constants (``step_constants.py
 
 Shorted turns leave a share N of a phase's turns (the script's BLDC.Nabc): N of the back-EMF (turns that the flux cuts),
 N of the resistance (length of wire), N^2 of the inductance. The current in the shorted loop, its heat and its braking
-torque are not modelled. Shorts and eccentricity are the faults of the bench's group (Dalla Vedova, Germana, Berri and
+torque are not modelled. Shorts and eccentricity are the faults of the bench's group (Dalla Vedova, Germanà, Berri and
 Maggiore, Aerospace 6, 2019, 94).
 
 Eccentricity: a rotor off centre by the share zeta of the air gap leaves a gap 1 - zeta cos around the stator, and the
