@@ -12,7 +12,7 @@ import math
 
 from numba import njit
 
-from .planetary.layout import COUPLED, LANE, PLANETS, ROW
+from .planetary.layout import LANE, PLANETS, ROW
 
 ENERGIES = (
     "link",  # out of the DC link
@@ -24,10 +24,9 @@ ENERGIES = (
     "motor_dry",
     "shaft",  # lost and stored in the shaft from motor to sun
     "mesh_damping",
-    "sun_mesh_friction",
+    "sun_mesh_friction",  # taken by friction of the teeth; of it, what they hold across before they slide is stored
     "ring_mesh_friction",
     "output_mesh_friction",
-    "sticking",  # lost by wheels that friction holds
     "springs",  # work that the meshes' springs took
     "stiffness_change",  # put into the springs by what their stiffness and run-out do as the wheels turn
     "output_viscous",
@@ -39,14 +38,13 @@ ENERGIES = (
 _AT = {name: k for k, name in enumerate(ENERGIES)}
 LINK, WINDING, AIR_GAP, MOTOR = _AT["link"], _AT["winding"], _AT["air_gap"], _AT["motor"]
 EFFECTS, MOTOR_VISCOUS, MOTOR_DRY, SHAFT = _AT["effects"], _AT["motor_viscous"], _AT["motor_dry"], _AT["shaft"]
-MESH_DAMPING, MESH_FRICTION, STICKING = _AT["mesh_damping"], _AT["sun_mesh_friction"], _AT["sticking"]
+MESH_DAMPING, MESH_FRICTION = _AT["mesh_damping"], _AT["sun_mesh_friction"]
 SPRINGS, STIFFNESS_CHANGE = _AT["springs"], _AT["stiffness_change"]
 OUTPUT_VISCOUS, OUTPUT_DRY, LOAD = _AT["output_viscous"], _AT["output_dry"], _AT["load"]
 
 _SPIN, _SPIN_SPEED, _SPEED_BEFORE = ROW["SPIN"], ROW["SPIN_SPEED"], ROW["SPEED_BEFORE"]
 _STIFFNESS, _ARM_1, _ARM_2 = ROW["STIFFNESS_SUN"], ROW["ARM_1_SUN"], ROW["ARM_2_SUN"]
 _RUNOUT, _FORCE, _FRICTION, _DAMPED = ROW["RUNOUT_SUN"], ROW["FORCE_SUN"], ROW["FRICTION_SUN"], ROW["DAMPED_SUN"]
-_HOLD_PLANET, _HOLD_CARRIER = ROW["HOLD_PLANET"], ROW["HOLD_CARRIER"]
 
 
 @njit(error_model="numpy")
@@ -58,17 +56,16 @@ def account_drive(energies, h, speed, air_gap_torque, link_power, loss):
 
 
 @njit(error_model="numpy")
-def friction_energies(energies, viscous_entry, dry_entry, h, before, after, pushing, viscous, dry, inertia, share):
+def friction_energies(energies, viscous_entry, dry_entry, h, before, after, pushing, viscous, dry, inertia):
     """Book friction of one inertia over a step, from its own law; return the mean speed [rad/s].
 
-    ``pushing`` [N m] is the torque without friction, ``share`` what is left of its effect by wheels that stick.
+    ``pushing`` [N m] is the torque without friction.
     """
     mean = 0.5 * (before + after)
     energies[viscous_entry] += h * viscous * after * mean
-    stopping = inertia * before / (h * share) + pushing  # what stops the shaft within the step
+    stopping = inertia * before / h + pushing  # what stops the shaft within the step
     friction = stopping if after == 0.0 else math.copysign(dry, after)
     energies[dry_entry] += h * friction * mean
-    energies[STICKING] += h * (1.0 - share) * (pushing - friction) * mean
     return mean
 
 
@@ -126,7 +123,7 @@ def _beyond(depth, play):
 
 @njit(error_model="numpy")
 def account_meshes(energies, h, train, moving, lanes, sun_before, sun_after, output_before, output_after):
-    """Book a step of the meshes: springs, dampers, friction, and what holds wheels that stick. Output: slow shaft."""
+    """Book a step of the meshes: springs, dampers, friction. The output's speeds are the slow shaft's."""
     sun = 0.5 * (sun_before + sun_after)
     output = 0.5 * (output_before + output_after)
     carrier = 0.5 * (moving.speed_before + moving.carrier_speed)
@@ -140,7 +137,3 @@ def account_meshes(energies, h, train, moving, lanes, sun_before, sun_after, out
             energies[MESH_DAMPING] += h * lanes[_DAMPED + lane] * depth_speed
             energies[SPRINGS] += h * (lanes[_FORCE + lane] - lanes[_DAMPED + lane]) * depth_speed
             energies[MESH_FRICTION + mesh] += h * lanes[_FRICTION + lane] * sliding
-        energies[STICKING] += h * COUPLED * lanes[_HOLD_PLANET + planet] * (after - before) * spin
-        energies[STICKING] += (
-            h * COUPLED * lanes[_HOLD_CARRIER + planet] * (moving.carrier_speed - moving.speed_before) * carrier
-        )

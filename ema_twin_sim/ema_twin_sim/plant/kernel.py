@@ -164,7 +164,6 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         output_origin = state.output_angle_origin
         twist = state.twist
         reaction = 0.0
-        held_inertia = held_output_inertia = 0.0
         by_inverter = switching and source != CURRENT
         winding_state = winding_states[0]
         current_u = winding_state.phase_current_u
@@ -179,8 +178,6 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         sine, cosine = 0.0, 1.0
         train = trains[0]
         moving = train_states[0]
-        per_input = 1.0 / train.input_inertia
-        per_output = 1.0 / (plant.output_inertia * ratio * ratio)
         flexible = planetary and train.shaft_stiffness > 0.0
         sun_angle = moving.sun_angle
         sun_speed = moving.sun_speed
@@ -368,25 +365,22 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                             )  # fmt: skip
                     if accounting:
                         keep_speeds(lanes, moving)
-                    on_sun, on_output, held_inertia, held_output_inertia = train_step(
+                    on_sun, on_output = train_step(
                         train, moving, lanes, sun_at, sun_before, output_at, output_speed * per_ratio, h
                     )
                     reaction = -on_sun
                     if flexible:
                         reaction = train.shaft_stiffness * (angle - sun_at) + train.shaft_damping * (speed - sun_speed)
-                        sun_speed += h * (reaction + on_sun) / (train.sun_inertia + held_inertia)
+                        sun_speed += h * (reaction + on_sun) / train.sun_inertia
                         sun_angle = sun_at + 0.5 * h * sun_speed
-                        held_inertia = 0.0
                     transmitted = on_output * per_ratio
-                    speed = shaft_speed(
-                        speed, net - reaction, dry_now, held, motor_gain / (1.0 + held_inertia * per_input), motor_drag
-                    )
+                    speed = shaft_speed(speed, net - reaction, dry_now, held, motor_gain, motor_drag)
                     output_speed = shaft_speed(
                         output_speed,
                         transmitted - load,
                         load_dry,
                         load_held,
-                        output_gain / (1.0 + held_output_inertia * per_output),
+                        output_gain,
                         output_drag,
                     )
                     angle += 0.5 * h * speed
@@ -415,18 +409,15 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed)
                 if accounting:
                     passed = reaction if planetary else (load if rigid else transmitted)
-                    share = 1.0 / (1.0 + held_inertia * per_input) if planetary else 1.0
                     mean = friction_energies(
                         energies, MOTOR_VISCOUS, MOTOR_DRY, h, before, speed, net - passed, viscous, dry_now, inertia,
-                        share,
                     )  # fmt: skip
                     energies[MOTOR] += h * drive_torque * mean
                     energies[EFFECTS] += h * (drive_torque - net) * mean
                     if not rigid:
-                        share = 1.0 / (1.0 + held_output_inertia * per_output) if planetary else 1.0
                         mean = friction_energies(
                             energies, OUTPUT_VISCOUS, OUTPUT_DRY, h, output_before, output_speed, transmitted - load,
-                            output_viscous, load_dry, output_inertia, share,
+                            output_viscous, load_dry, output_inertia,
                         )  # fmt: skip
                     energies[LOAD] += h * load * mean
                     if planetary:

@@ -48,7 +48,7 @@ TRAIN = np.dtype(
         ("face_width", "f8"),  # m
         ("pressure_angle", "f8"),  # rad
         ("pitch_curvature", "f8", (3,)),  # m, equivalent radius of curvature at the pitch point
-        ("creep_speed", "f8"),  # m/s of sliding, below which friction grows from zero
+        ("tangential_stiffness", "f8", (3,)),  # N/m of the contact across the line of action, until it slides
         # condition
         ("tooth_damage", "f8", (4,)),  # share of stiffness lost: a tooth of sun, first planet, ring, output ring
         ("damaged_tooth", "f8", (4,)),
@@ -92,17 +92,10 @@ _ROWS = (
     "ON_SUN",  # N m, torques of each planet's meshes
     "ON_CARRIER",
     "ON_OUTPUT",
-    "HOLD_PLANET",  # kg m2/s, how steeply friction grows with the wheel's speed
-    "HOLD_SUN",
-    "HOLD_CARRIER",
-    "HOLD_OUTPUT",
     "SPEED_BEFORE",  # rad/s, of the planets, kept where energies are booked
 )
 ROW = {name: LANE * k for k, name in enumerate(_ROWS)}
 LANES = LANE * len(_ROWS)
 """Length of the flat array of lanes."""
-
-COUPLED = 3.0
-"""Wheels that friction in a mesh couples: what keeps the implicit step of friction stable (see ``train.py``)."""
 
 TURN = 2.0 * math.pi

@@ -13,11 +13,11 @@ thesis prints k where k f(delta) is meant, and "f = 1" where f(delta) = delta. T
 (3.3, 3.5-3.8). A mesh pulls as well as it pushes: the output ring's carry -42 times the sun's force.
 
 Friction acts across the line of action (3.29-3.30), on each coordinate as virtual work has it: with the weighted
-sliding speed V = sum of dV/dq' q', -mu |F| sat(V / v0) dV/dq'. (3.40-3.47 subtract the carrier's speed twice, leave
-the ring out, and give the planet the sun's arm: friction then adds power.) Below the creep speed v0 it grows from zero
-so steeply that no explicit step could follow; every wheel's speed takes it implicitly: h times its slope is added to
-the wheel's inertia, three times over since a mesh couples three wheels (C <= 3 diag C for a matrix of such terms), so
-that the step is stable at any load. What is locked creeps at v0 at most; a sliding mesh knows nothing of it.
+sliding speed V = sum of dV/dq' q', a force f is -f dV/dq'. (3.40-3.47 subtract the carrier's speed twice, leave the
+ring out, and give the planet the sun's arm: friction then adds power.) In place of mu |F| sgn(V) the contact gives way
+across as it does along, with a stiffness of its own (Mindlin, "Compliance of elastic bodies in contact", 1949: about
+0.8 of the normal one), until f reaches mu |F|, where it slides. So teeth hold still without creeping, what a load locks
+stays locked, and planets so light that one step of mu |F| would turn their sliding round do not chatter.
 
 Step: drift, kick, drift as in ``transmission.py``.
 """
@@ -26,7 +26,7 @@ import math
 
 from numba import njit
 
-from .layout import COUPLED, LANE, ROW
+from .layout import LANE, ROW
 
 SPIN, SPIN_SPEED = ROW["SPIN"], ROW["SPIN_SPEED"]
 STIFFNESS_SUN, STIFFNESS_RING, STIFFNESS_OUT = ROW["STIFFNESS_SUN"], ROW["STIFFNESS_RING"], ROW["STIFFNESS_OUT"]
@@ -38,8 +38,6 @@ FORCE_SUN, FORCE_RING, FORCE_OUT = ROW["FORCE_SUN"], ROW["FORCE_RING"], ROW["FOR
 FRICTION_SUN, FRICTION_RING, FRICTION_OUT = ROW["FRICTION_SUN"], ROW["FRICTION_RING"], ROW["FRICTION_OUT"]
 DAMPED_SUN, DAMPED_RING, DAMPED_OUT = ROW["DAMPED_SUN"], ROW["DAMPED_RING"], ROW["DAMPED_OUT"]
 ON_SUN, ON_CARRIER, ON_OUTPUT = ROW["ON_SUN"], ROW["ON_CARRIER"], ROW["ON_OUTPUT"]
-HOLD_SUN, HOLD_PLANET = ROW["HOLD_SUN"], ROW["HOLD_PLANET"]
-HOLD_CARRIER, HOLD_OUTPUT = ROW["HOLD_CARRIER"], ROW["HOLD_OUTPUT"]
 
 
 @njit(error_model="numpy", inline="always")
@@ -50,15 +48,14 @@ def _elastic(depth, stiffness, half_play):
 
 
 @njit(error_model="numpy", inline="always")
-def _saturated(value):
-    return 1.0 if value > 1.0 else (-1.0 if value < -1.0 else value)
+def _rubbing(force, level):
+    """Friction [N] across a mesh: held within what slides."""
+    return level if force > level else (-level if force < -level else force)
 
 
 @njit(error_model="numpy")
 def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_speed, h):
-    """Advance planets and carrier by ``h`` [s]; return what the train does to the sun and to the output ring.
-
-    That is the torque on each [N m], and the inertia [kg m2] that each takes as long as friction holds it.
+    """Advance planets and carrier by ``h`` [s]; return the torques [N m] that the train puts on sun and output ring.
 
     Angles [rad] of sun and output ring are those at the middle of the step, speeds [rad/s] those before it; the output
     is the slow shaft. ``moving`` holds the carrier, ``lanes`` the planets and what the meshes last were
@@ -77,7 +74,9 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
     mu_s = moving.friction_coefficient[0]
     mu_r = moving.friction_coefficient[1]
     mu_o = moving.friction_coefficient[2]
-    steep = 1.0 / train.creep_speed
+    across_s = h * train.tangential_stiffness[0]
+    across_r = h * train.tangential_stiffness[1]
+    across_o = h * train.tangential_stiffness[2]
     half = 0.5 * h
     carrier_speed = moving.carrier_speed
     carrier = moving.carrier_angle + half * carrier_speed
@@ -89,7 +88,6 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
     v_r = r_pr * carrier_speed
     v_o = r_po * carrier_speed + r_o * output_speed
     kick = h / train.planet_inertia
-    hold = COUPLED * h / train.planet_inertia
 
     for i in range(LANE):  # the empty lane costs nothing, and all four fit one register
         speed = lanes[SPIN_SPEED + i]
@@ -104,13 +102,8 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
         arm_1 = lanes[ARM_1_SUN + i]
         arm_2 = lanes[ARM_2_SUN + i]
         both = arm_1 + arm_2
-        sliding = (arm_1 * sun_speed - both * carrier_speed + arm_2 * speed) * steep
-        level = mu_s * math.fabs(force_s)
-        friction_s = level * _saturated(sliding)
-        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
-        hold_planet = slope * arm_2 * arm_2
-        hold_carrier = slope * both * both
-        lanes[HOLD_SUN + i] = slope * arm_1 * arm_1
+        sliding = arm_1 * sun_speed - both * carrier_speed + arm_2 * speed
+        friction_s = _rubbing(lanes[FRICTION_SUN + i] + across_s * sliding, mu_s * math.fabs(force_s))
         on_sun = -r_s * force_s - arm_1 * friction_s
         on_carrier = r_sp * force_s + both * friction_s
         on_planet = -r_p * force_s - arm_2 * friction_s
@@ -125,12 +118,8 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
         lanes[DAMPED_RING + i] = damped
         arm_1 = lanes[ARM_1_RING + i]
         both = arm_1 - lanes[ARM_2_RING + i]
-        sliding = (both * carrier_speed - arm_1 * speed) * steep
-        level = mu_r * math.fabs(force_r)
-        friction_r = level * _saturated(sliding)
-        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
-        hold_planet += slope * arm_1 * arm_1
-        hold_carrier += slope * both * both
+        sliding = both * carrier_speed - arm_1 * speed
+        friction_r = _rubbing(lanes[FRICTION_RING + i] + across_r * sliding, mu_r * math.fabs(force_r))
         on_carrier -= r_pr * force_r + both * friction_r
         on_planet += r_p * force_r + arm_1 * friction_r
         lanes[FORCE_RING + i] = force_r
@@ -145,13 +134,8 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
         arm_1 = lanes[ARM_1_OUT + i]
         arm_2 = lanes[ARM_2_OUT + i]
         both = arm_1 - arm_2
-        sliding = (both * carrier_speed - arm_1 * speed + arm_2 * output_speed) * steep
-        level = mu_o * math.fabs(force_o)
-        friction_o = level * _saturated(sliding)
-        slope = level * steep if math.fabs(sliding) < 1.0 else 0.0
-        hold_planet += slope * arm_1 * arm_1
-        hold_carrier += slope * both * both
-        lanes[HOLD_OUTPUT + i] = slope * arm_2 * arm_2
+        sliding = both * carrier_speed - arm_1 * speed + arm_2 * output_speed
+        friction_o = _rubbing(lanes[FRICTION_OUT + i] + across_o * sliding, mu_o * math.fabs(force_o))
         on_carrier -= r_po * force_o + both * friction_o
         on_planet += r_p2 * force_o + arm_1 * friction_o
         lanes[FORCE_OUT + i] = force_o
@@ -160,19 +144,14 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
         lanes[ON_SUN + i] = on_sun
         lanes[ON_CARRIER + i] = on_carrier
         lanes[ON_OUTPUT + i] = -r_o * force_o - arm_2 * friction_o
-        lanes[HOLD_PLANET + i] = hold_planet
-        lanes[HOLD_CARRIER + i] = hold_carrier
-        speed += kick * on_planet / (1.0 + hold * hold_planet)
+        speed += kick * on_planet
         lanes[SPIN_SPEED + i] = speed
         lanes[SPIN + i] = spin + half * speed
 
     on_carrier = lanes[ON_CARRIER] + lanes[ON_CARRIER + 1] + lanes[ON_CARRIER + 2]
-    hold_carrier = lanes[HOLD_CARRIER] + lanes[HOLD_CARRIER + 1] + lanes[HOLD_CARRIER + 2]
-    carrier_speed += h * on_carrier / (train.carrier_inertia + COUPLED * h * hold_carrier)
+    carrier_speed += h * on_carrier / train.carrier_inertia
     moving.carrier_speed = carrier_speed
     moving.carrier_angle = carrier + half * carrier_speed
     on_sun = lanes[ON_SUN] + lanes[ON_SUN + 1] + lanes[ON_SUN + 2]
     on_output = lanes[ON_OUTPUT] + lanes[ON_OUTPUT + 1] + lanes[ON_OUTPUT + 2]
-    hold_sun = lanes[HOLD_SUN] + lanes[HOLD_SUN + 1] + lanes[HOLD_SUN + 2]
-    hold_output = lanes[HOLD_OUTPUT] + lanes[HOLD_OUTPUT + 1] + lanes[HOLD_OUTPUT + 2]
-    return on_sun, on_output, COUPLED * h * hold_sun, COUPLED * h * hold_output
+    return on_sun, on_output
