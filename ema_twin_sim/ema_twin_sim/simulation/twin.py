@@ -18,6 +18,7 @@ from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STA
 from ..plant.sensors import shown
 from .assembly import assemble, stiffest_step
 from .fidelity import DEFAULT_STEP, Fine, longest_step, resting_state, set_in_motion, usual_step, with_parts
+from .inside import Energies, Wheels, energies, wheels
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
@@ -154,6 +155,18 @@ class Twin:
         rows[0] = self._row[1]
         self._integrate(np.ascontiguousarray(stamps), np.ascontiguousarray(bench, np.float64), rows)
         return rows
+
+    def wheels(self) -> Wheels | None:
+        """The wheels of a planetary train as they stand; None of a lumped transmission, or before the start."""
+        if self._fine is None or not self._parts.planetary:
+            return None
+        return wheels(self._fine, self._state, float(self._assembly.plant["gear_ratio"][0]))
+
+    def energies(self) -> Energies:
+        """Where the energy went since the start; of a twin that books it (``accounting``)."""
+        if self._fine is None or not self._accounting:
+            raise ValueError("energies are booked by a started twin with accounting=True")
+        return energies(self._parts, self._fine, self._assembly.plant, self._state, self.step)
 
     def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         hold_input(bench, self.source)
