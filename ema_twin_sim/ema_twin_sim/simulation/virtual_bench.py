@@ -52,7 +52,7 @@ def virtual_bench(
         name: rows[:, k] for k, name in enumerate(TWIN) if name not in _OF_THE_TWIN and not np.isnan(rows[1:, k]).all()
     }
     if command.speed:
-        del signals["output_command"]
+        signals.pop("output_command", None)
     if seed is not None:
         signals = with_noise(signals, model, seed)
     motion = {} if model.motion == "rotary" else {MOTION: model.motion}
