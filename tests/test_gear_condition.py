@@ -15,7 +15,7 @@ SPEED = 0.08  # rad/s of the slow shaft
 HEALTHY = 0.02  # mA, at any slow order
 
 
-def amplitudes(model, seconds=16.0):
+def amplitudes(model, seconds=22.0):
     """Amplitudes [mA] of the quadrature current at the orders, by order, of a ramp under load."""
     recording = virtual_bench(
         model.with_effect("constant_load", {"torque": 0.3}), parse_command(f"ramp:{SPEED}"), seconds, seed=None

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..model import Model
 from ..plant.planetary.geometry import Gearing
-from ..plant.planetary.quasi_static import ToothFriction, balance, static_forces
+from ..plant.planetary.position_balance import all_positions, position_balance
+from ..plant.planetary.quasi_static import ToothFriction, static_forces
 from ..plant.planetary.torsional_stiffness import torsional_stiffness
 from .fidelity import FineParts, gearing_of
 
@@ -20,6 +21,7 @@ TYPICAL_TORQUE = 0.1
 """N m at the sun, at which a standard's coefficient of friction is taken: some times the friction of the bench."""
 TYPICAL_SPEED = 10.0
 """rad/s of the sun, at which it is taken."""
+POSITIONS = 256
 
 
 def lump_train(model: Model, plant: np.void, parts: FineParts) -> float:
@@ -56,8 +58,9 @@ def _stiffness(gearing: Gearing, table: bytes, shape: tuple[int, ...]) -> float:
 @lru_cache(maxsize=256)
 def _loss(gearing: Gearing, table: bytes, shape: tuple[int, ...], friction: ToothFriction) -> float:
     meshes = np.frombuffer(table).reshape(shape)
+    coefficients = friction.coefficients(gearing, static_forces(gearing, TYPICAL_TORQUE), TYPICAL_SPEED)
     forward, backward = (
-        balance(gearing, meshes, friction, torque, TYPICAL_SPEED, output_drives).efficiency
-        for torque, output_drives in ((TYPICAL_TORQUE, False), (TYPICAL_TORQUE * gearing.ratio, True))
+        position_balance(gearing, meshes, coefficients, load, all_positions(gearing, POSITIONS)).efficiency
+        for load in (TYPICAL_TORQUE, -TYPICAL_TORQUE)
     )
     return 0.5 * ((1.0 / forward - 1.0) + (1.0 - backward))

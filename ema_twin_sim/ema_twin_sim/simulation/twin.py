@@ -132,6 +132,11 @@ class Twin:
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
         self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
+        if self._parts.switching and self.source != CURRENT:
+            winding = self._fine[1][0]
+            for name in ("direct_current", "phase_current_u", "phase_current_v", "phase_current_w"):
+                self._row[1, TWIN.index(name)] = winding[name]
+            self._row[1, TWIN.index("voltage")] = winding["quadrature_voltage"]
         return self._signals()
 
     def advance(self, nanoseconds: int, sample: Mapping[str, float]) -> dict[str, float]:
