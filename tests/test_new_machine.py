@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yaml
-from test_command_line import done, refused, twin
+from command_line import done, refused, twin
 
 from ema_bench_replay.load import load
 from ema_twin_sim.model import load_model

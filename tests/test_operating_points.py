@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_command_line import refused, twin
+from command_line import refused, twin
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load

@@ -8,13 +8,12 @@ import subprocess
 import threading
 
 import pytest
+from command_line import MODEL, TWIN, done
 from rich.console import Console
 from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold
-from tests import test_command_line
-from tests.test_command_line import MODEL, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
@@ -24,7 +23,7 @@ def on_terminal(*arguments, columns=80, timeout=110):
     ours, theirs = pty.openpty()
     environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
     process = subprocess.Popen(
-        [test_command_line.TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
+        [TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
         stderr=subprocess.PIPE, env=environment,
     )  # fmt: skip
     os.close(theirs)

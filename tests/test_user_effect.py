@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import done, refused
 from rclpy.parameter import Parameter
 from ros_graph import Graph, start_process
-from test_command_line import done, refused
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
