@@ -43,7 +43,7 @@ def ramp(traces):
 @pytest.fixture(scope="session")
 def imported(tmp_path_factory, traces):
     """A folder of them as MCAP."""
-    from command_line import done
+    from tests.command_line import done
 
     folder = tmp_path_factory.mktemp("recordings")
     done("import", *traces, "-o", folder)
@@ -53,7 +53,7 @@ def imported(tmp_path_factory, traces):
 @pytest.fixture
 def trace(tmp_path):
     """Write a trace file, of bytes or of rows, and return its path."""
-    from trace_text import HEADER, ROWS
+    from tests.trace_text import HEADER, ROWS
 
     def write(content=None, *, header=HEADER, rows=ROWS, name="run.csv"):
         path = tmp_path / name
@@ -68,9 +68,8 @@ def trace(tmp_path):
 @pytest.fixture
 def bag(tmp_path):
     """The folder of a small recording."""
-    from bags import a_recording
-
     from ema_bench_replay.bags.bag_writer import write_bag
+    from tests.bags import a_recording
 
     return write_bag(a_recording(), tmp_path)
 

@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 import yaml
-from bags import DEFINITION, a_recording, assert_same
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
@@ -21,6 +20,7 @@ from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import SIGNALS, Recording
+from tests.bags import DEFINITION, a_recording, assert_same
 
 
 class TestRoundTrip:

@@ -5,7 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from command_line import MODEL, done, twin
+
+from tests.command_line import MODEL, done, twin
 
 VERBS = (
     "init",

@@ -3,7 +3,7 @@
 import json
 import shutil
 
-from command_line import MODEL, done, refused
+from tests.command_line import MODEL, done, refused
 
 
 def test_compare_takes_csv_mcap_folder_and_folder_of_folders_alike(tmp_path, imported, ramp):

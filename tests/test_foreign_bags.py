@@ -4,7 +4,6 @@ import math
 import struct
 
 import pytest
-from bags import DEFINITION, STATE, a_recording, refused, some_samples, write_other
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import CompressionType, Writer
@@ -16,6 +15,7 @@ from ema_bench_replay.bags.cdr import parse, serialise
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
+from tests.bags import DEFINITION, STATE, a_recording, refused, some_samples, write_other
 
 
 class TestOtherWriters:

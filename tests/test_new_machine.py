@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import yaml
-from command_line import done, refused, twin
 
 from ema_bench_replay.load import load
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.command_line import done, refused, twin
 
 RATIO = 12.0
 CONSTANTS = {

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import MODEL, done, refused
+
+from tests.command_line import MODEL, done, refused
 
 
 def test_unknown_verbs_and_options_are_refused_in_one_line():

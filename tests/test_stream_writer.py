@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import yaml
-from bags import DEFINITION, STATE
 from mcap.reader import make_reader
 from rosbags.highlevel import AnyReader
 
@@ -15,6 +14,7 @@ from ema_bench_replay.bags.cdr import parse, serialise
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
+from tests.bags import DEFINITION, STATE
 
 
 class TestStreamWriter:

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from trace_text import HEADER, ROWS, RPM, refused
 
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
+from tests.trace_text import HEADER, ROWS, RPM, refused
 
 
 def test_reads_the_siemens_format(trace):

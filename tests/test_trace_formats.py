@@ -5,12 +5,12 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trace_text import HEADER, ROWS, SIEMENS, refused
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.number_format import ENGLISH, GERMAN
 from ema_bench_replay.traces.trace_table import read_table
+from tests.trace_text import HEADER, ROWS, SIEMENS, refused
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "utf-16-le"])

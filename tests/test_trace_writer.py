@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trace_text import HEADER, SIEMENS
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import POINTS, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.traces.trace_csv import read_trace, write_trace
+from tests.trace_text import HEADER, SIEMENS
 
 
 def original_and_written(path, tmp_path):
