@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from command_line import refused, twin
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -19,6 +18,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.operating_points import approached
 from ema_twin_sim.simulation.simulate import simulate
+from tests.command_line import refused, twin
 
 CONSTANT = 0.025
 NOISE = 0.002
@@ -56,7 +56,7 @@ def test_an_order_that_is_in_no_list_is_found(held, motor):
     assert abs(cogging["phase"]["value"] - 0.5) < max(3.0 * cogging["phase"]["std"], 0.01)
     assert found.parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(1e-3, rel=0.03)
     assert found.unseen.rmse[-1] == pytest.approx(NOISE, rel=0.1)
-    assert found.unseen.recordings[0][0] == "points, odd eighths of the positions"
+    assert found.unseen.recordings[0][0] == "points, eighths 1 3 5 7 of its positions"
 
 
 def test_no_order_is_found_on_a_machine_that_has_no_others(held, motor):

@@ -139,14 +139,16 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
 
 
 def _steps(found: Discovery) -> ReportTable:
+    from ..discovery.halves import HALF_OF
     from ..effects import catalogue
 
     several = len(found.unseen.recordings) > 1
+    judged_on = f"recordings that were {'not ' if several else ''}fitted to"
+    if HALF_OF in found.recordings[0].metadata:
+        judged_on = "the half of the points that was not fitted to"
     signal = found.unseen.signal.replace("_", " ")
-    table = ReportTable(
-        f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
-        f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})"
-    )
+    floor = quantity(found.unseen.noise_floor, found.unseen.unit)
+    table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
     narrow = is_narrow()
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
     output = any(step.output_before is not None for step in found.steps)
