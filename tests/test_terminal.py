@@ -8,12 +8,12 @@ import subprocess
 import threading
 
 import pytest
-from command_line import MODEL, TWIN, done
 from rich.console import Console
 from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold
+from tests.command_line import MODEL, TWIN, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
@@ -82,6 +82,23 @@ def test_compare(traces, better, columns):
     assert "Excess over noise removed by a_better_one_with_backlash" in " ".join(two)
 
 
+def piped(columns, *arguments):
+    environment = {**os.environ, "COLUMNS": columns}
+    run = subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=110)
+    assert run.returncode == 0, run.stderr
+    return run.stdout.split("\n")
+
+
+def test_without_a_terminal_columns_say_how_wide(traces):
+    compare = ("compare", traces[0], *MODEL, "--to", 5)
+    check(piped("80", *compare))
+    assert max(map(len, piped("160", "effects"))) > 120
+    for unusable in ("", "0", "none"):  # then a width that most windows have, and sentences whole
+        lines = piped(unusable, *compare)
+        assert max(len(line) for line in lines if not line.endswith(".")) <= 120
+        assert any(len(line) > 120 for line in lines if line.startswith("The error of"))
+
+
 def test_effects_and_info(traces):
     for arguments in (("effects",), ("effects", "backlash"), ("info", "polito_bench"), ("info", traces[0])):
         check(on_terminal(*arguments))
@@ -94,6 +111,7 @@ def test_discover_and_fit(traces, tmp_path):
     runs = [*traces, "--to", 10]
     lines = on_terminal("discover", *runs, *MODEL, "-o", tmp_path / "new.yaml")
     check(lines)
+    assert any(line.startswith("Runner-up to backlash: ") for line in lines)
     assert sum("mA" in line for line in lines) >= 3 and any(" ± " in line and "mrad" in line for line in lines)
     fit = ("--method", "equation", "-o", tmp_path / "fitted.yaml")
     check(on_terminal("fit", *runs, "--model", tmp_path / "new.yaml", *fit))

@@ -118,6 +118,10 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
         )
     if found.steps:
         console.print(_steps(found))
+        if _is_crowded(found):
+            for step in found.steps:
+                what = "Runner-up to" if step.action == "add" else "Dropped:"
+                say(f"{what} {effect_words(step.instance)}: {_why(step)}.")
     if found.parameters:
         console.print(_parameters(found))
     for sentence in order_sentences(found.model, found.parameters):
@@ -149,16 +153,15 @@ def _steps(found: Discovery) -> ReportTable:
     signal = found.unseen.signal.replace("_", " ")
     floor = quantity(found.unseen.noise_floor, found.unseen.unit)
     table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
-    narrow = is_narrow()
+    narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
-    output = any(step.output_before is not None for step in found.steps)
     shown = "encoders apart" if found.unseen.encoders else "output position"
     table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
-    table.words("runner-up")
+    table.words(*(() if crowded else ("runner-up",)))
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
-            table.add_row(f"− {effect_words(step.instance)}", *blank, escape(step.reason))
+            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(_why(step)))))
             continue
         table.add_row(
             f"+ {effect_words(step.instance)}",
@@ -167,9 +170,24 @@ def _steps(found: Discovery) -> ReportTable:
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
-            _runner_up(step),
+            *(() if crowded else (escape(_why(step)),)),
         )
     return table
+
+
+def _has_output(found: Discovery) -> bool:
+    """Whether the steps tell of the output's position too."""
+    return any(step.output_before is not None for step in found.steps)
+
+
+def _is_crowded(found: Discovery) -> bool:
+    """Whether the table of the steps has no room for words on them."""
+    return is_narrow() and _has_output(found)
+
+
+def _why(step: Step) -> str:
+    """What was in an effect's stead when it was added, or the reason why it was dropped."""
+    return _runner_up(step) if step.action == "add" else step.reason
 
 
 def _runner_up(step: Step) -> str:
