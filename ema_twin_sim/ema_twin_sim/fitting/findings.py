@@ -46,6 +46,7 @@ SHOWN_BY = {
     "added_inertia": "hard acceleration: steps, fast sines",
     "constant_load": "motion in both directions",
     "gravity_load": "travel over a large part of an output turn",
+    "output_ripple": "travel over a large part of an output turn",
     "spring_load": "travel as large as the machine allows, in both directions",
     "backlash": "reversals, with the output encoder recorded",
     "shaft_compliance": "steps or fast sines, with the output encoder recorded",
