@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -122,7 +124,22 @@ def test_points_and_motions_are_judged_apart(held, motor):
 def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
     found = discover([held], motor)
     write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)
-    assert (tmp_path / "found.mcap").stat().st_size > 1000
+    with (tmp_path / "found.mcap").open("rb") as file:
+        messages = [
+            (channel.topic, message.log_time, decoded)
+            for _, channel, message, decoded in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+        ]
+    assert {topic.rpartition("/")[0] for topic, _, _ in messages} >= {
+        f"/evidence/step_1_cogging/points/over_position/{way}" for way in ("forward", "backward")
+    }
+    of_one = "/evidence/step_1_cogging/points/over_position/backward/torque"
+    one = [(time, decoded) for topic, time, decoded in messages if topic == of_one]
+    assert len(one) == pytest.approx(len(held) / 2, abs=2)
+    first, last = (time for time, _ in (one[0], one[-1]))
+    assert (last - first) * 1e-9 == pytest.approx(2.0 * math.pi, abs=0.02)
+    names, torques = one[0][1].name, np.array([decoded.effort for _, decoded in one])
+    assert list(names) == ["measured", "model before", "model after"]
+    assert np.std(torques[:, 0] - torques[:, 2]) < 0.5 * np.std(torques[:, 0] - torques[:, 1])
 
 
 def test_what_rest_does_not_show_is_left_as_it_was(held, motor):

@@ -80,7 +80,9 @@ def run(
         f"  {compare_command(runs, [model, output], with_files or (), import_map)}", markup=False, soft_wrap=True
     )
     if evidence is not None:
-        console.print(f"  rerun {quote(str(evidence))}     (what each step left over)", markup=False, soft_wrap=True)
+        axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
+        told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
+        console.print(told, markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
 
 
