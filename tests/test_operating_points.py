@@ -125,9 +125,10 @@ def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
     found = discover([held], motor)
     write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)
     with (tmp_path / "found.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
         messages = [
             (channel.topic, message.log_time, decoded)
-            for _, channel, message, decoded in make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+            for _, channel, message, decoded in reader.iter_decoded_messages()
         ]
     assert {topic.rpartition("/")[0] for topic, _, _ in messages} >= {
         f"/evidence/step_1_cogging/points/over_position/{way}" for way in ("forward", "backward")

@@ -114,7 +114,7 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
 def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     """The factors between all signals that belong together and show one."""
     signals = recording.signals
-    lag = max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
+    lag = _lag(recording)
 
     def way(name: str) -> np.ndarray:
         return signals[name][lag:] - signals[name][:-lag]
@@ -126,10 +126,8 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
         if value is not None:
             yield _Factor(signal, other, value, relation)
 
-    if recording.has("speed", "motor_position"):
-        travelled = _travelled(recording)
-        expected = travelled[lag:] - travelled[:-lag]
-        yield from told("motor_position", "speed", way("motor_position"), expected, WAY_AND_SPEED)
+    if (times := way_by_speed(recording)) is not None:
+        yield _Factor("motor_position", "speed", times, WAY_AND_SPEED)
     if recording.has("output_position", "motor_position"):
         expected = way("motor_position") / model.value("machine.gear_ratio")
         yield from told("output_position", "motor_position", way("output_position"), expected, TWO_SHAFTS)
@@ -139,6 +137,25 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     if recording.has("output_command", "output_position"):
         expected = way("output_position")
         yield from told("output_command", "output_position", way("output_command"), expected, SETPOINT)
+
+
+def way_by_speed(recording: Recording) -> float | None:
+    """How many times the way that the speed makes the motor's position goes; None where that is no steady multiple."""
+    if not recording.has("speed", "motor_position"):
+        return None
+    lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
+    return _steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+
+
+def is_usual_mistake(times: float) -> bool:
+    """Whether a factor between way and speed is one that units make."""
+    sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
+    return any(abs(abs(times) - size) <= WAY_AND_SPEED.named * size for size in sizes)
+
+
+def _lag(recording: Recording) -> int:
+    """The samples that ways are taken over."""
+    return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
 
 
 def _travelled(recording: Recording) -> np.ndarray:
