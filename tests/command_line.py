@@ -1,11 +1,16 @@
 """The command line as tests call it: what it answers, and the one line of a refusal."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
 MODEL = ("--model", "polito_bench")
+
+
+# as wide as without a terminal: readline, which pytest loads, leaves a COLUMNS behind that only its children see
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
 
 
 def twin(*arguments, cwd=None, timeout=60, answers=None):
@@ -17,6 +22,7 @@ def twin(*arguments, cwd=None, timeout=60, answers=None):
         timeout=timeout,
         check=False,
         input=answers,
+        env=ENVIRONMENT,
     )
 
 

@@ -109,6 +109,8 @@ def test_without_a_trace_questions_are_asked(tmp_path):
          {"current_setpoint": "A", "current": "A", "load_torque": "N m", "motor_torque": "N m"}),
         (["elapsed time [s]", "i_q [A]", "current limit [A]", "torque setpoint", "torque [Nm]", "speed error"],
          {"current": "A", "motor_torque": "N m"}),
+        (["Zeit [ms]", "Weg Schlitten [mm]", "Geschwindigkeit [mm/s]", "Antriebskraft [N]", "Winkel"],
+         {"motor_position": "mm", "speed": "mm/s", "motor_torque": "N"}),
         (["t", "position reference [mm]", "position [mm]", "force [kN]"],
          {"output_command": "mm", "motor_position": "mm", "motor_torque": "kN"}),
     ],
@@ -161,6 +163,15 @@ def test_what_init_refuses(tmp_path):
     (tmp_path / "there.yaml").write_text("")
     refused("init", "odd.csv", "-o", "there", cwd=tmp_path, naming=("there.yaml: exists already", "--force"))
     refused("init", "none.csv", "-o", "none", cwd=tmp_path, naming=("none.csv", "check the path"))
+
+
+def test_a_torque_in_place_of_a_current_has_its_noise(tmp_path):
+    rng = np.random.default_rng(5)
+    time = np.arange(800) * 1e-3
+    table = np.column_stack([time, np.cumsum(np.sin(time)), 20.0 * np.cos(time) + 0.3 * rng.standard_normal(800)])
+    np.savetxt(tmp_path / "a.csv", table, "%.9g", ";", header="time [s];position [mm];force [N]", comments="")
+    done("init", "a.csv", "-o", "a", cwd=tmp_path)
+    assert load_model(tmp_path / "a.yaml").value("sensors.current_noise") == pytest.approx(0.3, rel=0.1)
 
 
 def turning(tmp_path, ratio, *, both=False, speed="speed [rpm]", position="position [deg]"):

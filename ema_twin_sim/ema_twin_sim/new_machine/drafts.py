@@ -109,7 +109,7 @@ def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
         f"  name: {given.name}",
         *([f"  motion: {motion}"] if motion != "rotary" else []),
         f"  inertia: {{value: {inertia:g}, unit: {unit_in('kg m^2', motion)}, tolerance: open, source: start value}}"
-        "  # at the motor",
+        + ("  # of all that moves" if motion == "linear" else "  # of all that turns, at the motor"),
         *_ratio_lines(recording, given.gear_ratio, shaft),
         *_torque_lines(recording, given.torque_constant),
         "transmission: {kind: rigid}",
@@ -181,6 +181,13 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
                 f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
+    if recording.has("motor_torque") and not recording.has("current"):
+        noise = reading_noise(_finite(recording.signals["motor_torque"]))
+        torque = signal_unit("motor_torque", motion)
+        lines.append(
+            f"  current_noise: {{value: {noise:.3g}, unit: A, "
+            f"source: third differences of the recording; one ampere stands for one {torque}}}"
+        )
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     return lines
@@ -200,7 +207,11 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     unit = guess.unit or signal_unit(guess.signal, motion)
     doubt = _comment("" if guess.unit else "the header names no unit of it")
     if guess.signal == "motor_position":
-        usual = "" if of_output else "  # of the motor's shaft; `shaft: output` where it is given as the output's"
+        usual = (
+            ""
+            if of_output or motion == "linear"
+            else "  # of the motor's shaft; `shaft: output` where it is given as the output's"
+        )
         doubt = doubt or _comment(shaft.doubt) or usual
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{of_output}}}{doubt}"
 
