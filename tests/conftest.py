@@ -35,6 +35,52 @@ def traces():
 
 
 @pytest.fixture(scope="session")
+def ramp(traces):
+    """The one of them that is a ramp."""
+    return next(path for path in traces if "ramp" in path.name)
+
+
+@pytest.fixture(scope="session")
+def imported(tmp_path_factory, traces):
+    """A folder of them as MCAP."""
+    from tests.command_line import done
+
+    folder = tmp_path_factory.mktemp("recordings")
+    done("import", *traces, "-o", folder)
+    return folder
+
+
+@pytest.fixture
+def trace(tmp_path):
+    """Write a trace file, of bytes or of rows, and return its path."""
+    from tests.trace_text import HEADER, ROWS
+
+    def write(content=None, *, header=HEADER, rows=ROWS, name="run.csv"):
+        path = tmp_path / name
+        if content is None:
+            content = "\r\n".join([header, *rows, ""]).encode()
+        path.write_bytes(content)
+        return path
+
+    return write
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """The folder of a small recording."""
+    from ema_bench_replay.bags.bag_writer import write_bag
+    from tests.bags import a_recording
+
+    return write_bag(a_recording(), tmp_path)
+
+
+@pytest.fixture
+def mcap(bag):
+    """The file in it."""
+    return bag / "run.mcap"
+
+
+@pytest.fixture(scope="session")
 def bench_cases():
     """Labelled recordings of another virtual bench; they lie outside the project."""
     return outside("bench_cases")

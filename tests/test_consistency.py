@@ -86,3 +86,15 @@ def test_a_gap_in_a_signal_hides_nothing(driven, stock):
     speed = driven.signals["speed"] * 30.0 / math.pi
     holed = with_signals(driven, {**driven.signals, "speed": np.where(driven.time > 2.0, speed, np.nan)})
     assert "speed were in rpm" in str(next(inconsistencies(replace(holed, name="holed"), stock)))
+
+
+@pytest.mark.parametrize("load", ["spring_load", "gravity_load"])
+def test_a_load_that_the_model_knows_is_no_inertia(stock, load):
+    """A spring moves a sine against its acceleration: only beside it does the current's sign tell."""
+    size = {"spring_load": {"stiffness": 20.0}, "gravity_load": {"torque": 2.0, "angle": 0.0}}[load]
+    loaded = stock.with_effect(load, size)
+    swung = virtual_bench(loaded, parse_command("sine:0.05:1"), 5.0, name="swung", seed=4, origins=(0.0, 0.0))
+    assert not list(inconsistencies(swung, loaded))
+    turned = scaled(swung, current=-1.0, current_setpoint=-1.0)
+    turned = replace(turned, output_angle_origin=swung.output_angle_origin)
+    assert "sign were turned round" in str(next(inconsistencies(turned, loaded)))

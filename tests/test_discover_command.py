@@ -28,7 +28,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from tests.test_command_line import MODEL, done, refused
+from tests.command_line import MODEL, done, refused
 
 HIDDEN = ("backlash", "stribeck_friction")
 

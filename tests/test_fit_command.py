@@ -11,8 +11,8 @@ from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.command_line import MODEL, done, refused
 from tests.fitted_bench import SLOW, bench
-from tests.test_command_line import MODEL, done, refused
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,15 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
 from ema_twin_sim.fitting.findings import SHOWN_BY
 from ema_twin_sim.fitting.fit import METHODS, fit_model
+from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
 
 
@@ -102,3 +105,31 @@ def test_a_fit_that_leaves_much_says_so(method, stock):
     assert any("times the noise: the model lacks something" in note for note in fitted.notes)
     right = fit_model(bench(stock, SLOW), stock, method=method)
     assert not any("times the noise" in note or "as it was is better" in note for note in right.notes)
+
+
+def test_what_rest_does_not_give_is_no_number_of_the_fit():
+    """At points of rest nothing tells an inertia or viscous friction: they stay, and are said not to be shown."""
+    rng = np.random.default_rng(1)
+    angle = np.r_[np.linspace(0.0, 6.0, 400), np.linspace(6.0, 0.0, 400)]
+    current = 0.05 * np.repeat([1.0, -1.0], 400) + 0.005 * rng.standard_normal(800)
+    signals = {"motor_position": angle, "current": current}
+    held = Recording("held", np.arange(800) * 10**9, signals, metadata={POINTS: "yes"})
+    motor = load_model("laas_motor")
+    result = fit_model([held], motor.with_effect("coulomb_friction", {"torque": 1e-3}))
+    inertia = result.constants["machine"]["inertia"]
+    assert inertia["std"] is None and inertia["value"] == inertia["nominal"]
+    assert result.model.constants["machine.motor_inertia"] == motor.constants["machine.motor_inertia"]
+    assert warned(result, "no_effect") == {("machine", "inertia"), ("viscous_friction", "")}
+    assert result.parameters["coulomb_friction"]["torque"]["std"] > 0.0
+
+
+def test_numbers_of_a_linear_machine_are_told_in_its_units():
+    rng = np.random.default_rng(2)
+    speed = np.concatenate([s * np.geomspace(2e-3, 0.2, 40) for s in (1.0, -1.0)])
+    force = 203.0 * speed + 20.0 * np.sign(speed) + 0.5 * rng.standard_normal(80)
+    signals = {"speed": speed, "motor_torque": force}
+    curve = Recording("rail", np.arange(80) * 10**9, signals, metadata={POINTS: "yes", MOTION: "linear"})
+    result = fit_model([curve], load_model("emps"))
+    message = next(w.message for w in result.warnings if w.instance == "constant_load")
+    said, held = message.split()[2], result.parameters["constant_load"]["torque"]
+    assert float(said) == pytest.approx(held["value"], rel=1e-3) and held["unit"] == "N" and " N ±" in message

@@ -42,10 +42,40 @@ def test_where_all_orders_are_known_it_is_unknown(recordings, gearbox):
 def test_orders_are_named_by_what_the_model_says(tmp_path):
     model = replace(load_model("laas_motor"), orders={"slots": 18.0, "pole pairs": 12.0})
     assert model.order_names(18.0) == ["slots"]
-    assert model.order_names(72.0) == ["4 × slots", "6 × pole pairs"]
+    assert model.order_names(72.0) == ["4 × slots", "6 × electrical (12 pole pairs)"]
     assert model.order_names(7.0) == []
     save_model(model, tmp_path / "named.yaml")
     assert load_model(tmp_path / "named.yaml").orders == model.orders
+
+
+@pytest.mark.parametrize(("ratio", "effect", "shaft"), [(12.0, "output_ripple", "output"), (1.0, "cogging", "motor")])
+def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
+    """Seven times in a turn of the slow shaft: behind a gearbox no whole order of the motor; of a direct drive one."""
+    geared = stock.with_value("machine.gear_ratio", ratio).with_value("drive.position_gain", 20.0 * ratio)
+    machine = replace(geared, orders={"rollers": 7.0 / ratio}, other_orders=True)
+    hidden = machine.with_effect("output_ripple", {"torque": 0.05, "phase": 0.4}, {"order": "7"})
+    found = discover(record(hidden, ("ramp:1.5", "sine:2.5:0.2", "triangle:2:3"), seconds=10.0), machine)
+    assert (found.verdict, found.added) == ("explained", (effect,))
+    ripple = found.model.effects[effect]
+    assert ripple.options["order"] == "7"
+    assert ripple.parameters == pytest.approx({"torque": 0.05, "phase": 0.4}, rel=0.03)
+    assert order_sentences(found.model, found.added) == [
+        f"{effect.replace('_', ' ')}: order 7 of the {shaft} is that of rollers."
+    ]
+    (unnamed,) = order_sentences(replace(found.model, orders={}), found.added)
+    assert f"7 times in a turn of the {shaft}" in unnamed
+
+
+def test_a_bearing_of_a_direct_drive_is_found(stock):
+    """It turns at a speed of its own: its order is no whole number."""
+    machine = replace(stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0), orders={})
+    machine = replace(machine, other_orders=True)
+    hidden = machine.with_effect("cogging", {"torque": 0.05, "phase": 0.4}, {"order": "3.57"})
+    found = discover(record(hidden, ("ramp:8", "sine:8:0.2", "triangle:10:3"), seconds=10.0), machine)
+    assert found.added == ("cogging",)
+    assert float(found.model.effects["cogging"].options["order"]) == pytest.approx(3.57, abs=5e-3)
+    (sentence,) = order_sentences(found.model, found.added)
+    assert "gears, belts or bearings" in sentence and "and so of the output" in sentence
 
 
 def test_the_benchs_orders_are_all_known(stock, tmp_path):

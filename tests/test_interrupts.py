@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_command_line import MODEL, TWIN
+from tests.command_line import MODEL, TWIN
 
 
 def listening():

@@ -15,8 +15,8 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.equivalent import drum_radius, given_back, rotary, round_the_drum
 from ema_twin_sim.model.matching import matched
+from tests.command_line import refused
 from tests.recorded import record
-from tests.test_command_line import refused
 
 MASS, VISCOUS, COULOMB, LOAD = 80.0, 150.0, 18.0, -4.0
 

@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 import yaml
-from test_command_line import done, refused, twin
 
 from ema_bench_replay.load import load
+from ema_twin_sim.discovery.consistency import inconsistencies
 from ema_twin_sim.model import load_model
+from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.command_line import done, refused, twin
 
 RATIO = 12.0
 CONSTANTS = {
@@ -107,6 +109,8 @@ def test_without_a_trace_questions_are_asked(tmp_path):
          {"current_setpoint": "A", "current": "A", "load_torque": "N m", "motor_torque": "N m"}),
         (["elapsed time [s]", "i_q [A]", "current limit [A]", "torque setpoint", "torque [Nm]", "speed error"],
          {"current": "A", "motor_torque": "N m"}),
+        (["Zeit [ms]", "Weg Schlitten [mm]", "Geschwindigkeit [mm/s]", "Antriebskraft [N]", "Winkel"],
+         {"motor_position": "mm", "speed": "mm/s", "motor_torque": "N"}),
         (["t", "position reference [mm]", "position [mm]", "force [kN]"],
          {"output_command": "mm", "motor_position": "mm", "motor_torque": "kN"}),
     ],
@@ -159,3 +163,72 @@ def test_what_init_refuses(tmp_path):
     (tmp_path / "there.yaml").write_text("")
     refused("init", "odd.csv", "-o", "there", cwd=tmp_path, naming=("there.yaml: exists already", "--force"))
     refused("init", "none.csv", "-o", "none", cwd=tmp_path, naming=("none.csv", "check the path"))
+
+
+def test_a_torque_in_place_of_a_current_has_its_noise(tmp_path):
+    rng = np.random.default_rng(5)
+    time = np.arange(800) * 1e-3
+    table = np.column_stack([time, np.cumsum(np.sin(time)), 20.0 * np.cos(time) + 0.3 * rng.standard_normal(800)])
+    np.savetxt(tmp_path / "a.csv", table, "%.9g", ";", header="time [s];position [mm];force [N]", comments="")
+    done("init", "a.csv", "-o", "a", cwd=tmp_path)
+    assert load_model(tmp_path / "a.yaml").value("sensors.current_noise") == pytest.approx(0.3, rel=0.1)
+
+
+def turning(tmp_path, ratio, *, both=False, speed="speed [rpm]", position="position [deg]"):
+    """A trace of a motor whose position counts the turns of an output behind a gearbox."""
+    time = np.arange(1000) * 2e-3
+    angle = 40.0 * np.sin(3.0 * time)  # rad of the motor
+    columns = {
+        "time [s]": time,
+        "current [A]": np.cos(3.0 * time),
+        position: angle / ratio * DEGREES,
+        **({"output position [deg]": angle / ratio * DEGREES} if both else {}),
+        **({speed: np.gradient(angle, time) * RPM} if speed else {}),
+    }
+    np.savetxt(
+        tmp_path / "a.csv", np.column_stack([*columns.values()]), "%.9g", ",", header=",".join(columns), comments=""
+    )
+
+
+def line_of(file, word):
+    return next(line for line in file.read_text().splitlines() if word in line)
+
+
+@pytest.mark.parametrize("both", [False, True])
+def test_the_shaft_of_a_position_is_told_by_the_speed(tmp_path, both):
+    turning(tmp_path, 50.0, both=both)
+    done("init", "a.csv", "-o", "a", cwd=tmp_path)
+    line = line_of(tmp_path / "a_map.yaml", "motor_position")
+    assert "shaft: output" in line and "CHECK" in line and "0.02 times" in line
+    model = load_model(tmp_path / "a.yaml")
+    assert model.value("machine.gear_ratio") == pytest.approx(50.0, rel=1e-3)
+    assert "CHECK" in line_of(tmp_path / "a.yaml", "gear_ratio")
+    moved = matched(load(tmp_path / "a.csv", import_map=tmp_path / "a_map.yaml"), model)
+    assert np.ptp(moved.signals["motor_position"]) == pytest.approx(80.0, rel=1e-3)
+    assert not list(inconsistencies(moved, model))
+
+
+def test_the_shaft_of_a_position_is_told_by_the_output_and_the_ratio(tmp_path):
+    turning(tmp_path, 50.0, both=True, speed=None)
+    done("init", "a.csv", "-o", "a", "--gear-ratio", "50", cwd=tmp_path)
+    assert "shaft: output" in line_of(tmp_path / "a_map.yaml", "motor_position")
+
+
+@pytest.mark.parametrize(("ratio", "arguments"), [(1.0, ()), (RPM, ()), (20.0, ("--gear-ratio", "50"))])
+def test_a_position_of_the_motor_stays_the_motors(tmp_path, ratio, arguments):
+    """It goes the way of the speed, or a factor that wrong units make, or one that is no gear ratio."""
+    turning(tmp_path, ratio)
+    done("init", "a.csv", "-o", "a", *arguments, cwd=tmp_path)
+    line = line_of(tmp_path / "a_map.yaml", "motor_position")
+    assert ", shaft: output}" not in line
+    assert ("CHECK" in line) == (ratio != 1.0)
+
+
+def test_the_shaft_is_asked_for_behind_a_gearbox(tmp_path):
+    answers = ["time [s]", "current [A]", "", "q [deg]", "", "", "50", "output", "0"]
+    done("init", "-o", "arm", cwd=tmp_path, answers="\n".join(answers) + "\n")
+    assert "shaft: output" in line_of(tmp_path / "arm_map.yaml", "motor_position")
+    refused(
+        "init", "-o", "leg", cwd=tmp_path, answers="\n".join([*answers[:7], "wheel", "0"]) + "\n",
+        naming=("'wheel' is no shaft",),
+    )  # fmt: skip

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_command_line import refused, twin
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -19,6 +20,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.operating_points import approached
 from ema_twin_sim.simulation.simulate import simulate
+from tests.command_line import refused, twin
 
 CONSTANT = 0.025
 NOISE = 0.002
@@ -56,7 +58,7 @@ def test_an_order_that_is_in_no_list_is_found(held, motor):
     assert abs(cogging["phase"]["value"] - 0.5) < max(3.0 * cogging["phase"]["std"], 0.01)
     assert found.parameters["coulomb_friction"]["torque"]["value"] == pytest.approx(1e-3, rel=0.03)
     assert found.unseen.rmse[-1] == pytest.approx(NOISE, rel=0.1)
-    assert found.unseen.recordings[0][0] == "points, odd eighths of the positions"
+    assert found.unseen.recordings[0][0] == "points, eighths 1 3 5 7 of its positions"
 
 
 def test_no_order_is_found_on_a_machine_that_has_no_others(held, motor):
@@ -122,7 +124,23 @@ def test_points_and_motions_are_judged_apart(held, motor):
 def test_the_evidence_of_a_lone_table_is_written(held, motor, tmp_path):
     found = discover([held], motor)
     write_evidence_bag(found, [held], tmp_path / "found.mcap", force=False)
-    assert (tmp_path / "found.mcap").stat().st_size > 1000
+    with (tmp_path / "found.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        messages = [
+            (channel.topic, message.log_time, decoded)
+            for _, channel, message, decoded in reader.iter_decoded_messages()
+        ]
+    assert {topic.rpartition("/")[0] for topic, _, _ in messages} >= {
+        f"/evidence/step_1_cogging/points/over_position/{way}" for way in ("forward", "backward")
+    }
+    of_one = "/evidence/step_1_cogging/points/over_position/backward/torque"
+    one = [(time, decoded) for topic, time, decoded in messages if topic == of_one]
+    assert len(one) == pytest.approx(len(held) / 2, abs=2)
+    first, last = (time for time, _ in (one[0], one[-1]))
+    assert (last - first) * 1e-9 == pytest.approx(2.0 * math.pi, abs=0.02)
+    names, torques = one[0][1].name, np.array([decoded.effort for _, decoded in one])
+    assert list(names) == ["measured", "model before", "model after"]
+    assert np.std(torques[:, 0] - torques[:, 2]) < 0.5 * np.std(torques[:, 0] - torques[:, 1])
 
 
 def test_what_rest_does_not_show_is_left_as_it_was(held, motor):

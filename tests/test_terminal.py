@@ -13,8 +13,7 @@ from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold
-from tests import test_command_line
-from tests.test_command_line import MODEL, done
+from tests.command_line import MODEL, TWIN, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
@@ -24,7 +23,7 @@ def on_terminal(*arguments, columns=80, timeout=110):
     ours, theirs = pty.openpty()
     environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
     process = subprocess.Popen(
-        [test_command_line.TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
+        [TWIN, *map(str, arguments)], stdin=subprocess.DEVNULL, stdout=theirs,
         stderr=subprocess.PIPE, env=environment,
     )  # fmt: skip
     os.close(theirs)
@@ -83,6 +82,23 @@ def test_compare(traces, better, columns):
     assert "Excess over noise removed by a_better_one_with_backlash" in " ".join(two)
 
 
+def piped(columns, *arguments):
+    environment = {**os.environ, "COLUMNS": columns}
+    run = subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=110)
+    assert run.returncode == 0, run.stderr
+    return run.stdout.split("\n")
+
+
+def test_without_a_terminal_columns_say_how_wide(traces):
+    compare = ("compare", traces[0], *MODEL, "--to", 5)
+    check(piped("80", *compare))
+    assert max(map(len, piped("160", "effects"))) > 120
+    for unusable in ("", "0", "none"):  # then a width that most windows have, and sentences whole
+        lines = piped(unusable, *compare)
+        assert max(len(line) for line in lines if not line.endswith(".")) <= 120
+        assert any(len(line) > 120 for line in lines if line.startswith("The error of"))
+
+
 def test_effects_and_info(traces):
     for arguments in (("effects",), ("effects", "backlash"), ("info", "polito_bench"), ("info", traces[0])):
         check(on_terminal(*arguments))
@@ -95,6 +111,7 @@ def test_discover_and_fit(traces, tmp_path):
     runs = [*traces, "--to", 10]
     lines = on_terminal("discover", *runs, *MODEL, "-o", tmp_path / "new.yaml")
     check(lines)
+    assert any(line.startswith("Runner-up to backlash: ") for line in lines)
     assert sum("mA" in line for line in lines) >= 3 and any(" ± " in line and "mrad" in line for line in lines)
     fit = ("--method", "equation", "-o", tmp_path / "fitted.yaml")
     check(on_terminal("fit", *runs, "--model", tmp_path / "new.yaml", *fit))

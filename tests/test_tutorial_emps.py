@@ -5,7 +5,8 @@ import shlex
 import shutil
 
 import pytest
-from test_command_line import done, twin
+
+from tests.command_line import done, twin
 
 FIGURES = {
     "fit": ("94.9 ± 0.3 kg", "205 ± 6 N s/m", "20.3 ± 0.4 N", "3.18 ± 0.12 N", "3.89 %"),

@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 from ros_graph import Graph, start_process
-from test_command_line import done, refused
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
@@ -32,6 +31,7 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.command_line import done, refused
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "docs" / "examples" / "position_friction.py"
 HIDDEN = {"torque": 0.1, "count": 20.0, "phase": 0.5}

@@ -32,6 +32,12 @@ class Column:
     follows: str | None = None  # this column must follow that one, else that one is taken in its stead
     slope: float = 0.0  # and with at least this slope
 
+    @property
+    def plain(self) -> str:
+        """A column's name that this one finds, as far as it can be told: a regular expression without its escapes."""
+        plain = re.sub(r"\\(.)", r"\1", self.name)
+        return plain if self.find([plain]) else self.name
+
     def find(self, header: list[str]) -> list[int]:
         """Which of the columns in `header` it names, best first; empty where none."""
         if wanted := _PARAMETER.fullmatch(self.name):
@@ -55,7 +61,7 @@ class SignalMap:
     maximum_acceleration: float = math.inf  # rad/s²
     at_output: bool = False  # whether a motor's position is given as the output's, to be multiplied by the gear ratio
     write_as: str = ""  # the column's name when a trace is written
-    decimals: int = 4  # of the column when a trace is written
+    decimals: int | None = None  # of the column when a trace is written; None: as many as its values need
 
 
 @dataclass(frozen=True)
@@ -101,17 +107,18 @@ def load_map(name_or_path: str | Path) -> ImportMap:
     motion = check.choice(top.get("motion", "rotary"), "motion", MOTIONS)
     delimiter = check.choice(top.get("delimiter", "auto"), "delimiter", ("auto", ";", ",", "tab"))
     number_format = check.choice(top.get("number_format", "auto"), "number_format", ("auto", "german", "english"))
+    time_column = _column(check, time["column"], "time.column") if time else None
     return ImportMap(
         name=path.stem,
         text=text,
-        time=_column(check, time["column"], "time.column") if time else None,
+        time=time_column,
         time_unit=check.choice(time.get("unit", "s"), "time.unit", TIME_UNITS),
         signals=tuple(_signal(check, name, value, motion) for name, value in signals.items()),
         motion=motion,
         of_points=of_points,
         delimiter={"auto": None, "tab": "\t"}.get(delimiter, delimiter),
         number_format=None if number_format == "auto" else number_format,
-        time_name=check.text(time.get("write_as", time.get("column", "time [s]")), "time.write_as"),
+        time_name=check.text(time.get("write_as", time_column.plain), "time.write_as") if time_column else "",
         column_name=check.text(top.get("column_name", "{column}"), "column_name"),
     )
 
@@ -153,11 +160,15 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
         columns=columns,
         factor=factor,
         bits=check.choice(value.get("bits", 32), f"{place}.bits", (16, 24, 32)),
-        write_as=check.text(value.get("write_as", columns[0].name), f"{place}.write_as"),
+        write_as=check.text(value.get("write_as", columns[0].plain), f"{place}.write_as"),
         at_output=check.choice(value.get("shaft", "motor"), f"{place}.shaft", ("motor", "output")) == "output",
-        decimals=int(check.number(value.get("decimals", 0 if is_counter else 4), f"{place}.decimals", 0, 12)),
+        decimals=_decimals(check, value.get("decimals", 0 if is_counter else None), f"{place}.decimals"),
         **positive,
     )
+
+
+def _decimals(check: Checker, content: Any, place: str) -> int | None:
+    return None if content is None else int(check.number(content, place, 0, 12))
 
 
 def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, motion: str) -> float:

@@ -46,7 +46,7 @@ class _Trace:
         self.origins: dict[str, float] = {}  # position: rad where it is zero
 
     def recording(self) -> Recording:
-        time_place, stamps, time_origin = self._time()
+        time_place, stamps, time_origin, time_unit = self._time()
         maps = {signal.signal: signal for signal in self.map.signals}
         for signal in self.map.signals:
             place = self._place(signal)
@@ -73,18 +73,18 @@ class _Trace:
             signals=signals,
             motor_angle_origin=self.origins.get("motor_position", np.nan),
             output_angle_origin=self.origins.get("output_position", np.nan),
-            metadata=self._metadata(time_place, time_origin),
+            metadata=self._metadata(time_place, time_origin, time_unit),
             warnings=tuple(self.warnings),
         )
 
-    def _time(self) -> tuple[int | None, np.ndarray, float]:
-        """Place of the time column, stamps in ns from 0, and what the column shows at the first sample.
+    def _time(self) -> tuple[int | None, np.ndarray, float, str]:
+        """Place of the time column, stamps in ns from 0, what the column shows at the first sample, and its unit.
 
         Operating points may have none: then they follow each other by a second.
         """
         table = self.table
         if self.map.time is None:
-            return None, np.arange(len(table.columns[0]), dtype=np.int64) * int(TIME_UNITS["s"]), 0.0
+            return None, np.arange(len(table.columns[0]), dtype=np.int64) * int(TIME_UNITS["s"]), 0.0, "s"
         places = self.map.time.find(table.header)
         if not places:
             shown = ", ".join(table.header)[:200]
@@ -109,7 +109,7 @@ class _Trace:
         resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]
         if not self.map.of_points:
             self._report_steps(stamps, steps, resolution)
-        return places[0], stamps, float(values[0])
+        return places[0], stamps, float(values[0]), unit
 
     def _report_steps(self, stamps: np.ndarray, steps: np.ndarray, resolution: float) -> None:
         period = float(np.median(steps))
@@ -191,14 +191,20 @@ class _Trace:
             self._warn(f"{name}: {finding.describe(time[finding.sample])}")
         return counts
 
-    def _metadata(self, time_place: int | None, time_origin: float) -> dict[str, str]:
+    def _metadata(self, time_place: int | None, time_origin: float, time_unit: str) -> dict[str, str]:
         signal_of = {place: name for name, place in reversed(self.columns.items())}
         columns = [
             {"name": name, "signal": "time" if place == time_place else signal_of.get(place), "decimals": decimals}
             for place, (name, decimals) in enumerate(zip(self.table.header, self.table.decimals, strict=True))
         ]
         style = asdict(self.table.style)
-        text = {"columns": columns, "time_origin": time_origin, "origins": self.origins, "style": style}
+        text = {
+            "columns": columns,
+            "time_origin": time_origin,
+            "time_unit": time_unit,
+            "origins": self.origins,
+            "style": style,
+        }
         at_output = any(signal.at_output and signal.signal in self.columns for signal in self.map.signals)
         return {
             **({AT_OUTPUT: "output"} if at_output else {}),

@@ -12,10 +12,12 @@ import numpy as np
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 from ema_bench_replay.traces.import_map import TIME_UNITS, ImportMap
+from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN
 from ema_bench_replay.traces.trace_table import Style
 
 _ROWS = 50_000  # formatted at a time
-_MOST_DECIMALS = 9
+_MOST_DECIMALS = 24
+_ROUNDED = 16.0 * float(np.finfo(float).eps)  # of the largest number: what reading and writing round off
 
 
 @dataclass(frozen=True)
@@ -31,15 +33,16 @@ def write_trace(
     """Write a recording as the text trace that the map reads; returns the signals that the map has no column for.
 
     A recording that was read through the same map gets its own text back: names and order of its mapped columns,
-    decimals, number format, first counts and first time. Others are written as a German Siemens trace, with the map's
-    names and decimals. Raises InputError where the file exists (without `force`) or cannot be written.
+    decimals, number format, first counts and first time. Others are written in the map's delimiter and number format
+    (German, as a Siemens drive does, where it names none), with its names and decimals; where it gives no decimals,
+    with as many as the values need. Raises InputError where the file exists (without `force`) or cannot be written.
     """
     kept = recording.metadata.get("text") if recording.metadata.get("map_text") == import_map.text else None
     if kept:
         text = json.loads(kept)
         style, columns = Style(**text["style"]), _kept_columns(recording, import_map, text)
     else:
-        style, columns = Style(), _map_columns(recording, import_map)
+        style, columns = _map_style(import_map), _map_columns(recording, import_map)
     mapped = {signal.signal for signal in import_map.signals}
     with new_file(Path(path), force=force) as file:
         file.write(_row([column.name for column in columns], style).encode())
@@ -52,37 +55,42 @@ def _kept_columns(recording: Recording, import_map: ImportMap, text: dict[str, A
     columns = []
     for column in text["columns"]:
         if column["signal"] == "time":
-            values = _time(recording, import_map, column["decimals"], text["time_origin"])
+            values = _time(recording, text.get("time_unit", import_map.time_unit), text["time_origin"])
         elif column["signal"] in recording.signals:
-            values = _values(recording, import_map, column["signal"], column["decimals"], text["origins"])
+            values = _values(recording, import_map, column["signal"], text["origins"])
         else:
             continue
-        columns.append(_Column(column["name"], values, column["decimals"]))
+        # the first rows, whose decimals were counted, may show fewer than others
+        columns.append(_column(column["name"], values, _decimals(values, column["decimals"])))
     return columns
 
 
 def _map_columns(recording: Recording, import_map: ImportMap) -> list[_Column]:
-    unit = TIME_UNITS[import_map.time_unit]
-    decimals = 1
-    while decimals < _MOST_DECIMALS and (recording.stamps % max(unit * 10.0**-decimals, 1.0)).any():
-        decimals += 1
-    columns = [_Column(import_map.time_name, _time(recording, import_map, decimals, 0.0), decimals)]
-    for signal in import_map.signals:
-        if signal.signal in recording.signals:
-            name = import_map.column_name.format(index=len(columns) - 1, column=signal.write_as)
-            values = _values(recording, import_map, signal.signal, signal.decimals, {})
-            columns.append(_Column(name, values, signal.decimals))
+    columns = []
+    if import_map.time is not None:
+        time = _time(recording, import_map.time_unit, 0.0)
+        columns.append(_column(import_map.time_name, time, _decimals(time, 1)))
+    signals = [signal for signal in import_map.signals if signal.signal in recording.signals]
+    for index, signal in enumerate(signals):
+        name = import_map.column_name.format(index=index, column=signal.write_as)
+        values = _values(recording, import_map, signal.signal, {})
+        columns.append(_column(name, values, _decimals(values, 0) if signal.decimals is None else signal.decimals))
     return columns
 
 
-def _time(recording: Recording, import_map: ImportMap, decimals: int, origin: float) -> np.ndarray:
-    time = recording.stamps / TIME_UNITS[import_map.time_unit] + origin
-    return time if decimals else np.rint(time).astype(np.int64)
+def _map_style(import_map: ImportMap) -> Style:
+    """How a trace is written that no trace was read for: so that the map reads it."""
+    delimiter = import_map.delimiter or ";"
+    usual = ENGLISH if delimiter == "," else GERMAN
+    form = FORMATS[import_map.number_format] if import_map.number_format else usual
+    return Style(delimiter, decimal=form.decimal, thousands="" if form.thousands == delimiter else form.thousands)
 
 
-def _values(
-    recording: Recording, import_map: ImportMap, name: str, decimals: int, origins: dict[str, float]
-) -> np.ndarray:
+def _time(recording: Recording, unit: str, origin: float) -> np.ndarray:
+    return recording.stamps / TIME_UNITS[unit] + origin
+
+
+def _values(recording: Recording, import_map: ImportMap, name: str, origins: dict[str, float]) -> np.ndarray:
     """A signal in its column's unit. Positions are counted from where the counter stood at their zero."""
     factor = next(signal.factor for signal in import_map.signals if signal.signal == name)
     origin = {
@@ -92,9 +100,21 @@ def _values(
     }.get(name, 0.0)
     first = 0.0 if np.isnan(origin) else origin / factor
     values = recording.signals[name] / factor
-    if decimals:
-        return values + first if first else values  # -0.0 stays what it is
-    return np.rint(values).astype(np.int64) + round(first)
+    return values + first if first else values  # -0.0 stays what it is
+
+
+def _decimals(values: np.ndarray, least: int) -> int:
+    """How many decimals, `least` or more, write all the values but for what reading and writing round off."""
+    known = values[np.isfinite(values)]
+    allowed = _ROUNDED * float(np.abs(known).max(initial=0.0))
+    decimals = least
+    while decimals < _MOST_DECIMALS and (np.abs(np.round(known, decimals) - known) > allowed).any():
+        decimals += 1
+    return decimals
+
+
+def _column(name: str, values: np.ndarray, decimals: int) -> _Column:
+    return _Column(name, values if decimals else np.rint(values).astype(np.int64), decimals)
 
 
 def _text(columns: list[_Column], start: int, style: Style) -> bytes:

@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, verdict_sentence
+from .wording import effect_words, options_words, order_sentences, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -70,6 +70,8 @@ def run(
     )
     say(sentence, style="bold")
     show(diagnosis)
+    for text in order_sentences(found.model, found.parameters):
+        say(text)
     warn_of(diagnosis.warnings, given.recordings)
     write_findings(json, diagnosis.as_json(), found)
 

@@ -80,7 +80,9 @@ def run(
         f"  {compare_command(runs, [model, output], with_files or (), import_map)}", markup=False, soft_wrap=True
     )
     if evidence is not None:
-        console.print(f"  rerun {quote(str(evidence))}     (what each step left over)", markup=False, soft_wrap=True)
+        axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
+        told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
+        console.print(told, markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
 
 
@@ -118,6 +120,10 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
         )
     if found.steps:
         console.print(_steps(found))
+        if _is_crowded(found):
+            for step in found.steps:
+                what = "Runner-up to" if step.action == "add" else "Dropped:"
+                say(f"{what} {effect_words(step.instance)}: {_why(step)}.")
     if found.parameters:
         console.print(_parameters(found))
     for sentence in order_sentences(found.model, found.parameters):
@@ -139,24 +145,25 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
 
 
 def _steps(found: Discovery) -> ReportTable:
+    from ..discovery.halves import HALF_OF
     from ..effects import catalogue
 
     several = len(found.unseen.recordings) > 1
+    judged_on = f"recordings that were {'not ' if several else ''}fitted to"
+    if HALF_OF in found.recordings[0].metadata:
+        judged_on = "the half of the points that was not fitted to"
     signal = found.unseen.signal.replace("_", " ")
-    table = ReportTable(
-        f"\nSteps, judged by the {signal} of recordings that were {'not ' if several else ''}fitted to "
-        f"(noise floor {quantity(found.unseen.noise_floor, found.unseen.unit)})"
-    )
-    narrow = is_narrow()
+    floor = quantity(found.unseen.noise_floor, found.unseen.unit)
+    table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
+    narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
     table.words("step", *(() if narrow else ("what it is",)), widest=44)
-    output = any(step.output_before is not None for step in found.steps)
     shown = "encoders apart" if found.unseen.encoders else "output position"
     table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
-    table.words("runner-up")
+    table.words(*(() if crowded else ("runner-up",)))
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
-            table.add_row(f"− {effect_words(step.instance)}", *blank, escape(step.reason))
+            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(_why(step)))))
             continue
         table.add_row(
             f"+ {effect_words(step.instance)}",
@@ -165,9 +172,24 @@ def _steps(found: Discovery) -> ReportTable:
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
-            _runner_up(step),
+            *(() if crowded else (escape(_why(step)),)),
         )
     return table
+
+
+def _has_output(found: Discovery) -> bool:
+    """Whether the steps tell of the output's position too."""
+    return any(step.output_before is not None for step in found.steps)
+
+
+def _is_crowded(found: Discovery) -> bool:
+    """Whether the table of the steps has no room for words on them."""
+    return is_narrow() and _has_output(found)
+
+
+def _why(step: Step) -> str:
+    """What was in an effect's stead when it was added, or the reason why it was dropped."""
+    return _runner_up(step) if step.action == "add" else step.reason
 
 
 def _runner_up(step: Step) -> str:

@@ -100,7 +100,8 @@ def run(
 
 def show(found: FitResult, before: Model) -> None:
     """Print the fitted numbers beside those of the model ``before``, the errors, and what to make of them."""
-    console.print(_parameters(found, before))
+    if found.parameters:
+        console.print(_parameters(found, before))
     if found.constants:
         console.print(_constants(found))
     console.print(_errors(found))
@@ -133,12 +134,11 @@ def _constants(found: FitResult) -> ReportTable:
     table.numbers("change")
     for part, entries in found.constants.items():
         for name, held in entries.items():
-            numbers = (
-                estimate(held["nominal"], None, held["unit"]),
-                estimate(held["value"], held["std"], held["unit"]),
-            )
-            change = f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %"
-            table.add_row(part, name.replace("_", " "), *numbers, change)
+            before, fitted, change = estimate(held["nominal"], None, held["unit"]), "not in the data", ""
+            if held["std"] is not None:
+                fitted = estimate(held["value"], held["std"], held["unit"])
+                change = f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %"
+            table.add_row(part, name.replace("_", " "), before, fitted, change)
     return table
 
 

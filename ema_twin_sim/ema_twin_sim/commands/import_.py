@@ -61,9 +61,12 @@ def run(
             }
         )
         absent = [signal.signal for signal in chosen.signals if signal.signal not in recording.signals]
+        every = quantity(recording.sample_period, "s")
+        held = f"{len(recording)} samples, {recording.duration:.2f} s, every {every}"
+        if recording.of_points:
+            held = f"{len(recording)} operating points"
         console.print(
-            f"{file.name}: {len(recording)} samples, {recording.duration:.2f} s, every "
-            f"{quantity(recording.sample_period, 's')}; {', '.join(recording.signals)}"
+            f"{file.name}: {held}; {', '.join(recording.signals)}"
             + (f" (not in this trace: {', '.join(absent)})" if absent else "")
             + f"\n  → {path}",
             soft_wrap=True,

@@ -27,6 +27,7 @@ ema-twin init trace.csv -o press --gear-ratio 50 --torque-constant 0.8
 ema-twin init -o press      (asks which columns your traces have)"""
 
 LEAST_RATIO = 1e-3
+SHAFTS = "motor", "output"
 _QUESTIONS = {
     "time": "Column of the time, with its unit, as in 'time [s]'",
     "current": "Column of the motor's current, as in 'current [A]' (empty: there is none)",
@@ -109,10 +110,15 @@ def _asked(given: Given) -> tuple[Guesses, Given]:
     ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
     if not ratio >= LEAST_RATIO:
         raise InputError(f"init: a gear ratio of {ratio:g} is none; give {LEAST_RATIO:g} or more")
+    shaft = given.shaft
+    if shaft is None and ratio != 1.0 and "motor_position" in named:
+        shaft = str(_ask("Whose turns does the motor's position count, motor or output", SHAFTS[0])).strip().lower()
+        if shaft not in SHAFTS:
+            raise InputError(f"init: '{shaft}' is no shaft; say {' or '.join(SHAFTS)}")
     constant = given.torque_constant
     if constant is None and "current" in named:
         constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None
-    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant)
+    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant, shaft=shaft)
 
 
 def _ask(question: str, usual: str | float) -> str | float:

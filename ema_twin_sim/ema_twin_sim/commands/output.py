@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import time
@@ -13,10 +14,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.text import Text
 
-_WIDTH_WITHOUT_TERMINAL = 140
+_WIDTH_WITHOUT_TERMINAL = 120
+_LEAST_WIDTH = 20
 _SECONDS_BETWEEN_LOG_LINES = 5.0
 
-console = Console(highlight=False, width=None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL)
+
+def _wanted_width() -> int | None:
+    """The width that the environment asks for; None where it does not, or for none that anything fits in."""
+    columns = os.environ.get("COLUMNS", "")
+    return int(columns) if columns.isdecimal() and int(columns) >= _LEAST_WIDTH else None
+
+
+_folds = sys.stdout.isatty() or _wanted_width() is not None
+console = Console(highlight=False, width=_wanted_width() or (None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL))
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _BARS = "▁▂▃▄▅▆▇█"
@@ -30,9 +40,9 @@ Item = TypeVar("Item")
 
 
 def say(text: str, *, style: str = "", markup: bool = False) -> None:
-    """Print sentences: folded to the terminal, between words; whole where there is none."""
+    """Print sentences: folded to the terminal or to ``COLUMNS``, between words; whole where there is neither."""
     said = Text.from_markup(text, style=style) if markup else Text(text, style)
-    console.print(fold(said, console.width) if console.is_terminal else said, soft_wrap=True)
+    console.print(fold(said, console.width) if _folds else said, soft_wrap=True)
 
 
 def fold(text: Text, width: int) -> Text:

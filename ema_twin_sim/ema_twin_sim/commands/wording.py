@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..model import Model
 
+_WHOLE = 0.02  # cycles within which an order is a whole number
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
     "speed": "the speed",
@@ -82,22 +83,37 @@ def options_words(options: Mapping[str, str]) -> str:
 
 
 def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
-    """What of the machine repeats as often as effects do; once, that the model does not say so."""
+    """What of the machine repeats as often as effects do; where its model does not say, what may."""
+    from ..model.model import ORDER_ERROR
+
     told = []
-    unnamed = []
+    unnamed: dict[tuple[str, str], list[str]] = {}
     for name in names:
         order = model.effects[name].options.get("order") if name in model.effects else None
         if order is None:
             continue
-        if parts := model.order_names(float(order)):
-            told.append(f"{effect_words(name)}: order {order} is that of {', or '.join(parts)}.")
+        cycles = model.motor_order(name)
+        shaft = "motor" if float(order) == cycles else "output"
+        within = ORDER_ERROR * cycles / float(order)  # as near in the turns of either shaft
+        if parts := model.order_names(cycles, within):
+            told.append(f"{effect_words(name)}: order {order} of the {shaft} is that of {', or '.join(parts)}.")
         else:
-            unnamed.append(order)
-    if unnamed:
-        said = "names nothing that repeats so" if model.orders else "names no orders (`orders:` in its file)"
-        times = "times in a turn of the motor, as teeth, magnets or bearings may; the model"
-        told.append(f"Found to repeat {', '.join(unnamed)} {times} {said}.")
+            unnamed.setdefault((shaft, _what_repeats(shaft, cycles)), []).append(order)
+    said = "names nothing that repeats so" if model.orders else "names no orders (`orders:` in its file)"
+    for (shaft, what), orders in unnamed.items():
+        both = ", and so of the output" if shaft == "motor" and model.is_direct else ""
+        times = listed(orders)
+        told.append(f"Found to repeat {times} times in a turn of the {shaft}{both}, as {what} may; the model {said}.")
     return told
+
+
+def _what_repeats(shaft: str, cycles: float) -> str:
+    """What may repeat so often: what is fixed to a shaft with its turns, else what turns at a speed of its own."""
+    if shaft == "output":
+        return "the teeth of the last gear, a bearing or a joint of the output"
+    if abs(cycles - round(cycles)) < _WHOLE:
+        return "its teeth, magnets or windings"
+    return "gears, belts or bearings"
 
 
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:

@@ -29,7 +29,7 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
     """The effects that may be added to a hypothesis."""
     found = []
     for id, effect in catalogue().items():
-        if id in without or (not effect.repeatable and id in h.held):
+        if id in without or not effect.searched or (not effect.repeatable and id in h.held):
             continue
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,10 @@ from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..plant.measured_motion import SPEED
 from ..reading_noise import reading_noise
-from .observation import observe
+from ..simulation.assembly import assemble
+from ..simulation.required import required_torque
+from .observation import Observation, observe
+from .smoothing import smooth_at
 
 WINDOW = 0.1  # s over which ways are compared
 MOVING = 0.3  # of the largest: less of a signal tells no factor
@@ -31,6 +34,9 @@ LEFT = 0.1  # of what friction leaves of the torque, in power: where an accelera
 OVER_LIMIT = 3.0  # times the drive's limit
 ALL_BUT_SPIKES = 0.999  # quantile of a current that is its largest
 NOISY = 0.3  # of an acceleration: with more noise in it, a slope to it tells nothing
+
+LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
+"""Effects whose torque a model knows beforehand, whatever moves."""
 
 DEGREES, RPM, TURN = 180.0 / math.pi, 60.0 / (2.0 * math.pi), 2.0 * math.pi
 
@@ -108,7 +114,7 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
 def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     """The factors between all signals that belong together and show one."""
     signals = recording.signals
-    lag = max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
+    lag = _lag(recording)
 
     def way(name: str) -> np.ndarray:
         return signals[name][lag:] - signals[name][:-lag]
@@ -120,10 +126,8 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
         if value is not None:
             yield _Factor(signal, other, value, relation)
 
-    if recording.has("speed", "motor_position"):
-        travelled = _travelled(recording)
-        expected = travelled[lag:] - travelled[:-lag]
-        yield from told("motor_position", "speed", way("motor_position"), expected, WAY_AND_SPEED)
+    if (times := way_by_speed(recording)) is not None:
+        yield _Factor("motor_position", "speed", times, WAY_AND_SPEED)
     if recording.has("output_position", "motor_position"):
         expected = way("motor_position") / model.value("machine.gear_ratio")
         yield from told("output_position", "motor_position", way("output_position"), expected, TWO_SHAFTS)
@@ -133,6 +137,25 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     if recording.has("output_command", "output_position"):
         expected = way("output_position")
         yield from told("output_command", "output_position", way("output_command"), expected, SETPOINT)
+
+
+def way_by_speed(recording: Recording) -> float | None:
+    """How many times the way that the speed makes the motor's position goes; None where that is no steady multiple."""
+    if not recording.has("speed", "motor_position"):
+        return None
+    lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
+    return _steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+
+
+def is_usual_mistake(times: float) -> bool:
+    """Whether a factor between way and speed is one that units make."""
+    sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
+    return any(abs(abs(times) - size) <= WAY_AND_SPEED.named * size for size in sizes)
+
+
+def _lag(recording: Recording) -> int:
+    """The samples that ways are taken over."""
+    return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
 
 
 def _travelled(recording: Recording) -> np.ndarray:
@@ -204,7 +227,7 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """Whether the current accelerates the machine as its inertia lets it, where that is known."""
+    """Whether the current accelerates the machine as its inertia and its loads let it, where these are known."""
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
         return
@@ -213,7 +236,8 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     except InputError:
         return  # whoever needs the motion will say so
     speed = seen.motion[seen.rows, SPEED]
-    columns = np.stack([seen.acceleration, np.sign(speed), speed, np.ones(len(speed))], axis=1)
+    needed = sum(part.value for part in parts) * seen.acceleration + _load(recording, model, seen)
+    columns = np.stack([needed, np.sign(speed), speed, np.ones(len(speed))], axis=1)
     size = np.linalg.norm(columns, axis=0)
     if len(speed) < FEWEST or not size.all():
         return
@@ -225,8 +249,8 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     rest = seen.torque - without @ np.linalg.lstsq(without, seen.torque, rcond=None)[0]
     if float(left @ left) > LEFT * float(rest @ rest):
         return
-    factor = float(found[0] / size[0]) / sum(part.value for part in parts)
-    if found[1] * factor < 0.0:  # a spring may turn the sign round, but not friction's
+    factor = float(found[0] / size[0])
+    if found[1] * factor < 0.0:  # a spring that the model lacks may turn the sign round, but not friction's
         return
     usual = {
         1000.0: "as if current were in mA and read as A",
@@ -241,3 +265,14 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
         "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
     )
+
+
+def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
+    """Torque [N m] (m,) of the loads that the model has, and of a measured one; none where its gearbox parts."""
+    effects = {name: instance for name, instance in model.active.items() if instance.effect in LOADS}
+    assembly = assemble(replace(model, effects=effects))
+    load = np.zeros(len(seen.rows))
+    if assembly.plant[0]["two_inertia"] == 0.0:
+        needed = np.ascontiguousarray(required_torque(assembly, recording, seen.motion))
+        smooth_at(needed, seen.kernel, seen.rows, load)
+    return load

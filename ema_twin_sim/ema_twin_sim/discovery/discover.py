@@ -173,7 +173,7 @@ def _impossible(model: Model) -> frozenset[str]:
     if model.radius is None:
         return frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
-    return frozenset(turning | {"encoder_eccentricity", "gravity_load"})
+    return frozenset(turning | {"encoder_eccentricity", "gravity_load", "output_ripple"})
 
 
 def _searched(

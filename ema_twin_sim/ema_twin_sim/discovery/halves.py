@@ -15,6 +15,9 @@ from ..simulation.operating_points import FEWEST, directed
 FEWEST_OF_BOTH = 4 * FEWEST
 BLOCKS = 8  # of the positions, every other of which is judged by the rest
 
+#: Key of a half's metadata: the name of the whole.
+HALF_OF = "half_of"
+
 
 def halves(recordings: Sequence[Recording]) -> list[Recording]:
     """A lone recording of points as two, so that each can be judged by the other: every other eighth of its positions.
@@ -29,9 +32,11 @@ def halves(recordings: Sequence[Recording]) -> list[Recording]:
     rank = np.arange(len(whole))
     if position is not None and np.nanmax(position) > np.nanmin(position):
         rank[np.argsort(position, kind="stable")] = np.arange(len(whole))
-        odd, names = (rank * BLOCKS // len(whole)) % 2 == 0, ("odd eighths of the positions", "even eighths")
+        odd = (rank * BLOCKS // len(whole)) % 2 == 0
+        names = [f"eighths {' '.join(map(str, range(first, BLOCKS + 1, 2)))} of its positions" for first in (1, 2)]
     else:
-        odd, names = rank % 2 == 0, ("odd points", "even points")
+        odd = rank % 2 == 0
+        names = [f"every other point from the {first} on" for first in ("first", "second")]
     return [_part(whole, chosen, name) for chosen, name in zip((odd, ~odd), names, strict=True)]
 
 
@@ -43,6 +48,7 @@ def _part(whole: Recording, chosen: np.ndarray, name: str) -> Recording:
         stamps=stamps - stamps[0],
         signals={key: values[chosen] for key, values in whole.signals.items()},
         start=whole.start + int(stamps[0]),
+        metadata={**whole.metadata, HALF_OF: whole.name},
     )
 
 

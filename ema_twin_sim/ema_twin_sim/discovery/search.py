@@ -215,7 +215,7 @@ def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypoth
     """The current hypothesis with each of the most promising effects added."""
     options = [c for c in candidates(current.hypothesis, without) if c.effect not in PARTING]
     options += [c for c in order_candidates(eq, current) if c.effect not in without]
-    ranked = screen(eq, current, resolved(eq, options))
+    ranked = screen(eq, current, resolved(eq, options, current.hypothesis.base.value("machine.gear_ratio")))
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)

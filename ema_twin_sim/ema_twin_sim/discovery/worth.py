@@ -24,7 +24,7 @@ FLOOR = 0.2  # of a recording's noise: the smallest share worth a name
 SHAKY_FLOOR = 0.7  # the same beside an output that bounces, which is never known as well as one that does not
 UNLOADED_FLOOR = 0.35  # the same of friction in proportion to a load where there is none: it looks like all friction
 SURE = 40.0  # gain from which on friction in proportion to a load may be half as small there
-VARYING_LOADS = frozenset({"gravity_load", "spring_load"})
+VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
 SHARE = 0.1  # of the excess that an effect must remove
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""

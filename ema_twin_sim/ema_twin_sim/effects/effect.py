@@ -65,7 +65,8 @@ class Effect:
     place of its own there.
 
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
-    positive number may be given for; its choices are those that are looked for on every machine.
+    positive number may be given for; its choices are those that are looked for on every machine, or, where not
+    ``searched``, those that recordings show only.
     """
 
     id: str
@@ -82,6 +83,7 @@ class Effect:
     settle: Callable[[np.void, Values, Options], None] | None = None
     repeatable: bool = True
     free_option: str = ""
+    searched: bool = True
 
     def __post_init__(self) -> None:
         if (self.act is None) == (self.settle is None):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..effects import catalogue
 from ..model import Model
+from ..model.equivalent import shown
 from .absurd import Circumstances, absurdities
 from .equation_misfit import BLIND, LAG
 from .freedom import Number, split
@@ -45,6 +46,7 @@ SHOWN_BY = {
     "added_inertia": "hard acceleration: steps, fast sines",
     "constant_load": "motion in both directions",
     "gravity_load": "travel over a large part of an output turn",
+    "output_ripple": "travel over a large part of an output turn",
     "spring_load": "travel as large as the machine allows, in both directions",
     "backlash": "reversals, with the output encoder recorded",
     "shaft_compliance": "steps or fast sines, with the output encoder recorded",
@@ -79,13 +81,13 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
         std = float(sure.std[k]) * number.slope(value)
         bound = _bound(number, value, std)
         if bound:
-            found.append(_finding("on_bound", number, f"ends on its {bound} bound, {_written(value, number.unit)}"))
-        shown = float(np.linalg.norm(solution.slopes[:, k]))
-        reason = _unseen(number, shown, fitted, method)
+            text = f"ends on its {bound} bound, {_written(value, number, fitted)}"
+            found.append(_finding("on_bound", number, text, fitted))
+        reason = _unseen(number, _shown(solution, k), fitted, method)
         if reason is None and k not in alike:
             reason = _needless(number, value, std, fitted)
         if reason:
-            found.append(_finding("no_effect", number, reason))
+            found.append(_finding("no_effect", number, reason, fitted))
         if not number.path.startswith("effects."):
             off = abs(value / number.prior[0] - 1.0)
             tolerance = fitted.constants[number.path].tolerance
@@ -94,37 +96,64 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
                     f"ends {100.0 * off:.0f} % off its nominal value, {off / tolerance:.0f} times its tolerance: is "
                     "the model that of this machine, or does an effect stand in its place?"
                 )
-                found.append(_finding("absurd", number, text))
+                found.append(_finding("absurd", number, text, fitted))
     for group in groups:
-        *first, last = (short(numbers[k].path) for k in group)
+        *first, last = (".".join(_place(numbers[k].path, fitted)) for k in group)
         names = f"{', '.join(first)} and {last}"
         text = f"{names} cannot be told apart by these recordings: what one gains the others lose; hold one (--fix)"
-        found += [Finding("inseparable", *place(numbers[k].path), text) for k in group]
+        found += [Finding("inseparable", *_place(numbers[k].path, fitted), text) for k in group]
     for name, instance in fitted.effects.items():
         if instance.enabled:
             units: Mapping[str, str] = {p.name: p.unit for p in catalogue()[instance.effect].parameters}
             for parameter, reason in absurdities(instance.effect, instance.parameters, units, c):
-                value = instance.parameters[parameter]
-                if solution.freedom.index(f"effects.{name}.{parameter}") is not None:
-                    message = f"{name}.{parameter} = {_written(value, units[parameter])}: {reason}"
+                free = solution.freedom.index(f"effects.{name}.{parameter}")
+                if free is not None:
+                    written = _written(instance.parameters[parameter], numbers[free], fitted)
+                    message = f"{name}.{parameter} = {written}: {reason}"
                     found.append(Finding("absurd", name, parameter, message))
     return found
 
 
-def place(path: str) -> tuple[str, str]:
-    """(instance, parameter) of an effect's path, (part, name) of a constant's."""
-    part, name, parameter = split(path)
+def not_given(solution: Solution, method: str) -> list[int]:
+    """The constants that recordings say nothing of, and of which nothing else is known either."""
+    freedom = solution.freedom
+    return [
+        k
+        for k, number in enumerate(freedom.numbers)
+        if not number.path.startswith("effects.")
+        and number.path != LAG
+        and not number.known
+        and _unseen(number, _shown(solution, k), freedom.model, method)
+    ]
+
+
+def asleep(given: Model, judged: Model) -> list[Finding]:
+    """Of each effect that recordings of operating points do not show: that it was left as it is, and what shows it."""
+    return [
+        Finding(
+            "no_effect", name, "",
+            f"{name} stays as it is: these operating points do not show it; record "
+            f"{SHOWN_BY.get(instance.effect, ANY)}",
+        )
+        for name, instance in given.active.items()
+        if name not in judged.active
+    ]  # fmt: skip
+
+
+def _place(path: str, model: Model) -> tuple[str, str]:
+    """(instance, parameter) of an effect's path, (part, name) of a constant's, as the model's file names them."""
+    part, name, parameter = split(model.shown_path(path))
     return (name, parameter) if part == "effects" else (part, name)
 
 
-def short(path: str) -> str:
-    """The path as a reader wants it, ``backlash.width``."""
-    return ".".join(place(path))
+def _finding(kind: str, number: Number, text: str, model: Model) -> Finding:
+    instance, parameter = _place(number.path, model)
+    return Finding(kind, instance, parameter, f"{instance}.{parameter} {text}")
 
 
-def _finding(kind: str, number: Number, text: str) -> Finding:
-    instance, parameter = place(number.path)
-    return Finding(kind, instance, parameter, f"{short(number.path)} {text}")
+def _shown(solution: Solution, k: int) -> float:
+    """By how many standard deviations a number shows, per unit of it."""
+    return float(np.linalg.norm(solution.slopes[:, k]))
 
 
 def _bound(number: Number, value: float, std: float) -> str | None:
@@ -163,9 +192,10 @@ def _needless(number: Number, value: float, std: float, model: Model) -> str | N
     size = effect.parameters[0]
     if parameter != size.name or size.neutral is None or abs(value - size.neutral) >= NEEDED * std:
         return None
+    found = f"{_written(value, number, model)} ± {_written(std, number, model)}"
     return (
-        f"= {_written(value, number.unit)} ± {_written(std, number.unit)} is no more than its standard error: these "
-        f"recordings do not need it; record {SHOWN_BY.get(effect.id, ANY)}, or remove {name}"
+        f"= {found} is no more than its standard error: these recordings do not need it; record "
+        f"{SHOWN_BY.get(effect.id, ANY)}, or remove {name}"
     )
 
 
@@ -198,5 +228,7 @@ def _size(number: Number, value: float) -> float:
     return 1.0 if number.periodic else (abs(value) if number.log else number.scale)
 
 
-def _written(value: float, unit: str) -> str:
+def _written(value: float, number: Number, model: Model) -> str:
+    """A value with its unit, of a linear machine in that machine's."""
+    value, unit = (value, number.unit) if number.periodic else shown(model, value, number.unit)
     return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

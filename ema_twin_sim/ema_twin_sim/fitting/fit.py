@@ -27,7 +27,7 @@ from ..model.equivalent import as_rotary, given_back, shown, shown_entry
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
-from .findings import Finding, find
+from .findings import Finding, asleep, find, not_given
 from .freedom import Freedom, choose_numbers
 from .misfit import Misfit
 from .simulation_misfit import SimulationMisfit
@@ -51,8 +51,9 @@ class FitResult:
     """A fitted model and what is known of its numbers; ``as_json`` is what ``fit --json`` writes.
 
     ``parameters`` are by instance, ``constants`` by part, each number as ``{value, std, unit}`` in SI units, ``std``
-    None where it was held. ``before`` and ``after`` are errors per signal on what was not fitted to, as ``judged_on``
-    tells. ``correlations`` (k, k) belong to ``paths`` (k,).
+    None where it was held, or where it is a constant that the recordings say nothing of. ``before`` and ``after`` are
+    errors per signal on what was not fitted to, as ``judged_on`` tells. ``correlations`` (k, k) belong to ``paths``
+    (k,).
     """
 
     model: Model
@@ -128,25 +129,28 @@ def fit_model(
     progress("judging on what was not fitted to")
     before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)
     sure = uncertainty(misfit, solution)
-    fitted = freedom.at(solution.values[: len(freedom.numbers)])
-    findings = find(solution, sure, fitted, method, circumstances(recordings, fitted))
+    untold = not_given(solution, method)
+    values = solution.values[: len(freedom.numbers)].copy()
+    values[untold] = freedom.start[untold]
+    fitted = freedom.at(values)
+    findings = asleep(awake, model) + find(solution, sure, fitted, method, circumstances(recordings, fitted))
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     notes = list(freedom.notes)
     notes += _doubts(before, after)
     for k in loosened:
-        number = solution.freedom.numbers[k]
-        notes.append(f"{number.path}: these recordings contradict its nominal value, which was let go")
+        path = model.shown_path(solution.freedom.numbers[k].path)
+        notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
         given_back(woken(fitted, awake)).fitted_from(given_back(awake)),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
-        _constants(model, fitted, solution, sure),
+        _constants(model, fitted, solution, sure, untold),
         shown_errors(model, before),
         shown_errors(model, after),
         judged_on,
-        tuple(solution.freedom.numbers[k].path for k in shown),
+        tuple(model.shown_path(solution.freedom.numbers[k].path) for k in shown),
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
         tuple(findings),
         tuple(notes),
@@ -270,11 +274,15 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
     return found
 
 
-def _constants(model: Model, fitted: Model, solution: Solution, sure: Uncertainty) -> dict[str, dict[str, dict]]:
+def _constants(
+    model: Model, fitted: Model, solution: Solution, sure: Uncertainty, untold: Sequence[int]
+) -> dict[str, dict[str, dict]]:
     found: dict[str, dict[str, dict]] = {}
     for path, constant in CONSTANTS.items():
-        if solution.freedom.index(path) is not None:
-            entry = shown_entry(fitted, fitted.value(path), _spread(path, solution, sure), constant.unit)
+        k = solution.freedom.index(path)
+        if k is not None:
+            std = None if k in untold else _spread(path, solution, sure)
+            entry = shown_entry(fitted, fitted.value(path), std, constant.unit)
             nominal = shown(model, model.value(path), constant.unit)[0]
             name = model.shown_path(path).partition(".")[2]
             found.setdefault(constant.part, {})[name] = {**entry, "nominal": nominal}

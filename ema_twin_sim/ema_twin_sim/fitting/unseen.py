@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import MIXED
 from ..comparison.running_comparison import RunningComparison, SignalError
+from ..discovery.halves import HALF_OF
 from ..model import Model
 from ..simulation.simulate import simulate
 from .freedom import Freedom
@@ -34,6 +35,8 @@ def judge(
             which[part] = recording
         first = [0] * len(recordings)
         said = "each recording with numbers fitted to the others"
+        if HALF_OF in recordings[0].metadata:
+            said = "each half of the points with numbers fitted to the other"
     else:
         which = np.full(misfit.rows, -1)
         for _, part in misfit.parts:

@@ -12,10 +12,12 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.units import unit_in
 
 from ..effects import Effect, Parameter, find_effect
+from ..effects.effect import OUTPUT_TORQUE
 from .constants import CONSTANTS
 
 _SIZES = 1e6  # by how much a linear machine's numbers may go beyond those of rotary ones
-_ORDER_ERROR = 0.03  # cycles per turn within which an order is a named one
+POLE_PAIRS = "pole pairs"  # name of an order: that of the electrical angle
+ORDER_ERROR = 0.03  # cycles per turn within which an order is a named one
 _HARMONICS = 12  # of a named order that are named after it
 LUMPED = "inertia"
 """The name of the one inertia of a machine that has no gearbox to part it."""
@@ -84,19 +86,31 @@ class Model:
             instance.open for instance in self.active.values()
         )
 
-    def order_names(self, order: float) -> list[str]:
+    def order_names(self, order: float, within: float = ORDER_ERROR) -> list[str]:
         """What of the machine repeats so often in a turn of its motor; or what a multiple of which does: ``4 × slots``.
 
-        Everything is a multiple of a turn, and of what takes several: they are not named.
+        Everything is a multiple of a turn, and of what takes several: they are not named. With each pole pair passes a
+        turn of the electrical angle.
         """
-        exact = [name for name, own in self.orders.items() if abs(order - own) <= _ORDER_ERROR]
+        exact = [_electrical(name, own) for name, own in self.orders.items() if abs(order - own) <= within]
         multiples = [
-            f"{times} × {name}"
+            f"{times} × {_electrical(name, own)}"
             for name, own in self.orders.items()
             if own > 1.0 and 1 < (times := round(order / own)) <= _HARMONICS
-            if abs(order - times * own) <= _ORDER_ERROR
+            if abs(order - times * own) <= within
         ]
         return exact or multiples
+
+    def motor_order(self, name: str) -> float:
+        """The order of an effect, in cycles per turn of the motor."""
+        instance = self.effects[name]
+        of_output = find_effect(instance.effect, name).where(instance.options) == OUTPUT_TORQUE
+        return float(instance.options["order"]) / (self.value("machine.gear_ratio") if of_output else 1.0)
+
+    @property
+    def is_direct(self) -> bool:
+        """Whether the output turns with the motor."""
+        return self.value("machine.gear_ratio") == 1.0
 
     def value(self, path: str) -> float:
         """The value of the constant at ``path``, in the unit of its table."""
@@ -190,6 +204,10 @@ class Model:
         if name not in self.effects:
             raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
         return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
+
+
+def _electrical(name: str, order: float) -> str:
+    return f"electrical ({order:g} {POLE_PAIRS})" if name == POLE_PAIRS else name
 
 
 def nearest(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:

@@ -4,8 +4,8 @@ A file may name a ``base`` beside it (models of one bench share one file of cons
 the base's. What is written is always whole: a file that stands alone. A machine of which less is known may
 give its one ``inertia`` (of a linear machine: its mass) in place of the motor's, the gearbox's and the output's, and
 leave out what it does not have. ``tolerance: open`` says that a value is not known, but for where a fit starts.
-``orders`` names what repeats with the motor's turns, in cycles per turn; ``other_orders: false`` says that nothing else
-does, so that none is looked for.
+``orders`` names what repeats with the motor's turns, in cycles per turn (``pole pairs``: the electrical angle);
+``other_orders: false`` says that nothing else does, so that none is looked for.
 """
 
 from __future__ import annotations

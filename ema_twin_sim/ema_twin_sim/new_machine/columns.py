@@ -12,19 +12,22 @@ from ema_bench_replay.units import units_of
 
 _SET = r"(\bset|\bref|\bcmd|command|desired|target|soll|demand|goal)"
 _NO_SIGNAL = re.compile(r"error|fehler|deviation|abweichung|limit|\bdc\b|\bmax|\bmin\b", re.IGNORECASE)
+_TORQUE = r"torque|force|moment|kraft"
+_SPEED = r"speed|velocity|drehzahl|geschwindigkeit|omega"
+_PLACE = r"position|angle|pos\b|lage|winkel|\bweg\b"
 _OUTPUT = r"(output|load|joint|link|arm|slow|secondary|abtrieb)"
 
 _SIGNALS: tuple[tuple[str, str], ...] = (
     ("temperature", r"\btemp\b|temperatur"),
-    ("load_torque", rf"(?=.*(torque|force|moment))(?=.*{_OUTPUT}|.*(brake|dyno))"),
+    ("load_torque", rf"(?=.*({_TORQUE}))(?=.*{_OUTPUT}|.*(brake|dyno))"),
     ("current_setpoint", rf"(?=.*(current|strom|\bi ?q\b))(?=.*{_SET})"),
     ("current", r"current|strom|\bi ?q\b|^i$|^cur$"),
-    ("speed_setpoint", rf"(?=.*(speed|velocity|drehzahl|omega))(?=.*{_SET})"),
-    ("output_command", rf"(?=.*(position|angle|\bpos\b|lage|^q\b))(?=.*{_SET})"),
-    ("output_position", rf"(?=.*(position|angle|pos\b|encoder|lage))(?=.*{_OUTPUT})"),
-    ("motor_torque", rf"^(?!.*{_SET}).*(torque|force|moment)"),
-    ("speed", r"speed|velocity|drehzahl|omega|\brpm\b|^vel$|^n$"),
-    ("motor_position", r"position|angle|encoder|\bpos\b|\btheta\b|lage|^q$|^x$"),
+    ("speed_setpoint", rf"(?=.*({_SPEED}))(?=.*{_SET})"),
+    ("output_command", rf"(?=.*({_PLACE}|^q\b))(?=.*{_SET})"),
+    ("output_position", rf"(?=.*({_PLACE}|encoder))(?=.*{_OUTPUT})"),
+    ("motor_torque", rf"^(?!.*{_SET}).*({_TORQUE})"),
+    ("speed", rf"{_SPEED}|\brpm\b|^vel$|^n$"),
+    ("motor_position", rf"{_PLACE}|encoder|\btheta\b|^q$|^x$"),
     ("voltage", r"voltage|spannung|\bu ?q\b"),
 )
 """Signals in the order in which they are looked for, and what the name of their column has in it."""

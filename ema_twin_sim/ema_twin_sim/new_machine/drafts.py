@@ -19,13 +19,11 @@ from ema_bench_replay.units import signal_unit, unit_in
 from ..model import load_model
 from ..reading_noise import reading_noise
 from .columns import Guess, Guesses
+from .shaft import ALIKE, Shaft, position_shaft, ratio_of_positions
 
 CHECK = "CHECK"
-_MOVING = 0.3  # of the furthest way
 _FEWEST = 10
 _COUNTS = re.compile(r"count|cnt|increment|inkrement|tick|pulse", re.IGNORECASE)
-_ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
-_WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
 
 
 @dataclass(frozen=True)
@@ -35,6 +33,7 @@ class Given:
     name: str
     gear_ratio: float | None = None
     torque_constant: float | None = None  # N m/A, or N/A where the machine is linear
+    shaft: str | None = None  # of the motor's position: motor or output
 
 
 def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[str, str]:
@@ -44,7 +43,9 @@ def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[
     """
     with tempfile.TemporaryDirectory() as folder:
         files = Path(folder) / "map.yaml", Path(folder) / "model.yaml"
-        drafted = draft_map(guesses, f"{given.name}'s traces" if trace is None else trace.name)
+        of = f"{given.name}'s traces" if trace is None else trace.name
+        shaft = Shaft(given.shaft or "motor")
+        drafted = draft_map(guesses, of, shaft)
         files[0].write_text(drafted)
         load_map(files[0])
         if trace is None:  # what a recording would tell of the sensors is left out
@@ -53,14 +54,18 @@ def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[
             recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
         else:
             recording = load(trace, import_map=files[0])
-        model = draft_model(recording, given)
+            units = {guess.signal: guess.unit for guess in guesses.signals}
+            known = None not in (units.get("motor_position"), units.get("speed"))
+            shaft = position_shaft(recording, given.gear_ratio, units_known=known)
+            drafted = draft_map(guesses, of, shaft)
+        model = draft_model(recording, given, shaft)
         files[1].write_text(model)
         load_model(files[1])
     return drafted, model
 
 
-def draft_map(guesses: Guesses, trace: str) -> str:
-    """YAML of an import map that reads a trace with these columns."""
+def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
+    """YAML of an import map that reads a trace with these columns; ``shaft`` is that of the motor's position."""
     lines = [
         f"# First import map of {trace}, guessed from its header. Look at every line that says {CHECK}.",
         "version: 1",
@@ -75,7 +80,7 @@ def draft_map(guesses: Guesses, trace: str) -> str:
         doubt = _comment("" if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     lines.append("signals:")
-    lines += [_signal_line(guess, guesses.motion) for guess in guesses.signals]
+    lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
     if not guesses.drives:
         lines.append(
             f"# {CHECK}: no current and no torque was found, which all rests on. Where a voltage commands the drive's "
@@ -88,10 +93,13 @@ def draft_map(guesses: Guesses, trace: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draft_model(recording: Recording, given: Given) -> str:
-    """YAML of a first model: all inertia in one number, everything open that the recording may tell."""
+def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
+    """YAML of a first model: all inertia in one number, everything open that the recording may tell.
+
+    The recording's motor position is as its column has it, of that ``shaft``.
+    """
     motion = recording.motion
-    sensors = _sensor_lines(recording)
+    sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
@@ -101,8 +109,8 @@ def draft_model(recording: Recording, given: Given) -> str:
         f"  name: {given.name}",
         *([f"  motion: {motion}"] if motion != "rotary" else []),
         f"  inertia: {{value: {inertia:g}, unit: {unit_in('kg m^2', motion)}, tolerance: open, source: start value}}"
-        "  # at the motor",
-        *_ratio_lines(recording, given.gear_ratio),
+        + ("  # of all that moves" if motion == "linear" else "  # of all that turns, at the motor"),
+        *_ratio_lines(recording, given.gear_ratio, shaft),
         *_torque_lines(recording, given.torque_constant),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
@@ -115,17 +123,19 @@ def draft_model(recording: Recording, given: Given) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _ratio_lines(recording: Recording, given: float | None) -> list[str]:
-    """The gear ratio: given, or what both positions show, or one of a rotary machine."""
-    shown = None if given else _ratio(recording)
+def _ratio_lines(recording: Recording, given: float | None, shaft: Shaft) -> list[str]:
+    """The gear ratio: given, or what position and speed or both positions show, or one of a rotary machine."""
+    shown = None if given else ratio_of_positions(recording)
     doubt = ""
     if given:
         value, source = given, "given"
+    elif shaft.ratio is not None:
+        value, source, doubt = shaft.ratio, "speed over position", "of the motor's speed to its position"
     elif shown is not None:
         value, source = abs(shown), "slope of both positions"
         if shown < 0.0:
             doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
-        elif abs(shown - 1.0) < _ALIKE:
+        elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
     elif recording.motion == "rotary":
         value, source, doubt = 1.0, "assumed", "turns of the motor per turn of the output"
@@ -143,8 +153,11 @@ def _torque_lines(recording: Recording, given: float | None) -> list[str]:
     return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}, source: {source}}}{_comment(doubt)}"]
 
 
-def _sensor_lines(recording: Recording) -> list[str]:
-    """What a recording tells of its sensors; nothing where there is none yet."""
+def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
+    """What a recording tells of its sensors; nothing where there is none yet.
+
+    The motor turns ``ratio`` times as far as its position tells.
+    """
     if len(recording) <= _FEWEST:
         return []
     motion = recording.motion
@@ -153,7 +166,7 @@ def _sensor_lines(recording: Recording) -> list[str]:
     for side in ("motor", "output"):
         if not recording.has(f"{side}_position"):
             continue
-        position = _finite(recording.signals[f"{side}_position"])
+        position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
         step, source = _smallest_step(position), "smallest step of the recording"
         if step is None:  # as fine as a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
@@ -168,6 +181,13 @@ def _sensor_lines(recording: Recording) -> list[str]:
                 f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
+    if recording.has("motor_torque") and not recording.has("current"):
+        noise = reading_noise(_finite(recording.signals["motor_torque"]))
+        torque = signal_unit("motor_torque", motion)
+        lines.append(
+            f"  current_noise: {{value: {noise:.3g}, unit: A, "
+            f"source: third differences of the recording; one ampere stands for one {torque}}}"
+        )
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     return lines
@@ -177,17 +197,23 @@ def _comment(doubt: str) -> str:
     return f"  # {CHECK}: {doubt}" if doubt else ""
 
 
-def _signal_line(guess: Guess, motion: str) -> str:
+def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
+    of_output = ", shaft: output" if guess.signal == "motor_position" and shaft.name == "output" else ""
     if guess.unit is None and guess.signal.endswith("position") and _COUNTS.search(guess.column):
         return (
-            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: 4096}}"
+            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: 4096{of_output}}}"
             f"  # {CHECK}: the counts of one turn, all edges counted"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
     doubt = _comment("" if guess.unit else "the header names no unit of it")
     if guess.signal == "motor_position":
-        doubt = doubt or "  # of the motor's shaft; `shaft: output` where it is given as the output's"
-    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}}}{doubt}"
+        usual = (
+            ""
+            if of_output or motion == "linear"
+            else "  # of the motor's shaft; `shaft: output` where it is given as the output's"
+        )
+        doubt = doubt or _comment(shaft.doubt) or usual
+    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{of_output}}}{doubt}"
 
 
 def _quoted(column: str) -> str:
@@ -198,21 +224,6 @@ def _quoted(column: str) -> str:
     special = set(r".^$*+?{}[]\|()")
     plain = "".join("\\" + mark if mark in special else mark for mark in column)
     return "'" + plain.replace("'", "''") + "'"
-
-
-def _ratio(recording: Recording) -> float | None:
-    """The gear ratio that both positions show, negative where they turn against each other; None where they do not."""
-    if not recording.has("motor_position", "output_position"):
-        return None
-    lag = max(1, int(_WINDOW * len(recording)))
-    motor, output = (
-        recording.signals[name][lag:] - recording.signals[name][:-lag] for name in ("motor_position", "output_position")
-    )
-    both = np.isfinite(motor) & np.isfinite(output) & (output != 0.0)
-    far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
-    if far.sum() < _FEWEST:
-        return None
-    return float(np.median(motor[far] / output[far]))
 
 
 def _smallest_step(values: np.ndarray) -> float | None:

@@ -24,6 +24,8 @@ from ema_bench_replay.recording import Recording
 
 from ..discovery.discover import Discovery
 from ..discovery.evidence import Compared, compared_fits
+from ..discovery.halves import HALF_OF
+from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 
 _CHUNK = 1_000_000_000  # ns
 
@@ -43,8 +45,10 @@ def write_evidence(found: Discovery, recordings: Sequence[Recording], path: Path
 
     ``/evidence/STEP/RECORDING/torque`` holds the measured motor torque and what the model before and after the step
     needs for the measured motion, ``…/left_over`` measured minus model (before, after, and with the runner-up in its
-    place), ``…/encoder_difference`` the output encoder minus the motor's over the ratio. Raises InputError where the
-    file exists (without ``force``) or cannot be written.
+    place), ``…/encoder_difference`` the output encoder minus the motor's over the ratio. Operating points have no time
+    to speak of: theirs are ``…/over_position/forward/torque`` and so on (backward; over_speed where they have no
+    position), with a second for each radian of the motor, or rad/s, from the least on. Raises InputError where the file
+    exists (without ``force``) or cannot be written.
     """
     topics = [
         topic
@@ -62,6 +66,9 @@ def write_evidence(found: Discovery, recordings: Sequence[Recording], path: Path
 
 
 def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compared, at: str) -> Iterator[_Topic]:
+    if recordings[0].of_points:
+        yield from _topics_of_points(found, recordings, compared, at)
+        return
     eq = found.equation
     residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
     parts = zip(recordings, eq.observations, eq.torque_parts, eq.encoder_parts, strict=True)
@@ -77,6 +84,38 @@ def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compare
             stamps = _stamps(recording, o.motion[o.encoder_rows, 0])
             series = {"measured": o.encoder - np.median(o.encoder), **_titled(apart, compared)}
             yield _Topic(f"{here}/encoder_difference", "position", stamps, series)
+
+
+def _topics_of_points(
+    found: Discovery, recordings: Sequence[Recording], compared: Compared, at: str
+) -> Iterator[_Topic]:
+    """Torques of operating points in the order of their positions, those come to from either side by themselves.
+
+    The halves of a lone table stand together again.
+    """
+    eq = found.equation
+    residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
+    wholes: dict[str, list[int]] = {}
+    for k, recording in enumerate(recordings):
+        wholes.setdefault(recording.metadata.get(HALF_OF, recording.name), []).append(k)
+    for whole, halves in wholes.items():
+        parts = [(eq.observations[k], eq.torque_parts[k]) for k in halves]
+        motion = np.concatenate([o.motion[o.rows] for o, _ in parts])
+        measured = np.concatenate([o.torque for o, _ in parts])
+        left = {name: np.concatenate([r[part] * o.torque_noise for o, part in parts]) for name, r in residuals.items()}
+        by, column = ("position", MOTOR_ANGLE) if np.ptp(motion[:, MOTOR_ANGLE]) > 0.0 else ("speed", SPEED)
+        over = motion[:, column] - motion[:, column].min()
+        for way, sense in (("forward", 1.0), ("backward", -1.0)):
+            chosen = np.flatnonzero(np.sign(motion[:, SPEED]) == sense)
+            chosen = chosen[np.argsort(over[chosen], kind="stable")]
+            if not len(chosen):
+                continue
+            here = f"{at}/{_name(whole)}/over_{by}/{way}"
+            stamps = _stamps(recordings[halves[0]], over[chosen])
+            series = {name: values[chosen] for name, values in left.items()}
+            models = {f"model {name}": measured[chosen] - series[name] for name in ("before", "after")}
+            yield _Topic(f"{here}/torque", "effort", stamps, {"measured": measured[chosen], **models})
+            yield _Topic(f"{here}/left_over", "effort", stamps, _titled(series, compared))
 
 
 def _titled(series: Mapping[str, np.ndarray], compared: Compared) -> dict[str, np.ndarray]:

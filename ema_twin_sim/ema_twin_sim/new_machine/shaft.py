@@ -1,0 +1,67 @@
+"""Of which shaft a motor's position is given: guessed from how far it goes where the motor's speed is known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..discovery.consistency import is_usual_mistake, way_by_speed
+
+OWN = 0.1  # of one, within which a position goes the way of the motor's speed
+ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
+SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that was given
+_MOVING = 0.3  # of the furthest way
+_FEWEST = 10
+_WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Whose turns a motor's position counts, ``motor`` or ``output``; the gear ratio that shows, and what to look at.
+
+    ``ratio`` is None where the recording shows none. An empty ``doubt`` leaves none.
+    """
+
+    name: str = "motor"
+    ratio: float | None = None
+    doubt: str = ""
+
+
+def position_shaft(recording: Recording, gear_ratio: float | None, *, units_known: bool) -> Shaft:
+    """The shaft of a recording's motor position, read as the motor's; ``gear_ratio`` is the one given, if any."""
+    if recording.motion != "rotary" or recording.of_points:
+        return Shaft()
+    between = ratio_of_positions(recording)
+    alike = between is not None and abs(between - 1.0) < ALIKE
+    times = way_by_speed(recording) if units_known else None
+    if times is None:
+        if alike and gear_ratio is not None and abs(gear_ratio - 1.0) > OWN:
+            return Shaft("output", gear_ratio, "it turns as the output does: taken for the output's angle")
+        return Shaft()
+    if abs(abs(times) - 1.0) < OWN:
+        return Shaft()
+    told = f"it goes {abs(times):.4g} times the way that the speed makes"
+    ratio = 1.0 / abs(times)
+    if gear_ratio is not None and abs(ratio / gear_ratio - 1.0) > SAME_RATIO:
+        return Shaft(doubt=f"{told}, where 1 or one over the gear ratio was to be expected; are the units right?")
+    if gear_ratio is None and not alike and (ratio < 1.0 or is_usual_mistake(times)):
+        return Shaft(doubt=f"{told}; are the units of both right?")
+    return Shaft("output", gear_ratio or ratio, f"{told}: taken for the output's angle")
+
+
+def ratio_of_positions(recording: Recording) -> float | None:
+    """The gear ratio that both positions show, negative where they turn against each other; None where they do not."""
+    if not recording.has("motor_position", "output_position"):
+        return None
+    lag = max(1, int(_WINDOW * len(recording)))
+    motor, output = (
+        recording.signals[name][lag:] - recording.signals[name][:-lag] for name in ("motor_position", "output_position")
+    )
+    both = np.isfinite(motor) & np.isfinite(output) & (output != 0.0)
+    far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
+    if far.sum() < _FEWEST:
+        return None
+    return float(np.median(motor[far] / output[far]))

@@ -1,0 +1,43 @@
+"""The command line as tests call it: what it answers, and the one line of a refusal."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+TWIN = Path(sys.prefix) / "bin" / "ema-twin"
+MODEL = ("--model", "polito_bench")
+
+
+# as wide as without a terminal: readline, which pytest loads, leaves a COLUMNS behind that only its children see
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+
+
+def twin(*arguments, cwd=None, timeout=60, answers=None):
+    return subprocess.run(
+        [TWIN, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        timeout=timeout,
+        check=False,
+        input=answers,
+        env=ENVIRONMENT,
+    )
+
+
+def done(*arguments, **options):
+    result = twin(*arguments, **options)
+    assert result.returncode == 0, result.stderr
+    return result
+
+
+def refused(*arguments, naming=(), **options):
+    """The one line that a refusal is."""
+    result = twin(*arguments, **options)
+    assert result.returncode == 2, (result.returncode, result.stdout, result.stderr)
+    lines = [line for line in result.stderr.splitlines() if not line.startswith("warning:")]
+    assert len(lines) == 1 and lines[0].startswith("error: "), result.stderr
+    for word in naming:
+        assert word in lines[0], lines[0]
+    return lines[0]

@@ -1,0 +1,28 @@
+"""A Siemens trace as text, for tests that change it, and the one line of a refusal."""
+
+import math
+
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.import_map import load_map
+
+SIEMENS = load_map("siemens")
+HEADER = "X [ms];C0:Drive_axis_1.r4821;C1:Drive_axis_1.r4820;C4:Drive_axis_1.r77;C5:Drive_axis_1.r76;"
+ROWS = [
+    "0,0;999.998;-20.480;0,1000;0,1010;",
+    "2,0;1.000.001;-20.470;0,2000;0,1980;",
+    "4,0;1.000.004;-20.460;0,3000;0,2970;",
+    "6,0;1.000.007;-20.450;0,4000;0,4030;",
+]
+RPM = 2 * math.pi / 60
+
+
+def refused(path, *words):
+    with pytest.raises(InputError) as caught:
+        load(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    for word in (str(path), "; ", *words):
+        assert word in message, message
