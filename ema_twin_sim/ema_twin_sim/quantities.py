@@ -22,6 +22,13 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     return f"{number:.{decimals}f} {prefix}{unit}"
 
 
+def axis_unit(largest: float, unit: str) -> tuple[float, str]:
+    """What to divide numbers up to ``largest`` by so that an axis reads well, and their unit then: ``1e-3, 'mA'``."""
+    if not (math.isfinite(largest) and largest > 0.0):
+        return 1.0, unit
+    return next(((s, f"{p}{unit}") for s, p in reversed(_PREFIXES) if largest >= s), (_PREFIXES[0][0], f"n{unit}"))
+
+
 def estimate(value: float, std: float | None, unit: str) -> str:
     """``0.07968, 0.00085, 'N m'`` as ``79.7 ± 0.8 mN m``: no digit that the standard error makes meaningless.
 

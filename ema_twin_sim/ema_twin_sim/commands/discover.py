@@ -14,10 +14,19 @@ from ..quantities import estimate, quantity
 from . import options
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, groups_sentence, listed, options_words, order_sentences, verdict_sentence
+from .wording import (
+    change_words,
+    effect_words,
+    groups_sentence,
+    has_moved,
+    options_words,
+    order_sentences,
+    verdict_sentence,
+    why_step,
+)
 
 if TYPE_CHECKING:
-    from ..discovery.discover import Discovery, Step
+    from ..discovery.discover import Discovery
 
 EXAMPLES = """Examples:
 
@@ -123,7 +132,7 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
         if _is_crowded(found):
             for step in found.steps:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"
-                say(f"{what} {effect_words(step.instance)}: {_why(step)}.")
+                say(f"{what} {effect_words(step.instance)}: {why_step(step)}.")
     if found.parameters:
         console.print(_parameters(found))
     for sentence in order_sentences(found.model, found.parameters):
@@ -163,7 +172,7 @@ def _steps(found: Discovery) -> ReportTable:
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
-            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(_why(step)))))
+            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(why_step(step)))))
             continue
         table.add_row(
             f"+ {effect_words(step.instance)}",
@@ -172,7 +181,7 @@ def _steps(found: Discovery) -> ReportTable:
             quantity(step.rmse_after, step.unit),
             "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
-            *(() if crowded else (escape(_why(step)),)),
+            *(() if crowded else (escape(why_step(step)),)),
         )
     return table
 
@@ -185,27 +194,6 @@ def _has_output(found: Discovery) -> bool:
 def _is_crowded(found: Discovery) -> bool:
     """Whether the table of the steps has no room for words on them."""
     return is_narrow() and _has_output(found)
-
-
-def _why(step: Step) -> str:
-    """What was in an effect's stead when it was added, or the reason why it was dropped."""
-    return _runner_up(step) if step.action == "add" else step.reason
-
-
-def _runner_up(step: Step) -> str:
-    """The best of what was tried in its place, and how much less that explains."""
-    tried: Sequence[Mapping[str, Any]] = step.tried
-    took = next((trial for trial in tried if step.instance in trial["names"]), None)
-    other = next((trial for trial in tried if step.instance not in trial["names"]), None)
-    if took is None or other is None:
-        return "none came near"
-    name = listed(map(effect_words, other["names"]))
-    share = other["gain"] / took["gain"]
-    if share <= 0.0:
-        return f"{name}, not worth its price"
-    if share >= 0.995:
-        return f"{name}, as much gain alone"
-    return f"{name}, {f'{100.0 * share:.0f}' if share >= 0.01 else '<1'} % of the gain"
 
 
 def _parameters(found: Discovery) -> ReportTable:
@@ -232,9 +220,9 @@ def _constants(found: Discovery) -> ReportTable:
     for part, entries in constants.items():
         for name, held in entries.items():
             value, nominal, std = held["value"], held["nominal"], held["std"]
-            if abs(value - nominal) > (std or 0.0):
+            if has_moved(held):
                 numbers = (estimate(nominal, None, held["unit"]), estimate(value, std, held["unit"]))
-                table.add_row(effect_words(part), name.replace("_", " "), *numbers, _change(held))
+                table.add_row(effect_words(part), name.replace("_", " "), *numbers, change_words(held))
     return table
 
 
@@ -249,9 +237,5 @@ def _moved_slightly(found: Discovery) -> list[str]:
             distance = abs(held["value"] - held["nominal"])
             if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= (held["std"] or 0.0):
                 named = name.replace("_", " ") if part in PARTS else effect_words(part)
-                moved.append(f"{named} {_change(held)}")
+                moved.append(f"{named} {change_words(held)}")
     return moved
-
-
-def _change(held: Mapping[str, Any]) -> str:
-    return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ..discovery.discover import Step
     from ..model import Model
 
 _WHOLE = 0.02  # cycles within which an order is a whole number
@@ -122,3 +123,34 @@ def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
         return ""
     apart = "; ".join(listed(map(effect_words, group), "or") for group in groups)
     return f"These recordings cannot tell apart: {apart}."
+
+
+def why_step(step: Step) -> str:
+    """What was in an effect's stead when it was added, or the reason why it was dropped."""
+    return _runner_up(step) if step.action == "add" else step.reason
+
+
+def _runner_up(step: Step) -> str:
+    """The best of what was tried in its place, and how much less that explains."""
+    tried: Sequence[Mapping[str, Any]] = step.tried
+    took = next((trial for trial in tried if step.instance in trial["names"]), None)
+    other = next((trial for trial in tried if step.instance not in trial["names"]), None)
+    if took is None or other is None:
+        return "none came near"
+    name = listed(map(effect_words, other["names"]))
+    share = other["gain"] / took["gain"]
+    if share <= 0.0:
+        return f"{name}, not worth its price"
+    if share >= 0.995:
+        return f"{name}, as much gain alone"
+    return f"{name}, {f'{100.0 * share:.0f}' if share >= 0.01 else '<1'} % of the gain"
+
+
+def change_words(held: Mapping[str, Any]) -> str:
+    """By how much a refitted constant moved: ``+0.4 %``; empty where it was zero."""
+    return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""
+
+
+def has_moved(held: Mapping[str, Any]) -> bool:
+    """Whether a refitted constant moved by more than its standard error."""
+    return bool(abs(held["value"] - held["nominal"]) > (held["std"] or 0.0))

@@ -93,8 +93,8 @@ def compare(
         twin = simulate(model, recording, chosen, step=step)
         running = RunningComparison(model, chosen, period=recording.sample_period)
         residuals = running.add_rows(recording.signals, twin.signals)
-        for name in residuals.keys() & set(_explained(chosen)):
-            stretches[name].append(_stretch(recording, twin, residuals[name], model.value("machine.gear_ratio")))
+        for name in residuals.keys() & set(explained_signals(chosen)):
+            stretches[name].append(stretch_of(recording, twin, residuals[name], model.value("machine.gear_ratio")))
         error = torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
@@ -128,11 +128,8 @@ def _dependences(
     """Where a signal's residual is large, in the machine's own units; ``standstill`` [rad/s]."""
     if model.radius is None:
         return find_dependences(name, UNITS[name], parts, torque, standstill=standstill)
-    (residual, unit), (way, _) = shown(model, 1.0, UNITS[name]), shown(model, 1.0, "rad")
-    own = [
-        Stretch(p.residual * residual, p.speed * way, p.motor_angle * way, p.output_position * way, p.time)
-        for p in parts
-    ]
+    (_, unit), (way, _) = shown(model, 1.0, UNITS[name]), shown(model, 1.0, "rad")
+    own = [in_own_units(model, name, part) for part in parts]
     return find_dependences(name, unit, own, torque, motion="linear", standstill=standstill * way)
 
 
@@ -160,12 +157,20 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
     return found
 
 
-def _explained(source: str) -> tuple[str, ...]:
+def in_own_units(model: Model, name: str, stretch: Stretch) -> Stretch:
+    """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
+    residual, way = shown(model, 1.0, UNITS[name])[0], shown(model, 1.0, "rad")[0]
+    scaled = (stretch.residual * residual, stretch.speed * way, stretch.motor_angle * way)
+    return Stretch(*scaled, stretch.output_position * way, stretch.time)
+
+
+def explained_signals(source: str) -> tuple[str, ...]:
     """The signals whose errors are traced to a place: the headline of the input, and the encoders' difference."""
     return ("unexplained_torque",) if source == "current" else ("current", "output_position")
 
 
-def _stretch(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:
+def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:
+    """A residual (n,) with what it may depend on; ``ratio`` is the gearbox's."""
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:

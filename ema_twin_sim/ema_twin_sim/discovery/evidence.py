@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
@@ -230,7 +231,7 @@ def _view(
     order: float | None = None,
 ) -> View:
     """Curves of what is left over (m,) against ``x`` (m,), for each direction where the ``speed`` (m,) is given."""
-    edges = _edges(x, narrow=against in NARROW_AT_ZERO)
+    edges = bin_edges(x, BINS, narrow=against in NARROW_AT_ZERO)
     if speed is None:
         directions = {"both": np.ones(len(x), bool)}
     else:
@@ -239,27 +240,14 @@ def _view(
     change = left["before"] - left["after"]
     explained = 0.0
     for direction, chosen in directions.items():
-        place = np.clip(np.searchsorted(edges, x[chosen], side="right") - 1, 0, BINS - 1)
-        rows = [np.flatnonzero(place == k) for k in range(BINS)]
-        rows = [found for found in rows if len(found) >= FEWEST]
+        rows = rows_by_bin(x[chosen], edges, FEWEST)
         explained += sum(len(found) * float(np.mean(change[chosen][found])) ** 2 for found in rows)
         centres = np.array([np.median(x[chosen][found]) for found in rows])
         for name, values in left.items():
-            quartiles = np.array([np.quantile(values[chosen][found], (0.25, 0.5, 0.75)) for found in rows])
-            lower, median, upper = quartiles.reshape(-1, 3).T
+            lower, median, upper = quartiles(values[chosen], rows)
             curves.append(Curve(name, direction, centres, median, lower, upper))
     total = float(change @ change)
     return View(kind, against, unit, order, explained / total if total > 0.0 else 0.0, tuple(curves))
-
-
-def _edges(x: np.ndarray, *, narrow: bool) -> np.ndarray:
-    """Edges of the bins of a quantity; narrow ones about zero where much happens there."""
-    if len(x) == 0:
-        return np.linspace(0.0, 1.0, BINS + 1)
-    if not narrow:
-        return np.linspace(x.min(), x.max(), BINS + 1)
-    root = np.sqrt(np.abs(x).max()) * np.linspace(-1.0, 1.0, BINS + 1)
-    return root * np.abs(root)
 
 
 def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:

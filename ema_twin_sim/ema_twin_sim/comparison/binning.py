@@ -1,0 +1,28 @@
+"""Bins of a quantity, in which a residual is summed up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def bin_edges(x: np.ndarray, bins: int, *, narrow: bool) -> np.ndarray:
+    """Edges (bins + 1,) over the values ``x`` (n,); ``narrow`` ones about zero, where much happens there."""
+    if len(x) == 0:
+        return np.linspace(0.0, 1.0, bins + 1)
+    if not narrow:
+        return np.linspace(x.min(), x.max(), bins + 1)
+    root = np.sqrt(np.abs(x).max()) * np.linspace(-1.0, 1.0, bins + 1)
+    return root * np.abs(root)
+
+
+def rows_by_bin(x: np.ndarray, edges: np.ndarray, fewest: int) -> list[np.ndarray]:
+    """The indices into ``x`` (n,) of each bin that holds ``fewest`` or more."""
+    place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
+    rows = (np.flatnonzero(place == k) for k in range(len(edges) - 1))
+    return [found for found in rows if len(found) >= fewest]
+
+
+def quartiles(values: np.ndarray, rows: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Lower quartiles, medians and upper quartiles (b,) of the values in each bin."""
+    lower, median, upper = np.array([np.quantile(values[found], (0.25, 0.5, 0.75)) for found in rows]).reshape(-1, 3).T
+    return lower, median, upper
