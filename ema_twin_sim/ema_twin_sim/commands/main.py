@@ -30,6 +30,7 @@ from . import (
     live,
     plan,
     remove,
+    report,
     simulate,
 )
 
@@ -45,7 +46,8 @@ app = typer.Typer(
     "add what is missing, watch the error fall.",
 )
 for verb in (
-    init, import_, compare, diagnose, discover, fit, plan, live, simulate, add, remove, effects, info, export, demo,
+    init, import_, compare, diagnose, discover, report, fit, plan, live, simulate, add, remove, effects, info, export,
+    demo,
 ):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")
     app.command(name, epilog=verb.EXAMPLES)(verb.run)

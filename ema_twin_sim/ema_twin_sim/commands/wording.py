@@ -52,14 +52,13 @@ def verdict_sentence(
     depends_on: Sequence[str],
     without: Sequence[str] = (),
     groups: Sequence[Sequence[str]] = (),
+    model: str = "Your model",
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
     ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
     """
-    lacks = (
-        f"Your model lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
-    )
+    lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
         return "Nothing is missing that these recordings could show."
     if verdict == "explained":

@@ -1,0 +1,150 @@
+"""``ema-twin report``: one page that tells what a model lacked, how sure that is, and what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+from . import options
+from .output import console, status, warn
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..model import Model
+    from ..report.findings import Findings
+
+EXAMPLES = """Examples:
+
+ema-twin report recordings --model polito_bench --model better.yaml -o report.html
+
+ema-twin report recordings --model polito_bench --model better.yaml --discovery found.json -o report.html
+
+ema-twin report runs/*.CSV --model polito_bench --model better.yaml --held-out tuesday -o report.html"""
+
+
+def run(
+    runs: options.Runs,
+    model: Annotated[
+        list[str], typer.Option("--model", "-m", help="The model before, then the model after: give two.")
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="REPORT.html", help="The page to write.")],
+    discovery: Annotated[
+        Path | None,
+        typer.Option(
+            "--discovery",
+            metavar="FILE.json",
+            help="What discover --json wrote (or diagnose --json); without it, the search is made again.",
+        ),
+    ] = None,
+    held_out: Annotated[
+        list[Path] | None,
+        typer.Option("--held-out", metavar="RUN", help="Recordings that were not fitted to. May be repeated."),
+    ] = None,
+    input: options.Input = None,
+    with_files: options.WithFiles = None,
+    import_map: options.ImportMap = "siemens",
+    start: options.From = None,
+    end: options.To = None,
+    strict: options.Strict = False,
+    force: options.Force = False,
+) -> None:
+    """Write a page for a colleague: what was wrong with a model, how sure that is, and what is left.
+
+    One HTML file that needs no network: both models beside the recordings, where they fail, the diagnosis with its
+    runners-up, the steps of the search, and the recording to make next.
+    """
+    from ..model import load_model
+    from ..own_effects import load_effects
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs
+
+    if len(model) != 2:
+        raise InputError(
+            f"report compares two models, the one before and the one after: --model was given {len(model)} time(s)"
+        )
+    given = [*runs, *(held_out or ())]
+    refuse_inputs([*input_files(given, model, import_map, with_files), *([discovery] if discovery else [])], output)
+    check_page_name(output)
+    refuse_existing(force, output)
+    load_effects(with_files or ())
+    before, after = (load_model(name) for name in model)
+    recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
+    apart = load_runs(held_out, import_map=import_map, strict=strict, least=2) if held_out else []
+
+    from ..report.findings import read_findings
+
+    findings, undiagnosed = (read_findings(discovery), "") if discovery else (None, "")
+    with status() as progress:
+        if discovery is None:
+            findings, undiagnosed = _searched(recordings, before, progress)
+        progress("comparing both models, and writing the page")
+        write_page(
+            output,
+            recordings,
+            (before, after),
+            model,
+            findings,
+            held_out=apart,
+            source=input,
+            undiagnosed=undiagnosed,
+            force=force,
+        )
+    if undiagnosed:
+        warn(undiagnosed)
+    console.print(f"{output} is the report: open it in any browser, or send it.", markup=False, soft_wrap=True)
+
+
+def check_page_name(path: Path | None) -> None:
+    """Raise InputError where the name of a report does not tell what it is."""
+    if path is not None and path.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{path}: a report is a page; name it .html")
+
+
+def write_page(
+    output: Path,
+    recordings: Sequence[Recording],
+    models: tuple[Model, Model],
+    labels: Sequence[str],
+    findings: Findings | None,
+    *,
+    held_out: Sequence[Recording] = (),
+    source: str | None = None,
+    story: str = "",
+    undiagnosed: str = "",
+    force: bool = False,
+) -> None:
+    """Compare both models with the recordings, and write the page; ``labels`` tell models of one name apart.
+
+    Raises InputError where a recording lacks the input's signal, or where the page cannot be written.
+    """
+    from ..report.content import Content, shown
+    from ..report.page import write_report
+    from .main import VERSION
+
+    names = [model.name for model in models]
+    first, second = labels if names[0] == names[1] else names
+    given = shown(recordings, models, source)
+    apart = shown(held_out, models, source) if held_out else None
+    content = Content(models, (first, second), given, apart, findings, VERSION, story, undiagnosed)
+    write_report(output, content, force=force)
+
+
+def _searched(
+    recordings: Sequence[Recording], model: Model, progress: Callable[[str], None]
+) -> tuple[Findings | None, str]:
+    """What a search beside the recordings finds; or nothing, and why they cannot be judged."""
+    from ..discovery.diagnose import weigh
+    from ..discovery.discover import discover
+    from ..report.findings import findings_of
+
+    try:
+        found = discover(recordings, model, progress=progress)
+    except InputError as refused:
+        return None, f"no diagnosis: {refused}"
+    progress("weighing what was found")
+    return findings_of(found, weigh(found)), ""

@@ -1,0 +1,87 @@
+"""A model beside a recording, sample by sample, in the machine's own units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..comparison.compare import explained_signals, in_own_units, stretch_of
+from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
+from ..comparison.where import Stretch
+from ..model import Model
+from ..model.equivalent import as_rotary, shown
+from ..model.matching import BY_TORQUE
+from ..simulation.simulate import choose_input, simulate
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """One signal, float64 (n,) each: what was measured, and what the twin leaves over (measured minus twin)."""
+
+    measured: np.ndarray
+    residual: np.ndarray
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """One recording beside a model: its curves by signal, and the residuals that are traced to a place."""
+
+    name: str
+    way: str  # rad or m
+    time: np.ndarray  # s (n,)
+    speed: np.ndarray  # (n,), of the motor
+    motor_position: np.ndarray | None  # (n,)
+    of_points: bool
+    curves: Mapping[str, Curves]
+    stretches: Mapping[str, Stretch]
+
+
+def beside(recordings: Sequence[Recording], model: Model, source: str | None = None) -> list[Beside]:
+    """Simulate a model beside each recording, as ``compare`` does; ``source`` is the input.
+
+    Raises InputError where a recording lacks the input's signal.
+    """
+    matched, model = as_rotary(recordings, model)
+    return [_beside(recording, model, choose_input(recording, source)) for recording in matched]
+
+
+def _beside(recording: Recording, model: Model, source: str) -> Beside:
+    twin = simulate(model, recording, source)
+    residuals = RunningComparison(model, source, period=recording.sample_period).add_rows(
+        recording.signals, twin.signals
+    )
+    ratio, constant = model.value("machine.gear_ratio"), model.value("machine.torque_constant")
+    by_torque = BY_TORQUE in recording.metadata
+    curves, stretches = {}, {}
+    place = None
+    for name, residual in residuals.items():
+        place = in_own_units(model, name, stretch_of(recording, twin, residual, ratio))
+        if name in DRIVEN.get(source, ()):
+            continue
+        torque = name == "unexplained_torque"
+        measured = recording.signals["current"] * constant if torque else recording.signals[name]
+        size, unit = shown(model, 1.0, UNITS[name])
+        if name == "current" and by_torque:  # as compare names it
+            name, unit, size = "motor_torque", "N m", constant
+            place = replace(place, residual=place.residual * constant)
+        curves[name] = Curves(measured * size, residual * size, unit)
+        if name in (*explained_signals(source), "motor_torque"):
+            stretches[name] = place
+    speed = place.speed if place is not None else np.zeros(len(recording))
+    motor = recording.signals.get("motor_position")
+    way, unit_of_way = shown(model, 1.0, "rad")
+    return Beside(
+        recording.name,
+        unit_of_way,
+        recording.time,
+        speed,
+        None if motor is None else motor * way,
+        recording.of_points,
+        curves,
+        stretches,
+    )

@@ -1,0 +1,98 @@
+"""Charts as plotly draws them, in the page's own colours; arrays are packed, so that a page stays small."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .markup import Markup, tag
+
+Trace = dict[str, Any]
+
+BENCH, BEFORE, AFTER, RIVAL, FAINT, BAND = (
+    f"@{name}" for name in ("bench", "before", "after", "rival", "faint", "band")
+)
+"""Colours by name: the page's style sheet says what they are, on light ground and on dark."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One chart: traces and layout as plotly takes them, or ``choices`` of both, one a recording.
+
+    ``label`` says what is seen, for those who cannot; charts of one ``link`` are zoomed together along their x axes.
+    """
+
+    label: str
+    caption: str
+    height: int  # pixels
+    layout: Mapping[str, Any]
+    traces: Sequence[Trace] = ()
+    choices: Sequence[Mapping[str, Any]] = ()
+    link: str = ""
+    wide: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """What the page's script draws."""
+        content = {"layout": {**self.layout, "height": self.height}, "link": self.link}
+        return content | ({"choices": list(self.choices)} if self.choices else {"traces": list(self.traces)})
+
+
+@dataclass
+class Charts:
+    """The charts of a page, in the order of their places in it."""
+
+    all: list[Chart] = field(default_factory=list)
+
+    def add(self, chart: Chart) -> Markup:
+        """The place where a chart is drawn."""
+        place = tag("div", "", class_="chart", data_chart=str(len(self.all)), style=f"min-height:{chart.height}px")
+        self.all.append(chart)
+        # the chart itself has buttons, so the label belongs to the figure
+        kind = "wide" if chart.wide else "narrow"
+        return tag("figure", tag("figcaption", chart.caption), place, class_=kind, role="group", aria_label=chart.label)
+
+    def as_json(self) -> str:
+        """All charts, for a script element: no ``<`` in it can end that."""
+        text = json.dumps([chart.as_json() for chart in self.all], allow_nan=False, separators=(",", ":"))
+        return text.replace("<", "\\u003c")
+
+
+def packed(values: np.ndarray) -> dict[str, str]:
+    """An array (n,) as plotly reads it, in single precision: seven digits are more than a screen shows."""
+    return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()}
+
+
+def label(text: str) -> str:
+    """Text from a file as a chart's label: plotly would take tags in it for its own."""
+    return html.escape(text, quote=False)
+
+
+def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float = 1.5, **more: Any) -> Trace:
+    """A curve."""
+    style = {"color": colour, "width": width}
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": packed(x),
+        "y": packed(y),
+        "name": label(name),
+        "line": style,
+        **more,
+    }
+
+
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """An axis with its quantity and unit."""
+    return {"title": {"text": title}, **more}
+
+
+def noise_band(floor: float, x: str = "x", y: str = "y") -> dict[str, Any]:
+    """A band of two standard deviations of the sensors' noise to either side of zero."""
+    place = {"xref": f"{x} domain", "yref": y, "x0": 0, "x1": 1, "y0": -2.0 * floor, "y1": 2.0 * floor}
+    return {"type": "rect", **place, "fillcolor": BAND, "line": {"width": 0}, "layer": "below"}

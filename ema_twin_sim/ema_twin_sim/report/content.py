@@ -1,0 +1,82 @@
+"""What a report is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+
+from ema_bench_replay.recording import NO_DATE, Recording
+
+from ..commands.compare import shown_signals
+from ..commands.wording import listed
+from ..comparison.compare import Comparison, compare, explained_signals
+from ..model import Model
+from .beside import Beside, beside
+from .findings import Findings
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Recordings beside two models, before and after: the errors as ``compare`` gives them, and the curves."""
+
+    recordings: Sequence[Recording]
+    comparisons: tuple[Comparison, Comparison]
+    curves: tuple[list[Beside], list[Beside]]
+
+    @property
+    def signals(self) -> list[str]:
+        """The signals whose errors tell something."""
+        first = self.comparisons[0]
+        return [name for name in shown_signals(first.input, first.overall) if name in self.comparisons[1].overall]
+
+    @property
+    def headlines(self) -> list[str]:
+        """The signals by which models are judged, the output's position first."""
+        headlines = (*explained_signals(self.comparisons[0].input), "motor_torque")
+        telling = [name for name in self.signals if name in headlines]
+        return sorted(telling or self.signals[:1], key=lambda name: name != "output_position")
+
+
+def shown(recordings: Sequence[Recording], models: tuple[Model, Model], source: str | None = None) -> Shown:
+    """Compare both models with the recordings. Raises InputError where a recording lacks the input's signal."""
+    first, second = (compare(recordings, model, source) for model in models)
+    before, after = (beside(recordings, model, source) for model in models)
+    return Shown(recordings, (first, second), (before, after))
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """Everything that a report tells; ``names`` are the models', before and after, told apart."""
+
+    models: tuple[Model, Model]
+    names: tuple[str, str]
+    given: Shown
+    held_out: Shown | None
+    findings: Findings | None
+    version: str
+    story: str = ""  # said below the verdict
+    undiagnosed: str = ""  # why there are no findings
+
+
+def dates(recordings: Sequence[Recording]) -> str:
+    """When recordings were made: ``2026-03-14 09:21 UTC to …``."""
+    known = sorted(recording.start for recording in recordings if recording.start != NO_DATE)
+    if not known:
+        return "no date in the files"
+    texts = [
+        datetime.fromtimestamp(stamp * 1e-9, timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
+        for stamp in (known[0], known[-1])
+    ]
+    missing = len(recordings) - len(known)
+    return " to ".join(dict.fromkeys(texts)) + (f" ({missing} without a date)" if missing else "")
+
+
+def signal_words(name: str) -> str:
+    """``output position``."""
+    return name.replace("_", " ")
+
+
+def signals_listed(names: Sequence[str]) -> str:
+    """``the output position and the current``."""
+    return listed(f"the {signal_words(name)}" for name in names)

@@ -1,0 +1,78 @@
+"""What one model has that another lacks: effects with their sizes, and constants that moved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..commands.wording import effect_words, options_words
+from ..model import Model
+from ..quantities import estimate
+from .findings import Findings, Held
+
+_SAME = 1e-6  # relative: numbers that went through a file and back
+
+
+@dataclass(frozen=True)
+class NewEffect:
+    """An effect that only the later model has; ``parameters`` are ``{value, std, unit}`` by name."""
+
+    name: str
+    effect: str
+    options: Mapping[str, str]
+    parameters: Mapping[str, Held]
+
+    @property
+    def sizes(self) -> str:
+        """``torque 78.3 ± 1.1 mN m, speed 2.06 ± 0.05 rad/s``."""
+        return ", ".join(f"{name} {estimate(h['value'], h['std'], h['unit'])}" for name, h in self.parameters.items())
+
+    @property
+    def words(self) -> str:
+        """``Stribeck friction (torque 78.3 ± 1.1 mN m, …)``."""
+        said = "; ".join(part for part in (options_words(self.options), self.sizes) if part)
+        return f"{effect_words(self.name)} ({said})" if said else effect_words(self.name)
+
+
+def new_effects(before: Model, after: Model, findings: Findings | None = None) -> list[NewEffect]:
+    """The active effects that ``before`` lacks; standard errors where the findings hold them for these very values."""
+    found = []
+    for name, instance in after.active.items():
+        if name in before.active and before.active[name].effect == instance.effect:
+            continue
+        known = (findings.parameters or {}).get(name, {}) if findings else {}
+        parameters = {}
+        for parameter, value in instance.parameters.items():
+            unit = after.parameter_unit(instance.effect, parameter)
+            parameters[parameter] = {"value": value, "std": _std(known.get(parameter), value), "unit": unit}
+        found.append(NewEffect(name, instance.effect, dict(instance.options), parameters))
+    return found
+
+
+def moved_numbers(before: Model, after: Model, findings: Findings | None = None) -> list[tuple[str, Held]]:
+    """What both models have but with other values: a name, and ``{value, std, unit, nominal}``."""
+    known = (findings.constants or {}) if findings else {}
+    pairs = []
+    for path, held in after.constants.items():
+        if path in before.constants:
+            shown = after.shown_path(path)
+            pairs.append((shown, before.value(path), held.value, after.unit(path)))
+    for name, instance in after.effects.items():
+        old = before.effects.get(name)
+        if old is not None and old.effect == instance.effect:
+            for parameter, value in instance.parameters.items():
+                unit = after.parameter_unit(instance.effect, parameter)
+                pairs.append((f"{name}.{parameter}", old.parameters[parameter], value, unit))
+    moved: list[tuple[str, Held]] = []
+    for path, nominal, value, unit in pairs:
+        if not math.isclose(value, nominal, rel_tol=_SAME):
+            part, _, name = path.partition(".")
+            std = _std(known.get(part, {}).get(name), value)
+            moved.append((path, {"value": value, "std": std, "unit": unit, "nominal": nominal}))
+    return moved
+
+
+def _std(held: Held | None, value: float) -> float | None:
+    """The standard error that was found for this value, where it was."""
+    return held["std"] if held is not None and math.isclose(held["value"], value, rel_tol=_SAME) else None

@@ -1,0 +1,215 @@
+"""What a search found, from the search itself or from the JSON that ``discover`` and ``diagnose`` write."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ema_bench_replay.errors import InputError
+
+from ..discovery.diagnose import Ranked
+from ..discovery.discover import Step
+
+if TYPE_CHECKING:
+    from ..discovery.diagnose import Diagnosis
+    from ..discovery.discover import Discovery
+
+Held = Mapping[str, Any]
+"""``{value, std, unit}``, of a constant ``nominal`` too; ``std`` is None where it was not fitted."""
+
+
+@dataclass(frozen=True)
+class UnseenErrors:
+    """RMSE on recordings that were not fitted to: at the start, and after each round; pooled and per recording."""
+
+    signal: str
+    unit: str
+    noise_floor: float
+    rmse: tuple[float, ...]
+    recordings: tuple[tuple[str, tuple[float, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Signature:
+    """What one step changed, against the quantity that shows it best: medians and quartiles per bin, by model."""
+
+    title: str
+    taken: bool
+    runner_up: str
+    left_over: str  # torque or encoder_difference
+    unit: str
+    against: str
+    against_unit: str
+    order: float | None
+    curves: tuple[Held, ...]
+
+
+@dataclass(frozen=True)
+class Findings:
+    """The parts of a discovery and of a diagnosis that a report tells; what is empty was not given."""
+
+    verdict: str  # explained, none or unknown
+    added: tuple[str, ...]
+    ranking: tuple[Ranked, ...] = ()
+    none: float | None = None
+    unknown: float | None = None
+    steps: tuple[Step, ...] = ()
+    parameters: Mapping[str, Mapping[str, Any]] | None = None
+    constants: Mapping[str, Mapping[str, Held]] | None = None
+    groups: tuple[tuple[str, ...], ...] = ()
+    depends_on: tuple[str, ...] = ()
+    next_recording: str = ""
+    stopped: str = ""
+    unseen: UnseenErrors | None = None
+    signatures: tuple[Signature, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
+    """The findings of a search, with what its diagnosis weighs."""
+    from ..discovery.evidence import evidence_json
+
+    told = _read({**found.as_json(), "evidence": evidence_json(found)})
+    return replace(told, ranking=diagnosis.ranking, none=diagnosis.none, unknown=diagnosis.unknown)
+
+
+def read_findings(path: Path) -> Findings:
+    """The findings in a file. Raises InputError where it is none that ``discover`` or ``diagnose`` wrote."""
+    try:
+        content = json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); name what discover --json wrote") from None
+    except ValueError as error:
+        raise InputError(f"{path}: is no JSON ({error}); name what discover --json wrote") from None
+    try:
+        return _read(content)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        what = f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: is not what discover --json or diagnose --json writes ({what})") from None
+
+
+def _read(content: Mapping[str, Any]) -> Findings:
+    ranking = tuple(_ranked(entry) for entry in content.get("ranking", ()))
+    verdict = str(content["verdict"])
+    added = content["added"] if "added" in content else [entry.effect for entry in ranking if entry.found]
+    if "added" not in content and verdict not in ("none", "unknown"):  # a diagnosis names the effect itself
+        verdict = "explained"
+    return Findings(
+        verdict,
+        _words(added),
+        ranking,
+        _number(content["none"]) if ranking else None,
+        _number(content["unknown"]) if ranking else None,
+        tuple(_step(step) for step in content.get("steps", ())),
+        {str(name): _checked_entry(entry) for name, entry in content.get("parameters", {}).items()},
+        {
+            str(part): {str(name): _checked(held) for name, held in entries.items()}
+            for part, entries in content.get("constants", {}).items()
+        },
+        tuple(_words(group) for group in content["groups"]),
+        _words(content["depends_on"]),
+        str(content["next_recording"]),
+        str(content.get("stopped", "")),
+        _unseen(content["unseen"]) if "unseen" in content else None,
+        tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
+        _words(content.get("warnings", ())),
+    )
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"{value!r} is no number")
+    return float(value)
+
+
+def _perhaps(value: Any) -> float | None:
+    return None if value is None else _number(value)
+
+
+def _numbers(values: Sequence[Any]) -> tuple[float, ...]:
+    return tuple(_number(value) for value in values)
+
+
+def _words(values: Sequence[Any]) -> tuple[str, ...]:
+    if isinstance(values, str):
+        raise ValueError(f"{values!r} is no list")
+    return tuple(str(value) for value in values)
+
+
+def _checked(held: Held) -> dict[str, Any]:
+    numbers = {"value": _number(held["value"]), "std": _perhaps(held["std"])}
+    nominal = {"nominal": _number(held["nominal"])} if "nominal" in held else {}
+    return {**numbers, "unit": str(held["unit"]), **nominal}
+
+
+def _checked_entry(entry: Mapping[str, Any]) -> dict[str, Any]:
+    head = {"effect": str(entry["effect"]), "options": _options(entry["options"])}
+    return head | {str(name): _checked(held) for name, held in entry.items() if name not in head}
+
+
+def _options(options: Mapping[str, Any]) -> dict[str, str]:
+    return {str(name): str(choice) for name, choice in options.items()}
+
+
+def _ranked(entry: Mapping[str, Any]) -> Ranked:
+    return Ranked(
+        str(entry["effect"]),
+        _options(entry["options"]),
+        _number(entry["probability"]),
+        _perhaps(entry["error_removed"]),
+        {str(name): _checked(held) for name, held in entry["parameters"].items()},
+        bool(entry["found"]),
+    )
+
+
+def _step(step: Mapping[str, Any]) -> Step:
+    return Step(
+        effect=str(step["effect"]),
+        instance=str(step["instance"]),
+        action=str(step["action"]),
+        rmse_before=_number(step["rmse_before"]),
+        rmse_after=_number(step["rmse_after"]),
+        unit=str(step["unit"]),
+        output_before=_perhaps(step["output_before"]),
+        output_after=_perhaps(step["output_after"]),
+        error_removed=_perhaps(step["error_removed"]),
+        reason=str(step["reason"]),
+        tried=tuple({"names": list(_words(t["names"])), "gain": _number(t["gain"])} for t in step["tried"]),
+    )
+
+
+def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
+    return UnseenErrors(
+        str(unseen["signal"]),
+        str(unseen["unit"]),
+        _number(unseen["noise_floor"]),
+        _numbers(unseen["rmse"]),
+        tuple((str(entry["name"]), _numbers(entry["rmse"])) for entry in unseen["recordings"]),
+    )
+
+
+def _signature(step: Mapping[str, Any]) -> Signature:
+    best = step["views"][0]
+    curves = tuple(
+        {
+            "name": str(curve["name"]),
+            "direction": str(curve["direction"]),
+            **{field: _numbers(curve[field]) for field in ("x", "median", "lower", "upper")},
+        }
+        for curve in best["curves"]
+    )
+    return Signature(
+        str(step["title"]),
+        bool(step["taken"]),
+        str(step["runner_up"]),
+        str(best["left_over"]),
+        str(best["unit"]),
+        str(best["against"]),
+        str(best["against_unit"]),
+        _perhaps(best["order"]),
+        curves,
+    )

@@ -1,0 +1,52 @@
+"""HTML put together from parts: whatever is not markup already is escaped."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Sequence
+
+
+class Markup(str):
+    """Text that is HTML."""
+
+
+def tag(name: str, *content: str, **attributes: str) -> Markup:
+    """An element; ``class_`` and ``data_chart`` stand for the attributes ``class`` and ``data-chart``."""
+    given = "".join(f' {key.rstrip("_").replace("_", "-")}="{html.escape(value)}"' for key, value in attributes.items())
+    return Markup(f"<{name}{given}>{joined(content)}</{name}>")
+
+
+def joined(content: Iterable[str], between: str = "") -> Markup:
+    """The parts one after the other."""
+    return Markup(between.join(part if isinstance(part, Markup) else html.escape(part) for part in content))
+
+
+def section(id: str, title: str, *content: str) -> Markup:
+    """A section of the page, with its heading."""
+    return tag("section", tag("h2", title), *content, id=id)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, words: int = 1, caption: str = "") -> Markup:
+    """A table that scrolls where it is too wide; all but the first ``words`` columns are numbers."""
+    kinds = ["word" if k < words else "number" for k in range(len(head))]
+    titles = (tag("th", title, scope="col", class_=kind) for title, kind in zip(head, kinds, strict=True))
+    body = [tag("tr", *(tag("td", cell, class_=kind) for cell, kind in zip(row, kinds, strict=True))) for row in rows]
+    named = [tag("caption", caption)] if caption else []
+    whole = tag("table", *named, tag("thead", tag("tr", *titles)), tag("tbody", *body))
+    return tag("div", whole, class_="scroll", tabindex="0")
+
+
+def items(*lines: str) -> Markup:
+    """A list."""
+    return tag("ul", *(tag("li", line) for line in lines))
+
+
+def bar(share: float, text: str, kind: str = "") -> Markup:
+    """A bar of a length from 0 to 1, with its number beside it."""
+    length = tag("span", "", class_=f"length {kind}".strip(), style=f"width:{100.0 * min(max(share, 0.0), 1.0):.1f}%")
+    return tag("span", tag("span", length, class_="room"), tag("span", text, class_="value"), class_="bar")
+
+
+def capitalised(text: str) -> str:
+    """The text with a capital letter first, the others as they are."""
+    return text[:1].upper() + text[1:]

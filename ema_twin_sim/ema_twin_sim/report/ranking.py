@@ -1,0 +1,183 @@
+"""The diagnosis: ranked effects with their probabilities, runners-up, and what the data cannot tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..commands.wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
+from ..quantities import axis_unit, estimate
+from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
+from .content import Content
+from .findings import Findings, Signature
+from .markup import Markup, bar, capitalised, section, table, tag
+
+_LEAST = 0.005  # probability that is shown as more than none
+_UNLIKELY = 3  # effects below it that are shown
+_HEIGHT = 300  # pixels
+_QUANTITIES = {
+    "torque": "torque that the model leaves over",
+    "encoder_difference": "difference of the encoders that the model leaves over",
+}
+
+
+def diagnosis(content: Content, charts: Charts) -> Markup:
+    """The section of the diagnosis."""
+    findings = content.findings
+    title = f"What {content.names[0]} lacks: the diagnosis"
+    if findings is None:
+        return section("diagnosis", title, tag("p", content.undiagnosed or "No search was made."))
+    verdict = verdict_sentence(
+        findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=content.names[0]
+    )
+    parts = [tag("p", verdict, class_="lead")]
+    if findings.ranking:
+        parts.append(_ranking(findings))
+    if findings.groups:
+        parts.append(tag("p", groups_sentence(findings.groups)))
+    parts.append(_tried(findings))
+    figures = [charts.add(_signature(signature)) for signature in findings.signatures if signature.curves]
+    if figures:
+        key = tag(
+            "p",
+            *(
+                tag("span", tag("span", "", class_=f"swatch {role}"), said)
+                for role, said in (("before", "without it"), ("after", "with it"), ("rival", "with the runner-up"))
+            ),
+            class_="key",
+        )
+        parts += [tag("h3", "The signature that each effect explains"), key, tag("div", *figures, class_="grid")]
+    return section("diagnosis", title, *parts)
+
+
+def _ranking(findings: Findings) -> Markup:
+    likely = [entry for entry in findings.ranking if entry.found or entry.probability >= _LEAST]
+    others = [entry for entry in findings.ranking if entry not in likely]
+    rows = []
+    for entry in likely + others[:_UNLIKELY]:
+        choices = options_words(entry.options)
+        name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
+        kind = "found" if entry.found else "refused"
+        sizes = ", ".join(f"{p} {estimate(h['value'], h['std'], h['unit'])}" for p, h in entry.parameters.items())  # type: ignore[arg-type]
+        removed = (
+            "–"
+            if entry.error_removed is None
+            else bar(entry.error_removed, f"{100.0 * entry.error_removed + 0.0:.1f} %", kind)
+        )
+        rows.append(
+            (
+                tag("strong", name) if entry.found else name,
+                bar(entry.probability, f"{100.0 * entry.probability:.0f} %", kind),
+                removed,
+                sizes,
+            )
+        )
+    for said, probability in (("nothing is missing", findings.none), ("something else", findings.unknown)):
+        rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
+    sharing = (
+        " Effects that are all missing share the probability."
+        if sum(entry.found for entry in findings.ranking) > 1
+        else ""
+    )
+    note = (
+        "Probability: how often the effect would win, had other stretches of the same kind been recorded."
+        f"{sharing} Error removed: the share of the error above the sensors' noise that goes, on data not fitted to. "
+        "± is one standard error."
+    )
+    head = ("effect", "probability", "error removed", "size")
+    return _with_note(table(head, rows, words=4), note)
+
+
+def _with_note(whole: Markup, note: str) -> Markup:
+    """A table and the note below it."""
+    return tag("div", whole, tag("p", note, class_="aside"))
+
+
+def _tried(findings: Findings) -> Markup:
+    """What each step of the search had to choose among."""
+    rows: list[tuple[str, ...]] = []
+    for step in findings.steps:
+        if step.action != "add":
+            continue
+        tried: Sequence[Mapping[str, Any]] = step.tried
+        took = next((trial for trial in tried if step.instance in trial["names"]), None)
+        if took is None or not took["gain"] > 0.0:
+            continue
+        others = [trial for trial in tried if step.instance not in trial["names"]][:_UNLIKELY]
+        for trial in (took, *others):
+            share = max(0.0, trial["gain"] / took["gain"])
+            said = f"{100.0 * share:.0f} %" if share >= 0.01 or share == 0.0 else "below 1 %"
+            name = listed(effect_words(name) for name in trial["names"])
+            place = f"{effect_words(step.instance)}" if trial is took else ""
+            rows.append(
+                (
+                    place,
+                    tag("strong", name) if trial is took else name,
+                    bar(share, said, "found" if trial is took else "refused"),
+                )
+            )
+    if not rows:
+        return Markup()
+    return _with_note(
+        table(("step", "tried", "gain, of the best"), rows, words=3, caption="Runners-up: what was tried in each step"),
+        "Gain: how much of the misfit to torque and encoders goes, less the price of the numbers that it takes.",
+    )
+
+
+def _signature(signature: Signature) -> Chart:
+    """What is left over without an effect, with it, and with its runner-up, against the quantity that shows it best."""
+    size = max((abs(v) for curve in signature.curves for v in curve["median"]), default=0.0)
+    scale, unit = axis_unit(size, signature.unit)
+    roles = {"before": BEFORE, "after": AFTER, "runner_up": RIVAL}
+    said = {
+        "before": "without it",
+        "after": f"with {_plain(signature.title)}",
+        "runner_up": f"with {_plain(signature.runner_up)}",
+    }
+    dashes = {"both": "solid", "forward": "solid", "backward": "dot"}
+    traces: list[Trace] = []
+    for curve in signature.curves:
+        x, (lower, median, upper) = (
+            np.array(curve["x"]),
+            (np.array(curve[q]) / scale for q in ("lower", "median", "upper")),
+        )
+        role, name = roles[curve["name"]], said[curve["name"]]
+        edge = {"showlegend": False, "hoverinfo": "skip"}
+        if curve["name"] != "runner_up":
+            traces.append(line(x, lower, name, role, width=0.0, **edge))
+            traces.append(line(x, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge))
+        traces.append(
+            line(
+                x,
+                median,
+                name,
+                role,
+                width=1.5 if curve["name"] == "runner_up" else 2.5,
+                dash=dashes.get(curve["direction"], "solid"),
+            )
+        )
+    against = signature.against.replace("_", " ") + (
+        f", folded at order {signature.order:g}" if signature.order is not None else ""
+    )
+    refused = "" if signature.taken else " (tried last, and refused)"
+    rival = f"; runner-up: {_plain(signature.runner_up)}" if signature.runner_up else ""
+    ways = (
+        " Forward solid, backward dotted."
+        if any(curve["direction"] == "backward" for curve in signature.curves)
+        else ""
+    )
+    title = _plain(signature.title)
+    left_over = _QUANTITIES.get(signature.left_over, signature.left_over)
+    caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{rival}.{ways}"
+    layout = {
+        "xaxis": axis(f"{against} [{signature.against_unit}]"),
+        "yaxis": axis(f"left over [{unit}]"),
+    }
+    return Chart(caption, caption, _HEIGHT, layout, traces)
+
+
+def _plain(title: str) -> str:
+    """The names of effects in a title as one says them."""
+    return " and ".join(effect_words(part) for part in title.split(" and "))

@@ -1,0 +1,136 @@
+"""The steps of the search: the error falling one by one, parameters with their errors, constants that moved."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+import numpy as np
+
+from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, why_step
+from ..quantities import axis_unit, estimate, quantity
+from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, packed
+from .content import Content, signal_words
+from .difference import moved_numbers, new_effects
+from .findings import Findings, UnseenErrors
+from .markup import Markup, section, table, tag
+
+_HEIGHT = 340  # pixels
+
+
+def steps(content: Content, charts: Charts) -> Markup:
+    """The section of the steps and of the numbers that they came to."""
+    findings = content.findings
+    parts: list[Markup] = []
+    if findings is not None and findings.steps:
+        rows = [
+            (
+                f"{'+' if step.action == 'add' else '−'} {effect_words(step.instance)}",
+                quantity(step.rmse_before, step.unit),
+                quantity(step.rmse_after, step.unit),
+                "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+                *(quantity(value, "rad") for value in (step.output_before, step.output_after)),
+                why_step(step),
+            )
+            for step in findings.steps
+        ]
+        head = ("step", "RMSE before", "after", "excess removed", "output before", "after", "runner-up, or why")
+        parts.append(table(head, rows))
+    if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
+        parts.append(charts.add(_falling(findings, findings.unseen)))
+    return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))
+
+
+def _falling(findings: Findings, unseen: UnseenErrors) -> Chart:
+    """RMSE after each step, of all recordings together and of each by itself."""
+    scale, unit = axis_unit(max(unseen.rmse), unseen.unit)
+    places = _places(findings, len(unseen.rmse))
+    at = list(range(len(places)))
+    traces: list[Trace] = [
+        {
+            "type": "scatter", "mode": "lines+markers", "x": at, "y": packed(np.array(values) / scale),
+            "name": label(name), "line": {"color": FAINT, "width": 1.2}, "marker": {"size": 5, "color": FAINT},
+        }
+        for name, values in unseen.recordings
+    ]  # fmt: skip
+    traces.append(
+        {
+            "type": "scatter", "mode": "lines+markers", "x": at, "y": packed(np.array(unseen.rmse) / scale),
+            "name": "all recordings", "line": {"color": AFTER, "width": 3.5}, "marker": {"size": 10, "color": AFTER},
+        }
+    )  # fmt: skip
+    floor = unseen.noise_floor / scale
+    noise = {
+        "type": "line",
+        "xref": "x domain",
+        "x0": 0,
+        "x1": 1,
+        "y0": floor,
+        "y1": floor,
+        "line": {"color": FAINT, "dash": "dash"},
+    }
+    told = {
+        "text": "the sensors' noise",
+        "xref": "x domain",
+        "x": 0,
+        "xanchor": "left",
+        "y": float(np.log10(floor)) if floor > 0.0 else 0,
+        "yanchor": "bottom",
+        "showarrow": False,
+    }
+    judged = (
+        "each with numbers fitted to the others" if len(unseen.recordings) > 1 else "to which the numbers were fitted"
+    )
+    caption = (
+        f"RMSE of the {signal_words(unseen.signal)} after each step: all recordings (thick) and each (thin), {judged}"
+    )
+    layout = {
+        "xaxis": axis("step", tickvals=at, ticktext=places),
+        "yaxis": axis(f"RMSE [{unit}]", type="log"),
+        "shapes": [noise],
+        "annotations": [told],
+    }
+    return Chart(caption, caption, _HEIGHT, layout, traces, wide=True)
+
+
+def _places(findings: Findings, count: int) -> list[str]:
+    """What the errors stand after: the start, each round (whose steps have the same errors), and the end."""
+    rounds = [
+        "<br>".join(f"{'+' if step.action == 'add' else '−'} {label(effect_words(step.instance))}" for step in together)
+        for _, together in groupby(findings.steps, key=lambda step: (step.rmse_before, step.rmse_after))
+    ]
+    places = ["start", *rounds][:count]
+    places += ["refitted" if k == count - 1 else f"round {k}" for k in range(len(places), count)]
+    return places
+
+
+def _parameters(content: Content) -> list[Markup]:
+    """The parameters of the new effects."""
+    rows = []
+    for effect in new_effects(*content.models, content.findings):
+        first = (effect_words(effect.name), options_words(effect.options))
+        for name, held in effect.parameters.items():
+            size = "–" if not held["std"] or not held["value"] else f"{100.0 * held['std'] / abs(held['value']):.1f} %"
+            rows.append((*first, name, estimate(held["value"], held["std"], held["unit"]), size))
+            first = ("", "")
+    if not rows:
+        return []
+    head = ("effect", "options", "parameter", "value ± standard error", "relative error")
+    before, after = content.names
+    return [table(head, rows, words=3, caption=f"Parameters of what {after} has and {before} lacks")]
+
+
+def _constants(content: Content) -> list[Markup]:
+    """The constants that moved: by more than their standard error in a table, the others in a line."""
+    rows, slightly = [], []
+    for path, held in moved_numbers(*content.models, content.findings):
+        name = path.replace("_", " ").replace(".", ": ")
+        if has_moved(held):
+            values = (estimate(held["nominal"], None, held["unit"]), estimate(held["value"], held["std"], held["unit"]))
+            rows.append((name, *values, change_words(held)))
+        else:
+            slightly.append(f"{name} {change_words(held)}")
+    parts = [table(("constant", *content.names, "change"), rows, caption="Constants that moved")] if rows else []
+    if slightly:
+        told = f"Moved within standard errors: {listed(slightly)}."
+        parts.append(tag("p", told, class_="aside"))
+    return parts

@@ -1,0 +1,182 @@
+"""The head of a report: what was wrong, how sure that is, what is left, and the errors in one table."""
+
+from __future__ import annotations
+
+from ..commands.compare import AT_NOISE
+from ..commands.wording import effect_words, groups_sentence, listed, verdict_sentence, why_step
+from ..comparison.running_comparison import SignalError, excess_removed
+from ..effects import catalogue
+from ..quantities import quantity
+from .content import Content, Shown, dates, signal_words
+from .difference import NewEffect, new_effects
+from .markup import Markup, capitalised, items, joined, table, tag
+
+
+def verdict(content: Content) -> str:
+    """What the earlier model lacks, in one plain sentence."""
+    before, after = content.names
+    new = new_effects(*content.models, content.findings)
+    findings = content.findings
+    if findings is not None and _agrees(content, new):
+        return verdict_sentence(
+            findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=before
+        )
+    if not new:
+        return f"{after} has no effect that {before} lacks."
+    return f"{before} lacks {listed(effect_words(effect.name) for effect in new)}, which {after} has."
+
+
+def head(content: Content) -> Markup:
+    """The head of the page."""
+    story = [tag("p", content.story)] if content.story else []
+    cards = (
+        _card("What was wrong", *_wrong(content)),
+        _card("How sure that is", *_sure(content)),
+        _card("What is left", *_left(content)),
+    )
+    lead = tag("p", _lead(content), class_="lead")
+    errors = error_table(content.given, content.names)
+    return tag(
+        "header", tag("h1", verdict(content)), lead, *story, tag("div", *cards, class_="cards"), errors, _about(content)
+    )
+
+
+def _agrees(content: Content, new: list[NewEffect]) -> bool:
+    """Whether the later model is the one that the search came to."""
+    return content.findings is not None and {effect.effect for effect in new} == set(content.findings.added)
+
+
+def _lead(content: Content) -> str:
+    """The errors that fell, in a sentence."""
+    first, second = content.given.comparisons
+    parts = []
+    for name in content.given.headlines:
+        before, after = first.overall[name], second.overall[name]
+        way = "falls" if after["rmse"] < before["rmse"] else "does not fall: it goes"
+        sizes = f"{way} from {quantity(before['rmse'], before['unit'])} to {quantity(after['rmse'], after['unit'])}"
+        parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
+    said = listed(parts).removeprefix("that of")
+    return f"From {content.names[0]} to {content.names[1]}, the error (RMSE) of{said}."
+
+
+def _noises(error: SignalError) -> str:
+    floor = quantity(error["noise_floor"], error["unit"])
+    if error["rmse"] <= AT_NOISE * error["noise_floor"]:
+        return f"the sensors' noise is {floor}: nothing is left"
+    return f"the sensors' noise is {floor}"
+
+
+def _card(title: str, *content: str) -> Markup:
+    return tag("section", tag("h2", title), *content, class_="card")
+
+
+def _wrong(content: Content) -> list[Markup]:
+    new = new_effects(*content.models, content.findings)
+    if not new:
+        return [tag("p", "Both models have the same effects. What differs is in their numbers, listed below.")]
+    lines = []
+    for effect in new:
+        summary = catalogue()[effect.effect].summary
+        lines.append(
+            joined(
+                [
+                    tag("strong", effect_words(effect.name)),
+                    f": {effect.sizes or 'no numbers'}. ",
+                    tag("span", f"{capitalised(summary)}.", class_="aside"),
+                ]
+            )
+        )
+    told = any(held["std"] is not None for effect in new for held in effect.parameters.values())
+    note = "± is one standard error." if told else "Standard errors are not known: the model file holds none."
+    gone = [name for name in content.models[0].active if name not in content.models[1].active]
+    left_out = [tag("p", f"{content.names[1]} leaves out {listed(map(effect_words, gone))}.")] if gone else []
+    return [items(*lines), *left_out, tag("p", note, class_="aside")]
+
+
+def _sure(content: Content) -> list[Markup]:
+    findings = content.findings
+    if findings is None:
+        return [tag("p", content.undiagnosed or "Not asked: no search was made.")]
+    lines = []
+    new = new_effects(*content.models, findings)
+    if not _agrees(content, new):
+        said = verdict_sentence(
+            findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=content.names[0]
+        )
+        lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
+    if findings.ranking:
+        lines.append(_probabilities(content))
+    runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}
+    lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items()]
+    if findings.groups:
+        lines.append(groups_sentence(findings.groups))
+    elif findings.added:
+        lines.append("No other effect of the catalogue explains these recordings as well.")
+    if findings.unseen is not None and len(findings.unseen.recordings) > 1:
+        lines.append("Judged on recordings that the numbers were not fitted to.")
+    return [items(*lines)]
+
+
+def _probabilities(content: Content) -> str:
+    findings = content.findings
+    assert findings is not None
+    found = [entry for entry in findings.ranking if entry.found]
+    none, unknown = (100.0 * (share or 0.0) for share in (findings.none, findings.unknown))
+    rest = f"nothing missing: {none:.0f} %, something else: {unknown:.0f} %"
+    if not found:
+        return f"Probabilities: {rest}."
+    total = 100.0 * sum(entry.probability for entry in found)
+    names = listed(dict.fromkeys(effect_words(entry.effect) for entry in found))
+    together = "together " if len(found) > 1 else ""
+    return f"Probability of {names}: {together}{total:.0f} %; {rest}."
+
+
+def _left(content: Content) -> list[Markup]:
+    second = content.given.comparisons[1]
+    lines = []
+    for name in content.given.headlines:
+        error = second.overall[name]
+        rmse = quantity(error["rmse"], error["unit"])
+        if error["rmse"] <= AT_NOISE * error["noise_floor"]:
+            lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise. Nothing is left to find.")
+            continue
+        times = error["rmse"] / error["noise_floor"] if error["noise_floor"] else float("inf")
+        where = next((found.sentence() for found in second.where if found.signal == name), "")
+        lines.append(
+            f"{capitalised(signal_words(name))}: {rmse}, {times:.1f} times the sensors' noise. {where}".strip()
+        )
+    findings = content.findings
+    if findings is not None and findings.stopped:
+        lines.append(f"The search ended: {findings.stopped}.")
+    return [items(*lines)]
+
+
+def error_table(
+    given: Shown, names: tuple[str, str], caption: str = "RMSE, measured minus twin, all recordings"
+) -> Markup:
+    """The errors of both models beside the sensors' noise, a row a signal."""
+    first, second = (comparison.overall for comparison in given.comparisons)
+    rows = []
+    for name in given.signals:
+        before, after = first[name], second[name]
+        share = excess_removed(before, after)
+        removed = "–" if share is None else f"{100.0 * share:.1f} %"
+        cells = (_against_noise(before), _against_noise(after), removed)
+        rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *cells))
+    return table(("signal", "sensors' noise", names[0], names[1], "excess over noise removed"), rows, caption=caption)
+
+
+def _against_noise(error: SignalError) -> Markup:
+    times = f" ({error['rmse'] / error['noise_floor']:.1f}×)" if error["noise_floor"] else ""
+    good = error["rmse"] <= AT_NOISE * error["noise_floor"]
+    return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_="good" if good else "plain")
+
+
+def _about(content: Content) -> Markup:
+    recordings = content.given.recordings
+    seconds = sum(recording.duration for recording in recordings)
+    count = f"{len(recordings)} recording{'s' if len(recordings) > 1 else ''}"
+    long = f"{sum(map(len, recordings))} operating points" if recordings[0].of_points else f"{seconds:.1f} s"
+    machine, source = content.models[0].machine, content.given.comparisons[0].input
+    told = f"{count}, {long}; recorded: {dates(recordings)}; machine: {machine}; input of the twins: {source}"
+    return tag("p", f"{told}; ema-twin {content.version}.", class_="aside")

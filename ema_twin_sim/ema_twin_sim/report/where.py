@@ -1,0 +1,275 @@
+"""Where each model fails: what is left over against speed, output position, direction and order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..commands.compare import AT_NOISE
+from ..comparison.binning import bin_edges, quartiles, rows_by_bin
+from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..comparison.where import FEWEST_SAMPLES, STANDSTILL, Stretch
+from ..model import Model
+from ..quantities import axis_unit, quantity
+from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, noise_band, packed
+from .content import Content, signal_words, signals_listed
+from .markup import Markup, capitalised, items, joined, section, table, tag
+
+_BINS = 30
+_FEWEST = 5  # samples of a bin that has a median
+_BANDS = 240  # of a spectrum
+_LEAST_SHOWN = 10.0  # orders
+_BEYOND = 1.6  # times the highest order that the model names
+_NEAR = 0.03  # orders that are taken to be a named one
+_APART = 0.09  # decades between the numbers over a spectrum, so that none covers another
+_HEIGHT = 300  # pixels
+_ROLES = (BEFORE, AFTER)
+
+
+def where(content: Content, charts: Charts) -> Markup:
+    """The section with the residuals against what they may depend on."""
+    given = content.given
+    figures: list[Markup] = []
+    orders: list[Markup] = []
+    for name in given.headlines:
+        stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
+        if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
+            continue
+        unit = given.comparisons[0].overall[name]["unit"]
+        shown = _Signal(name, unit, given.comparisons[0].overall[name]["noise_floor"], content.names, stretches)
+        way = given.curves[0][0].way
+        figures += [
+            charts.add(chart) for chart in (shown.over_speed(way), shown.over_position(way), shown.over_direction(way))
+        ]
+        if content.models[0].motion == "rotary":
+            spectra = shown.over_order(content.models[0])
+            if spectra is not None:
+                figures.append(charts.add(spectra[0]))
+                orders.append(spectra[1])
+    if not figures:
+        return section(
+            "where",
+            "Where the models fail",
+            tag("p", f"The recordings are too short to tell, which takes {FEWEST_SAMPLES} samples."),
+        )
+    key = tag(
+        "p",
+        *_swatches(content.names),
+        "Line: median; shaded: between the quartiles; grey: two standard deviations of the sensors' noise.",
+        class_="key",
+    )
+    return section(
+        "where", "Where the models fail", _sentences(content), key, tag("div", *figures, class_="grid"), *orders
+    )
+
+
+def _swatches(names: tuple[str, str]) -> list[Markup]:
+    return [
+        tag("span", tag("span", "", class_=f"swatch {role}"), name)
+        for role, name in zip(("before", "after"), names, strict=True)
+    ]
+
+
+def _sentences(content: Content) -> Markup:
+    """What the errors of each model depend on, in words."""
+    lines = []
+    for name, comparison in zip(content.names, content.given.comparisons, strict=True):
+        poor = [
+            s
+            for s in content.given.headlines
+            if comparison.overall[s]["rmse"] > AT_NOISE * comparison.overall[s]["noise_floor"]
+        ]
+        found = [next((d.sentence() for d in comparison.where if d.signal == signal), "") for signal in poor]
+        said = " ".join(text for text in found if text)
+        if not poor:
+            said = f"{capitalised(signals_listed(content.given.headlines))}: at the sensors' noise."
+        lines.append(joined([tag("strong", name), f": {said or 'where cannot be told.'}"]))
+    return items(*lines)
+
+
+class _Signal:
+    """One signal's residuals of both models."""
+
+    def __init__(
+        self, name: str, unit: str, floor: float, models: tuple[str, str], stretches: Sequence[Sequence[Stretch]]
+    ) -> None:
+        self.words, self.models, self.base = signal_words(name), models, unit
+        self.stretches = stretches
+        self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
+        self.speeds = [np.concatenate([part.speed for part in parts]) for parts in stretches]
+        self.scale, self.unit = axis_unit(max(float(np.nanquantile(np.abs(r), 0.98)) for r in self.residuals), unit)
+        self.title = f"residual of the {self.words} [{self.unit}]"
+        self.band = noise_band(floor / self.scale)
+
+    def over_speed(self, way: str) -> Chart:
+        """The residual over the motor's speed, both directions."""
+        traces = [
+            trace
+            for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True)
+            for trace in self._banded(speed, residual, role, model, narrow=True)
+        ]
+        return self._chart("the motor's speed", axis(f"speed of the motor [{way}/s]"), traces)
+
+    def over_position(self, way: str) -> Chart:
+        """The residual over the output's position, forward and backward apart."""
+        traces: list[Trace] = []
+        for role, model, parts, speed, residual in zip(
+            _ROLES, self.models, self.stretches, self.speeds, self.residuals, strict=True
+        ):
+            position = np.concatenate([part.output_position for part in parts])
+            for sense, said, dash in ((1.0, "forward", "solid"), (-1.0, "backward", "dot")):
+                chosen = sense * speed > STANDSTILL if way == "rad" else sense * speed > 0.0
+                traces += self._banded(position[chosen], residual[chosen], role, f"{model}, {said}", dash=dash)
+        return self._chart(
+            "the output's position, forward solid, backward dotted", axis(f"position of the output [{way}]"), traces
+        )
+
+    def over_direction(self, way: str) -> Chart:
+        """The residual moving backward, near standstill, and moving forward."""
+        still = STANDSTILL if way == "rad" else 0.0
+        traces: list[Trace] = []
+        for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True):
+            groups = {"backward": speed < -still, "standstill": np.abs(speed) <= still, "forward": speed > still}
+            told = {
+                said: np.nanquantile(residual[chosen], (0.25, 0.5, 0.75)) / self.scale
+                for said, chosen in groups.items()
+                if chosen.sum() >= _FEWEST
+            }
+            lower, median, upper = np.array(list(told.values())).reshape(-1, 3).T
+            spread = {
+                "type": "data",
+                "symmetric": False,
+                "array": packed(upper - median),
+                "arrayminus": packed(median - lower),
+                "color": role,
+                "thickness": 2,
+                "width": 7,
+            }
+            symbol = "circle" if role == BEFORE else "square"
+            traces.append(
+                {
+                    "type": "scatter",
+                    "mode": "markers",
+                    "x": list(told),
+                    "y": packed(median),
+                    "name": label(model),
+                    "error_y": spread,
+                    "marker": {"color": role, "size": 10, "symbol": symbol},
+                }
+            )
+        return self._chart("the direction of motion", axis("direction", type="category"), traces)
+
+    def over_order(self, model: Model) -> tuple[Chart, Markup] | None:
+        """The order spectra with the orders that the model names, and a table of these; None where none is known."""
+        first = find_order(_moving(self.stretches[0]))
+        if first is None:
+            return None
+        flips = bool(first.dissipative)
+        spectra = [find_order(_moving(parts, flips=flips)) for parts in self.stretches]
+        if any(found is None for found in spectra):
+            return None
+        lines = [found.spectrum for found in spectra if isinstance(found, Periodicity)]
+        highest = min(float(ORDERS[-1]), max(_LEAST_SHOWN, _BEYOND * max(model.orders.values(), default=100.0)))
+        place = np.searchsorted(np.geomspace(ORDERS[0], highest, _BANDS), ORDERS[highest >= ORDERS])
+        bands = [np.flatnonzero(place == k) for k in np.unique(place)]
+        peaks = [np.array([values[band].max() for band in bands]) for values in lines]
+        scale, unit = axis_unit(max(float(values.max()) for values in peaks), self.base)
+        at = [np.array([ORDERS[band[values[band].argmax()]] for band in bands]) for values in lines]
+        traces = [
+            line(x, values / scale, name, role, width=1.6)
+            for x, values, name, role in zip(at, peaks, self.models, _ROLES, strict=True)
+        ]
+        named = sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= highest)
+        marks, numbers = _marked([order for order, _ in named])
+        kind = "; taken as opposing the motion" if flips else ""
+        layout = {
+            "xaxis": axis("order [cycles per turn of the motor]", type="log"),
+            "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),
+            "shapes": marks,
+            "annotations": numbers,
+            "margin": {"t": 26},
+        }
+        said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
+        chart = Chart(said, said, _HEIGHT, layout, traces)
+        rows = []
+        for k, (order, name) in enumerate(named, 1):
+            near = np.abs(ORDERS - order) <= _NEAR
+            rows.append(
+                (str(k), name, f"{order:g}", *(quantity(float(values[near].max()), self.base) for values in lines))
+            )
+        if not rows:
+            return chart, tag("p", f"{self.models[0]} names no orders (`orders:` in its file).", class_="aside")
+        head = ("", f"order, {self.words}", "cycles per turn", *self.models)
+        return chart, tag(
+            "details", tag("summary", f"The named orders of the {self.words}"), table(head, rows, words=2)
+        )
+
+    def _banded(
+        self, x: np.ndarray, residual: np.ndarray, role: str, name: str, *, narrow: bool = False, dash: str = "solid"
+    ) -> list[Trace]:
+        """The medians over ``x``, and a band between the quartiles."""
+        good = np.isfinite(x) & np.isfinite(residual)
+        x, residual = x[good], residual[good] / self.scale
+        rows = rows_by_bin(x, bin_edges(x, _BINS, narrow=narrow), _FEWEST)
+        if not rows:
+            return []
+        lower, median, upper = quartiles(residual, rows)
+        centres = np.array([np.median(x[found]) for found in rows])
+        edge = {"showlegend": False, "hoverinfo": "skip"}
+        return [
+            line(centres, lower, name, role, width=0.0, **edge),
+            line(centres, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge),
+            line(centres, median, name, role, width=2.5, dash=dash),
+        ]
+
+    def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:
+        said = f"Residual of the {self.words} against {against}"
+        return Chart(said, said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
+
+
+def _moving(parts: Sequence[Stretch], *, flips: bool | None = None) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """What the search for orders takes, where the machine moves.
+
+    Where ``flips`` says whether residuals change sign with the direction, they are given with one direction throughout,
+    so that they are taken as they come.
+    """
+    found = []
+    for part in parts:
+        good = np.isfinite(part.residual) & np.isfinite(part.motor_angle) & (np.abs(part.speed) > STANDSTILL)
+        residual, sense = part.residual[good], np.sign(part.speed[good])
+        if flips is not None:
+            residual, sense = residual * (sense if flips else 1.0), np.ones(len(sense))
+        found.append((residual, part.motor_angle[good], sense))
+    return found
+
+
+def _marked(orders: Sequence[float]) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
+    """A line at each named order, and its number above; numbers that would cover each other stand together."""
+    lines = [
+        {"type": "line", "xref": "x", "yref": "y domain", "x0": order, "x1": order, "y0": 0, "y1": 1, "layer": "below",
+         "line": {"color": FAINT, "width": 1, "dash": "dot"}}
+        for order in orders
+    ]  # fmt: skip
+    groups: list[list[int]] = []
+    for k, order in enumerate(orders):
+        if groups and np.log10(order / orders[groups[-1][-1]]) < _APART:
+            groups[-1].append(k)
+        else:
+            groups.append([k])
+    numbers: list[dict[str, object]] = []
+    for group in groups:
+        text = str(group[0] + 1) if len(group) == 1 else f"{group[0] + 1}–{group[-1] + 1}"
+        place = float(np.mean(np.log10([orders[k] for k in group])))
+        numbers.append(
+            {
+                "text": text,
+                "x": place,
+                "xref": "x",
+                "y": 1.0,
+                "yref": "y domain",
+                "yanchor": "bottom",
+                "showarrow": False,
+            }
+        )
+    return lines, numbers
