@@ -82,6 +82,7 @@ class Browser:
         """Open a file as a screen of that width shows it, and wait until its charts are drawn."""
         phone = width < 600
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
+        self.call("Emulation.setTouchEmulationEnabled", enabled=phone)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.call("Page.navigate", url=Path(page).resolve().as_uri())
         self.wait("document.documentElement?.dataset.drawn !== undefined")

@@ -126,18 +126,6 @@ def test_json_on_the_standard_output(ramp):
     assert json.loads(text[text.index("\n{") :])["model"] == "polito_bench"
 
 
-def test_the_page_draws_a_bench_without_speed_and_motor_counter():
-    import numpy as np
-
-    from ema_bench_replay.recording import Recording
-    from ema_twin_sim.views.page import _curves
-
-    stamps = np.arange(50) * 2_000_000
-    bench = Recording("bench", stamps, {"current": np.ones(50)})
-    twin = Recording("twin", stamps, {n: np.zeros(50) for n in ("current", "speed", "unexplained_torque")})
-    assert len(_curves(bench, [twin], ["twin"]).data) == 4
-
-
 def test_commands_that_need_no_physics_do_not_load_it():
     """It takes half a second to import, and tab completion and --help wait for it."""
     code = "import sys; import ema_twin_sim.commands.main; sys.exit('numba' in sys.modules or 'numpy' in sys.modules)"

@@ -20,7 +20,7 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands import wording
 from ema_twin_sim.commands.demo import _moments, _switched_off
 from ema_twin_sim.commands.diagnose import _worth_showing
-from ema_twin_sim.commands.discover import _moved_slightly, _runner_up, compare_command
+from ema_twin_sim.commands.discover import _moved_slightly, compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import Ranked
@@ -38,7 +38,8 @@ def found(tmp_path_factory, traces):
     """One run of the command on the project's recordings: its folder, what it printed, and its errors."""
     folder = tmp_path_factory.mktemp("discover")
     outputs = ("-o", folder / "new.yaml", "--json", folder / "found.json", "--evidence", folder / "found.mcap")
-    result = done("discover", *traces, *MODEL, "--to", 10, *outputs, timeout=110)
+    page = ("--report", folder / "found.html")
+    result = done("discover", *traces, *MODEL, "--to", 10, *outputs, *page, timeout=110)
     return folder, result.stdout, result.stderr
 
 
@@ -53,6 +54,12 @@ def test_it_names_the_hidden_effects_in_one_sentence(found, content):
     for words in ("runner-up", "Parameters, with standard errors", " ± ", "The search ended", "compare"):
         assert words in found[1]
     assert "nan" not in found[1].lower()
+
+
+def test_its_report_tells_the_same(found):
+    text = (found[0] / "found.html").read_text()
+    assert "<h1>polito_bench lacks backlash and Stribeck friction.</h1>" in text
+    assert "Probability of backlash and Stribeck friction: together" in text and "found.html" in found[1]
 
 
 def test_a_log_holds_no_bars(found):
@@ -278,7 +285,7 @@ def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
 )  # fmt: skip
 def test_the_runner_up_in_words(gain, text):
     tried = ({"names": ["backlash"], "gain": 100.0}, {"names": ["encoder_delay"], "gain": gain})
-    assert _runner_up(SimpleNamespace(instance="backlash", tried=tried)) == f"encoder delay, {text}"
+    assert wording.why_step(SimpleNamespace(action="add", instance="backlash", tried=tried)) == f"encoder delay, {text}"
 
 
 def test_constants_that_moved_within_their_errors_are_told():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 _PREFIXES = ((1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"))
+_LEAST_ON_AXIS = 0.3  # of a unit: what goes up to 0.9 rad is drawn in rad, what goes up to 0.2 in mrad
 _TWO_DIGITS = 3.0  # a standard error that begins with a smaller digit is given with two
 
 
@@ -26,7 +27,8 @@ def axis_unit(largest: float, unit: str) -> tuple[float, str]:
     """What to divide numbers up to ``largest`` by so that an axis reads well, and their unit then: ``1e-3, 'mA'``."""
     if not (math.isfinite(largest) and largest > 0.0):
         return 1.0, unit
-    return next(((s, f"{p}{unit}") for s, p in reversed(_PREFIXES) if largest >= s), (_PREFIXES[0][0], f"n{unit}"))
+    fits = ((s, f"{p}{unit}") for s, p in reversed(_PREFIXES) if largest >= _LEAST_ON_AXIS * s)
+    return next(fits, (_PREFIXES[0][0], f"n{unit}"))
 
 
 def estimate(value: float, std: float | None, unit: str) -> str:

@@ -12,7 +12,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
-from . import compare, live, options
+from . import compare, live, options, report
 from . import discover as discover_verb
 from .output import console, status
 from .wording import effect_words, listed
@@ -51,7 +51,6 @@ def run(
     from ..discovery.discover import discover
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
-    from ..views.page import write_page
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
 
@@ -120,17 +119,15 @@ def run(
     compare.show([before, after])
 
     page = output / "demo.html"
-    story = [
+    story = (
         f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings of a virtual bench (another "
-        "program's simulation of it, sensors and noise included) that hides two effects. Discover found in them: "
-        f"{listed(map(effect_words, found.parameters)) if found.parameters else 'nothing'}. The stock model, and the "
-        "one with what was found, integrate beside the same recorded speed setpoint.",
-        f"Below, the first seconds of {played.name}. Left: bench and both twins. Right: measured minus twin. Click a "
-        "name in the legend to hide it; drag in a plot to zoom, double-click to see all.",
-    ]
-    write_page(page, "EMA twin: the error falls", story, played, [stock, better], [before, after])
+        "program's simulation of it, sensors and noise included) that hides two effects. Nobody told the search which."
+    )
+    with status() as progress:
+        progress("writing the report")
+        report.write_found(page, recordings, (stock, better), ("polito_bench", better_file), found, story=story)
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
-    console.print(f"  {page}   before and after, in any browser")
+    console.print(f"  {page}   the report: before and after, in any browser")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
     console.print(f"  {better_file}   the better model")

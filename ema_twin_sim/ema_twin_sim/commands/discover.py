@@ -32,7 +32,7 @@ EXAMPLES = """Examples:
 
 ema-twin discover recordings --model polito_bench -o better.yaml
 
-ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.json --evidence found.mcap
+ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.json --report found.html
 
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
 
@@ -52,6 +52,9 @@ def run(
     end: options.To = None,
     strict: options.Strict = False,
     evidence: options.Evidence = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="FILE.html", help="Also write what report writes of it.")
+    ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
@@ -64,11 +67,13 @@ def run(
     from ..model.model_file import check_model_name
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
+    from .report import check_page_name, write_found
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence)
+    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report)
     check_model_name(output)
     refuse_evidence(evidence)
-    refuse_existing(force, output, evidence)
+    check_page_name(report)
+    refuse_existing(force, output, evidence, report)
 
     from ..discovery.discover import discover
 
@@ -79,6 +84,9 @@ def run(
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
+        if report is not None:
+            progress("writing the report")
+            write_found(report, given.recordings, (given.model, found.model), (model, output), found, force=force)
     show(found, given.without)
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
@@ -92,6 +100,8 @@ def run(
         axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
         told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
         console.print(told, markup=False, soft_wrap=True)
+    if report is not None:
+        console.print(f"  {report}     (before and after, to be sent)", markup=False, soft_wrap=True)
     write_findings(json, found.as_json(), found)
 
 

@@ -16,6 +16,7 @@ from .output import console, status, warn
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
 
+    from ..discovery.discover import Discovery
     from ..model import Model
     from ..report.findings import Findings
 
@@ -109,7 +110,7 @@ def write_page(
     output: Path,
     recordings: Sequence[Recording],
     models: tuple[Model, Model],
-    labels: Sequence[str],
+    labels: Sequence[str | Path],
     findings: Findings | None,
     *,
     held_out: Sequence[Recording] = (),
@@ -126,12 +127,37 @@ def write_page(
     from ..report.page import write_report
     from .main import VERSION
 
-    names = [model.name for model in models]
-    first, second = labels if names[0] == names[1] else names
     given = shown(recordings, models, source)
     apart = shown(held_out, models, source) if held_out else None
-    content = Content(models, (first, second), given, apart, findings, VERSION, story, undiagnosed)
+    content = Content(models, _told_apart(models, labels), given, apart, findings, VERSION, story, undiagnosed)
     write_report(output, content, force=force)
+
+
+def _told_apart(models: tuple[Model, Model], labels: Sequence[str | Path]) -> tuple[str, str]:
+    """The models' names; where they are the same, those of their files."""
+    for first, second in ([model.name for model in models], [Path(label).stem for label in labels]):
+        if first != second:
+            return first, second
+    first, second = map(str, labels)
+    return first, second
+
+
+def write_found(
+    output: Path,
+    recordings: Sequence[Recording],
+    models: tuple[Model, Model],
+    labels: Sequence[str | Path],
+    found: Discovery,
+    *,
+    story: str = "",
+    force: bool = False,
+) -> None:
+    """Write the page of a search that was made, with what its diagnosis weighs."""
+    from ..discovery.diagnose import weigh
+    from ..report.findings import findings_of
+
+    findings = findings_of(found, weigh(found))
+    write_page(output, recordings, models, labels, findings, story=story, force=force)
 
 
 def _searched(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,10 +26,9 @@ BENCH, BEFORE, AFTER, RIVAL, FAINT, BAND = (
 class Chart:
     """One chart: traces and layout as plotly takes them, or ``choices`` of both, one a recording.
 
-    ``label`` says what is seen, for those who cannot; charts of one ``link`` are zoomed together along their x axes.
+    Charts of one ``link`` are zoomed together along their x axes.
     """
 
-    label: str
     caption: str
     height: int  # pixels
     layout: Mapping[str, Any]
@@ -53,9 +53,8 @@ class Charts:
         """The place where a chart is drawn."""
         place = tag("div", "", class_="chart", data_chart=str(len(self.all)), style=f"min-height:{chart.height}px")
         self.all.append(chart)
-        # the chart itself has buttons, so the label belongs to the figure
         kind = "wide" if chart.wide else "narrow"
-        return tag("figure", tag("figcaption", chart.caption), place, class_=kind, role="group", aria_label=chart.label)
+        return tag("figure", tag("figcaption", chart.caption), place, class_=kind)
 
     def as_json(self) -> str:
         """All charts, for a script element: no ``<`` in it can end that."""
@@ -90,6 +89,15 @@ def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float =
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """An axis with its quantity and unit."""
     return {"title": {"text": title}, **more}
+
+
+def log_axis(title: str, values: np.ndarray) -> dict[str, Any]:
+    """A logarithmic axis over the positive ones of ``values``, its ticks at 1, 2 and 5 of each decade."""
+    positive = values[values > 0.0]
+    low, high = (positive.min(), positive.max()) if len(positive) else (1.0, 10.0)
+    decades = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
+    ticks = [step * 10.0**decade for decade in decades for step in (1.0, 2.0, 5.0)]
+    return axis(title, type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks])
 
 
 def noise_band(floor: float, x: str = "x", y: str = "y") -> dict[str, Any]:

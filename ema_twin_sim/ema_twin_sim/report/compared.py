@@ -28,8 +28,9 @@ def compared(content: Content, charts: Charts) -> Markup:
     names = [recording.name for part in parts for recording in part.recordings]
     held_out = len(names) - len(content.given.recordings)
     options = [
-        tag("option", f"{name} (held out)" if k >= len(names) - held_out else name, value=str(k))
+        tag("option", f"{name} (held out)" if k >= len(names) - held_out else name, value=str(k), **chosen)
         for k, name in enumerate(names)
+        for chosen in ([{"selected": ""}] if k == _telling(content.given) else [{}])
     ]
     choice = tag("label", "Recording ", tag("select", *options, id="recording"), class_="choice")
     key = _key(content.names)
@@ -49,6 +50,18 @@ def compared(content: Content, charts: Charts) -> Markup:
         tag("div", *figures, class_="grid"),
         tag("p", how, class_="aside screen"),
     )
+
+
+def _telling(given: Shown) -> int:
+    """The recording that the earlier model misses most."""
+    if not given.headlines:
+        return 0
+    name = given.headlines[-1]
+    errors = [
+        recording.signals[name]["rmse"] if name in recording.signals else 0.0
+        for recording in given.comparisons[0].recordings
+    ]
+    return errors.index(max(errors))
 
 
 def _key(names: tuple[str, str]) -> Markup:
@@ -77,7 +90,6 @@ def _chart(name: str, parts: Sequence[Shown], names: tuple[str, str], points: in
     caption = f"{capitalised(title)}: measured and both twins; below, measured minus twin"
     layout = {"xaxis": {"anchor": "y2"}, "yaxis": {"domain": [0.46, 1.0]}, "yaxis2": {"domain": [0.0, 0.40]}}
     return Chart(
-        f"{title} over time, measured and of both twins, with the residuals",
         caption,
         380,
         layout,

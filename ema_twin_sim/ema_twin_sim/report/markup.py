@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Iterable, Sequence
+
+# a blank that does not part a number from its unit or its standard error
+_TIE = re.compile(r"(?<=\d) (?=[%±×]|[nµmkM]?(?:A|V|s|Hz|rad|N|kg|m)\b)|(?<=±) |(?<=N) (?=m\b)")
 
 
 class Markup(str):
@@ -18,7 +22,12 @@ def tag(name: str, *content: str, **attributes: str) -> Markup:
 
 def joined(content: Iterable[str], between: str = "") -> Markup:
     """The parts one after the other."""
-    return Markup(between.join(part if isinstance(part, Markup) else html.escape(part) for part in content))
+    return Markup(between.join(part if isinstance(part, Markup) else _escaped(part) for part in content))
+
+
+def _escaped(text: str) -> str:
+    """Text as HTML, every number on one line with its unit."""
+    return _TIE.sub("\N{NO-BREAK SPACE}", html.escape(text))
 
 
 def section(id: str, title: str, *content: str) -> Markup:
@@ -26,14 +35,34 @@ def section(id: str, title: str, *content: str) -> Markup:
     return tag("section", tag("h2", title), *content, id=id)
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], *, words: int = 1, caption: str = "") -> Markup:
-    """A table that scrolls where it is too wide; all but the first ``words`` columns are numbers."""
-    kinds = ["word" if k < words else "number" for k in range(len(head))]
+def table(
+    head: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    words: Sequence[int] = (0,),
+    caption: str = "",
+    stacked: bool = True,
+) -> Markup:
+    """A table, all of whose columns but ``words`` hold numbers.
+
+    On a narrow screen, each row becomes a list of its cells under their heads where it is ``stacked``; else the table
+    scrolls.
+    """
+    kinds = ["word" if k in words else "number" for k in range(len(head))]
     titles = (tag("th", title, scope="col", class_=kind) for title, kind in zip(head, kinds, strict=True))
-    body = [tag("tr", *(tag("td", cell, class_=kind) for cell, kind in zip(row, kinds, strict=True))) for row in rows]
+    body = [
+        tag(
+            "tr",
+            *(
+                tag("td", cell, class_=kind, data_head=title)
+                for cell, kind, title in zip(row, kinds, head, strict=True)
+            ),
+        )
+        for row in rows
+    ]
     named = [tag("caption", caption)] if caption else []
     whole = tag("table", *named, tag("thead", tag("tr", *titles)), tag("tbody", *body))
-    return tag("div", whole, class_="scroll", tabindex="0")
+    return tag("div", whole, class_="stacked" if stacked else "scroll", tabindex="0")
 
 
 def items(*lines: str) -> Markup:

@@ -26,7 +26,9 @@
       font: { family: "system-ui, sans-serif", size: 12, color: "@text" },
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", showlegend: false,
       hovermode: "closest", hoverlabel: { bgcolor: "@raised", bordercolor: "@rule", font: { color: "@text" } },
-      margin: { l: 56, r: 12, t: 12, b: 44 }, dragmode: coarse ? false : "zoom", ...chart.layout, ...(chosen && chosen.layout),
+      dragmode: coarse ? false : "zoom", modebar: { bgcolor: "rgba(0,0,0,0)", color: "@faint", activecolor: "@text" },
+      ...chart.layout, ...(chosen && chosen.layout),
+      margin: { l: 56, r: 12, t: 12, b: 44, ...chart.layout.margin },
     };
     for (const name of ["xaxis", "yaxis", "yaxis2"]) {
       const own = { ...chart.layout[name], ...(chosen && chosen.layout && chosen.layout[name]) };
@@ -42,7 +44,7 @@
     const style = getComputedStyle(root);
     const layout = { ...layoutOf(chart, chosen), ...(width ? { width } : {}) };
     return Plotly.react(place, coloured(traces, style), coloured(layout, style), {
-      displaylogo: false, responsive: !width, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+      displaylogo: false, displayModeBar: coarse || width ? false : "hover", responsive: !width, modeBarButtons: [["toImage", "resetScale2d"]],
     });
   };
   const drawAll = (width) => Promise.all(places.map((place) => draw(place, width)));

@@ -17,6 +17,7 @@ from .markup import Markup, bar, capitalised, section, table, tag
 _LEAST = 0.005  # probability that is shown as more than none
 _UNLIKELY = 3  # effects below it that are shown
 _HEIGHT = 300  # pixels
+_HEADROOM = 1.4  # of the largest median, that the axis shows
 _QUANTITIES = {
     "torque": "torque that the model leaves over",
     "encoder_difference": "difference of the encoders that the model leaves over",
@@ -64,7 +65,7 @@ def _ranking(findings: Findings) -> Markup:
         removed = (
             "–"
             if entry.error_removed is None
-            else bar(entry.error_removed, f"{100.0 * entry.error_removed + 0.0:.1f} %", kind)
+            else bar(entry.error_removed, f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %", kind)
         )
         rows.append(
             (
@@ -87,7 +88,7 @@ def _ranking(findings: Findings) -> Markup:
         "± is one standard error."
     )
     head = ("effect", "probability", "error removed", "size")
-    return _with_note(table(head, rows, words=4), note)
+    return _with_note(table(head, rows, words=range(4)), note)
 
 
 def _with_note(whole: Markup, note: str) -> Markup:
@@ -105,11 +106,11 @@ def _tried(findings: Findings) -> Markup:
         took = next((trial for trial in tried if step.instance in trial["names"]), None)
         if took is None or not took["gain"] > 0.0:
             continue
-        others = [trial for trial in tried if step.instance not in trial["names"]][:_UNLIKELY]
-        for trial in (took, *others):
+        others = {_named(trial): trial for trial in reversed(tried) if step.instance not in trial["names"]}
+        for trial in (took, *[*reversed(others.values())][:_UNLIKELY]):
             share = max(0.0, trial["gain"] / took["gain"])
             said = f"{100.0 * share:.0f} %" if share >= 0.01 or share == 0.0 else "below 1 %"
-            name = listed(effect_words(name) for name in trial["names"])
+            name = _named(trial)
             place = f"{effect_words(step.instance)}" if trial is took else ""
             rows.append(
                 (
@@ -121,9 +122,18 @@ def _tried(findings: Findings) -> Markup:
     if not rows:
         return Markup()
     return _with_note(
-        table(("step", "tried", "gain, of the best"), rows, words=3, caption="Runners-up: what was tried in each step"),
+        table(
+            ("step", "tried", "gain, of the best"),
+            rows,
+            words=range(3),
+            caption="Runners-up: what was tried in each step",
+        ),
         "Gain: how much of the misfit to torque and encoders goes, less the price of the numbers that it takes.",
     )
+
+
+def _named(trial: Mapping[str, Any]) -> str:
+    return listed(effect_words(name) for name in trial["names"])
 
 
 def _signature(signature: Signature) -> Chart:
@@ -173,9 +183,9 @@ def _signature(signature: Signature) -> Chart:
     caption = f"{capitalised(title)}{refused}: {left_over}, against {against}{rival}.{ways}"
     layout = {
         "xaxis": axis(f"{against} [{signature.against_unit}]"),
-        "yaxis": axis(f"left over [{unit}]"),
+        "yaxis": axis(f"left over [{unit}]", range=[-_HEADROOM * size / scale, _HEADROOM * size / scale]),
     }
-    return Chart(caption, caption, _HEIGHT, layout, traces)
+    return Chart(caption, _HEIGHT, layout, traces)
 
 
 def _plain(title: str) -> str:

@@ -48,7 +48,7 @@ def _by_recording(shown: Shown, name: str, names: tuple[str, str]) -> Markup:
     rows.append([tag("strong", cell) for cell in whole])
     floor = quantity(first.overall[name]["noise_floor"], unit)
     caption = f"RMSE of the {signal_words(name)} (the sensors' noise: {floor})"
-    return table(("recording", *names, "times smaller"), rows, caption=caption)
+    return table(("recording", *names, "times smaller"), rows, caption=caption, stacked=False)
 
 
 def _unseen(unseen: UnseenErrors) -> Markup:
@@ -57,7 +57,7 @@ def _unseen(unseen: UnseenErrors) -> Markup:
     caption = (
         f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {quantity(unseen.noise_floor, unseen.unit)})"
     )
-    return table(("recording", "before", "after", "times smaller"), rows, caption=caption)
+    return table(("recording", "before", "after", "times smaller"), rows, caption=caption, stacked=False)
 
 
 def _row(title: str, before: float, after: float, unit: str) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, why_step
 from ..quantities import axis_unit, estimate, quantity
-from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, packed
+from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis, packed
 from .content import Content, signal_words
 from .difference import moved_numbers, new_effects
 from .findings import Findings, UnseenErrors
@@ -34,7 +34,7 @@ def steps(content: Content, charts: Charts) -> Markup:
             for step in findings.steps
         ]
         head = ("step", "RMSE before", "after", "excess removed", "output before", "after", "runner-up, or why")
-        parts.append(table(head, rows))
+        parts.append(table(head, rows, words=(0, 6)))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(_falling(findings, findings.unseen)))
     return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))
@@ -59,6 +59,7 @@ def _falling(findings: Findings, unseen: UnseenErrors) -> Chart:
         }
     )  # fmt: skip
     floor = unseen.noise_floor / scale
+    shown = [value / scale for values in (unseen.rmse, *(each for _, each in unseen.recordings)) for value in values]
     noise = {
         "type": "line",
         "xref": "x domain",
@@ -84,12 +85,12 @@ def _falling(findings: Findings, unseen: UnseenErrors) -> Chart:
         f"RMSE of the {signal_words(unseen.signal)} after each step: all recordings (thick) and each (thin), {judged}"
     )
     layout = {
-        "xaxis": axis("step", tickvals=at, ticktext=places),
-        "yaxis": axis(f"RMSE [{unit}]", type="log"),
+        "xaxis": axis("step", tickvals=at, ticktext=places, range=[-0.4, len(at) - 0.6]),
+        "yaxis": log_axis(f"RMSE [{unit}]", np.array([*shown, floor])),
         "shapes": [noise],
         "annotations": [told],
     }
-    return Chart(caption, caption, _HEIGHT, layout, traces, wide=True)
+    return Chart(caption, _HEIGHT, layout, traces, wide=True)
 
 
 def _places(findings: Findings, count: int) -> list[str]:
@@ -116,14 +117,15 @@ def _parameters(content: Content) -> list[Markup]:
         return []
     head = ("effect", "options", "parameter", "value ± standard error", "relative error")
     before, after = content.names
-    return [table(head, rows, words=3, caption=f"Parameters of what {after} has and {before} lacks")]
+    return [table(head, rows, words=range(3), caption=f"Parameters of what {after} has and {before} lacks")]
 
 
 def _constants(content: Content) -> list[Markup]:
     """The constants that moved: by more than their standard error in a table, the others in a line."""
     rows, slightly = [], []
     for path, held in moved_numbers(*content.models, content.findings):
-        name = path.replace("_", " ").replace(".", ": ")
+        part, _, constant = path.partition(".")
+        name = f"{effect_words(part)}: {constant.replace('_', ' ')}"
         if has_moved(held):
             values = (estimate(held["nominal"], None, held["unit"]), estimate(held["value"], held["std"], held["unit"]))
             rows.append((name, *values, change_words(held)))

@@ -49,6 +49,8 @@ def _agrees(content: Content, new: list[NewEffect]) -> bool:
 def _lead(content: Content) -> str:
     """The errors that fell, in a sentence."""
     first, second = content.given.comparisons
+    if not content.given.headlines:
+        return "These recordings hold no signal whose error tells one model from another."
     parts = []
     for name in content.given.headlines:
         before, after = first.overall[name], second.overall[name]
@@ -87,7 +89,10 @@ def _wrong(content: Content) -> list[Markup]:
             )
         )
     told = any(held["std"] is not None for effect in new for held in effect.parameters.values())
-    note = "± is one standard error." if told else "Standard errors are not known: the model file holds none."
+    note = "± is one standard error."
+    if not told:
+        asked = content.findings is not None and content.findings.added
+        note = "The model file holds no standard errors" + (": see what the search found." if asked else ".")
     gone = [name for name in content.models[0].active if name not in content.models[1].active]
     left_out = [tag("p", f"{content.names[1]} leaves out {listed(map(effect_words, gone))}.")] if gone else []
     return [items(*lines), *left_out, tag("p", note, class_="aside")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, STANDSTILL, Stretch
 from ..model import Model
 from ..quantities import axis_unit, quantity
-from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, noise_band, packed
+from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, log_axis, noise_band, packed
 from .content import Content, signal_words, signals_listed
 from .markup import Markup, capitalised, items, joined, section, table, tag
 
@@ -31,7 +31,7 @@ def where(content: Content, charts: Charts) -> Markup:
     """The section with the residuals against what they may depend on."""
     given = content.given
     figures: list[Markup] = []
-    orders: list[Markup] = []
+    orders: dict[str, list[list[str]]] = {}
     for name in given.headlines:
         stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
         if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
@@ -46,22 +46,40 @@ def where(content: Content, charts: Charts) -> Markup:
             spectra = shown.over_order(content.models[0])
             if spectra is not None:
                 figures.append(charts.add(spectra[0]))
-                orders.append(spectra[1])
+                orders[signal_words(name)] = spectra[1]
     if not figures:
-        return section(
-            "where",
-            "Where the models fail",
-            tag("p", f"The recordings are too short to tell, which takes {FEWEST_SAMPLES} samples."),
-        )
+        told = f"It cannot be told: that takes {FEWEST_SAMPLES} samples, and the current and the motor's position or speed."
+        return section("where", "Where the models fail", tag("p", told))
     key = tag(
         "p",
         *_swatches(content.names),
         "Line: median; shaded: between the quartiles; grey: two standard deviations of the sensors' noise.",
         class_="key",
     )
+    told = [_orders_table(content, orders)] if orders else []
     return section(
-        "where", "Where the models fail", _sentences(content), key, tag("div", *figures, class_="grid"), *orders
+        "where", "Where the models fail", _sentences(content), key, tag("div", *figures, class_="grid"), *told
     )
+
+
+def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -> Markup:
+    """The orders that the machine's file names, by their numbers in the spectra, with the amplitudes there."""
+    named = _named_orders(content.models[0])
+    if not named:
+        return tag("p", f"{content.names[0]} names no orders (`orders:` in its file).", class_="aside")
+    columns = [f"{signal}, {model}" for signal in amplitudes for model in content.names]
+    rows = [
+        (str(k + 1), name, f"{order:g}", *(cell for each in amplitudes.values() for cell in each[k]))
+        for k, (order, name) in enumerate(named)
+    ]
+    whole = table(("", "order", "cycles per turn", *columns), rows, words=(0, 1), stacked=False)
+    return tag(
+        "details", tag("summary", "The machine's own orders, by their numbers above the spectra"), whole, open=""
+    )
+
+
+def _named_orders(model: Model) -> list[tuple[float, str]]:
+    return sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= ORDERS[-1])
 
 
 def _swatches(names: tuple[str, str]) -> list[Markup]:
@@ -160,8 +178,8 @@ class _Signal:
             )
         return self._chart("the direction of motion", axis("direction", type="category"), traces)
 
-    def over_order(self, model: Model) -> tuple[Chart, Markup] | None:
-        """The order spectra with the orders that the model names, and a table of these; None where none is known."""
+    def over_order(self, model: Model) -> tuple[Chart, list[list[str]]] | None:
+        """The order spectra, and the amplitudes of both models at each named order; None where nothing turns enough."""
         first = find_order(_moving(self.stretches[0]))
         if first is None:
             return None
@@ -180,30 +198,20 @@ class _Signal:
             line(x, values / scale, name, role, width=1.6)
             for x, values, name, role in zip(at, peaks, self.models, _ROLES, strict=True)
         ]
-        named = sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= highest)
+        named = _named_orders(model)
         marks, numbers = _marked([order for order, _ in named])
         kind = "; taken as opposing the motion" if flips else ""
         layout = {
-            "xaxis": axis("order [cycles per turn of the motor]", type="log"),
+            "xaxis": log_axis("order [cycles per turn of the motor]", ORDERS[highest >= ORDERS]),
             "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),
             "shapes": marks,
             "annotations": numbers,
             "margin": {"t": 26},
         }
         said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
-        chart = Chart(said, said, _HEIGHT, layout, traces)
-        rows = []
-        for k, (order, name) in enumerate(named, 1):
-            near = np.abs(ORDERS - order) <= _NEAR
-            rows.append(
-                (str(k), name, f"{order:g}", *(quantity(float(values[near].max()), self.base) for values in lines))
-            )
-        if not rows:
-            return chart, tag("p", f"{self.models[0]} names no orders (`orders:` in its file).", class_="aside")
-        head = ("", f"order, {self.words}", "cycles per turn", *self.models)
-        return chart, tag(
-            "details", tag("summary", f"The named orders of the {self.words}"), table(head, rows, words=2)
-        )
+        chart = Chart(said, _HEIGHT, layout, traces)
+        peaks_of = [[float(values[np.abs(ORDERS - order) <= _NEAR].max()) for values in lines] for order, _ in named]
+        return chart, [[quantity(peak, self.base) for peak in pair] for pair in peaks_of]
 
     def _banded(
         self, x: np.ndarray, residual: np.ndarray, role: str, name: str, *, narrow: bool = False, dash: str = "solid"
@@ -225,7 +233,7 @@ class _Signal:
 
     def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:
         said = f"Residual of the {self.words} against {against}"
-        return Chart(said, said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
+        return Chart(said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
 
 
 def _moving(parts: Sequence[Stretch], *, flips: bool | None = None) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
