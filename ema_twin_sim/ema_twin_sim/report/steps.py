@@ -33,7 +33,15 @@ def steps(content: Content, charts: Charts) -> Markup:
             )
             for step in findings.steps
         ]
-        head = ("step", "RMSE before", "after", "excess removed", "output before", "after", "runner-up, or why")
+        head = (
+            "step",
+            "RMSE before",
+            "RMSE after",
+            "excess removed",
+            "output before",
+            "output after",
+            "runner-up, or why",
+        )
         parts.append(table(head, rows, words=(0, 6)))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(_falling(findings, findings.unseen)))

@@ -48,8 +48,8 @@ def where(content: Content, charts: Charts) -> Markup:
                 figures.append(charts.add(spectra[0]))
                 orders[signal_words(name)] = spectra[1]
     if not figures:
-        told = f"It cannot be told: that takes {FEWEST_SAMPLES} samples, and the current and the motor's position or speed."
-        return section("where", "Where the models fail", tag("p", told))
+        takes = f"{FEWEST_SAMPLES} samples, the current, and the motor's position or speed"
+        return section("where", "Where the models fail", tag("p", f"It cannot be told: that takes {takes}."))
     key = tag(
         "p",
         *_swatches(content.names),
@@ -69,10 +69,10 @@ def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -
         return tag("p", f"{content.names[0]} names no orders (`orders:` in its file).", class_="aside")
     columns = [f"{signal}, {model}" for signal in amplitudes for model in content.names]
     rows = [
-        (str(k + 1), name, f"{order:g}", *(cell for each in amplitudes.values() for cell in each[k]))
+        (f"{k + 1}: {name}", f"{order:g}", *(cell for each in amplitudes.values() for cell in each[k]))
         for k, (order, name) in enumerate(named)
     ]
-    whole = table(("", "order", "cycles per turn", *columns), rows, words=(0, 1), stacked=False)
+    whole = table(("order", "cycles per turn", *columns), rows, stacked=False)
     return tag(
         "details", tag("summary", "The machine's own orders, by their numbers above the spectra"), whole, open=""
     )
