@@ -80,7 +80,7 @@ _FINE = types.Tuple(
     )
 )
 """Records (1,) of winding and train with their states, the train's lanes, its mesh table, the energies (energy.py), and
-the effects of the lumped model that stands for a train where only torques are balanced."""
+the effects that are balanced where they are others than those that act."""
 
 _SIGNATURE = void(
     _PLANT[::1], _STATE[::1], _EFFECTS, _FINE, int64, _STAMPS, float64[:, ::1], float64[:, ::1], float64, boolean
@@ -107,7 +107,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         """
         plant = plants[0]
         state = states[0]
-        windings, winding_states, trains, train_states, lanes, table, energies, lumped_effects = fine_parts
+        windings, winding_states, trains, train_states, lanes, table, energies, balanced_effects = fine_parts
         ratio = plant.gear_ratio
         per_ratio = 1.0 / ratio
         rigid = plant.two_inertia == 0.0 and not planetary
@@ -125,6 +125,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         output_dry = plant.output_dry
         output_break_away = plant.output_break_away
         torque_constant = plant.torque_constant
+        pole_pairs = plant.pole_pairs
         viscous_total = plant.motor_viscous + plant.output_viscous
         # what the motor's shaft carries itself: everything where the transmission is rigid
         inertia = plant.motor_inertia + (plant.output_inertia if rigid else 0.0)
@@ -140,7 +141,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         total_dry = plant.motor_dry + plant.output_dry
         elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
-        balanced = lumped_effects if planetary else effects
+        balanced = balanced_effects if fine else effects
         torque = output_torque = thinned = 0.0
         dry = base_dry
         break_away = base_break_away
@@ -281,6 +282,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                     at = OperatingPoint(
                         time + k * h,
                         motor_origin + angle,
+                        pole_pairs * (motor_origin + angle),
                         speed,
                         output_origin + output_angle * per_ratio,
                         output_angle * per_ratio,

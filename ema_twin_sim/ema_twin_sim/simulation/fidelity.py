@@ -10,6 +10,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
+from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.planetary_constants import DAMAGED_WHEELS, PLANETARY_CONSTANTS, RUNOUT_WHEELS
@@ -45,7 +46,7 @@ Effects = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Addresses (n,), places (n,) and parameters (n, 4) of effects that act, as ``plant.kernel`` takes them."""
 Fine = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, Effects]
 """What ``plant.kernel`` takes of the finer fidelities: records and states of winding and train, lanes, table, energies,
-and the effects of the lumped model that stands for the train where torques are balanced."""
+and the effects that are taken where torques are balanced."""
 
 
 @dataclass(frozen=True)
@@ -71,9 +72,7 @@ def fine_parts(model: Model, plant: np.void) -> FineParts:
     switching = model.kinds["drive"] == "switching"
     planetary = model.kinds["transmission"] == "planetary"
     train, table, frequency = _train(model, plant) if planetary else (LUMPED.train, LUMPED.table, 0.0)
-    return FineParts(
-        switching, planetary, _winding(model, plant) if switching else LUMPED.winding, train, table, frequency
-    )
+    return FineParts(switching, planetary, _winding(model) if switching else LUMPED.winding, train, table, frequency)
 
 
 def longest_step(parts: FineParts) -> float:
@@ -148,14 +147,18 @@ LUMPED = FineParts(False, False, _ones(WINDING), _ones(TRAIN), np.zeros((3, 2, 4
 """Of a model that has neither part."""
 
 
-def _winding(model: Model, plant: np.void) -> np.ndarray:
+def _winding(model: Model) -> np.ndarray:
     winding = np.zeros(1, WINDING)
     record = winding[0]
     for path, constant in CONSTANTS.items():
         if constant.name in (WINDING.names or ()) and path in model.constants:
             record[constant.name] = model.value(path)
     record["trapezoidal"] = model.choices["machine.back_emf_shape"] == "trapezoidal"
-    record["magnet_strength"] = plant["torque_constant"] / plant["nominal_torque_constant"]
+    record["magnet_strength"] = 1.0
+    for instance in model.active.values():
+        settle = catalogue()[instance.effect].settle_winding
+        if settle is not None:
+            settle(record, instance.parameters, instance.options)
     return winding
 
 

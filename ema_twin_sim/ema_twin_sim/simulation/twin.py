@@ -185,7 +185,7 @@ class Twin:
         return dict(zip(TWIN, self._row[1].tolist(), strict=True))
 
     def _take(self, model: Model) -> None:
-        assembly = assemble(model)
+        assembly = assemble(model, by_current=self.source == CURRENT)
         parts = assembly.fine
         step = self._asked_step or usual_step(parts)
         longest = longest_step(parts) if parts.planetary else stiffest_step(assembly.plant)
