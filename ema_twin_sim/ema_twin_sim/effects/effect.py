@@ -70,8 +70,7 @@ class Effect:
 
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
     positive number may be given for; its choices are those that are looked for on every machine, or, where not
-    ``searched``, those that recordings show only. ``needs`` are paths of optional constants without which a model
-    cannot have it.
+    ``searched``, those that recordings show only. An ``electrical`` effect needs to know the motor's pole pairs.
     """
 
     id: str
@@ -87,7 +86,7 @@ class Effect:
     depends_on: str = ""
     settle: Callable[[np.void, Values, Options], None] | None = None
     settle_winding: Callable[[np.void, Values, Options], None] | None = None
-    needs: tuple[str, ...] = ()
+    electrical: bool = False
     repeatable: bool = True
     free_option: str = ""
     searched: bool = True

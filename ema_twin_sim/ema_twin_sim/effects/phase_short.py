@@ -47,6 +47,6 @@ EFFECT = Effect(
     act=act,
     settle=settle,
     settle_winding=settle_winding,
-    needs=("machine.pole_pairs",),
+    electrical=True,
     repeatable=False,
 )

@@ -37,6 +37,6 @@ EFFECT = Effect(
     ),
     act=act,
     settle_winding=settle_winding,
-    needs=("machine.pole_pairs",),
+    electrical=True,
     repeatable=False,
 )

@@ -78,13 +78,13 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
         record[f"end_stop_{side}"] = none if stop is None else stop.value
-    pole_pairs = model.constants.get("machine.pole_pairs")
-    record["pole_pairs"] = math.nan if pole_pairs is None else pole_pairs.value
+    record["pole_pairs"] = math.nan if model.pole_pairs is None else model.pole_pairs
     by_winding = model.kinds["drive"] == "switching" and not by_current
     balanced, acting = [], []
     for name, instance in model.active.items():
         effect = catalogue()[instance.effect]
-        _check_needs(model, name, effect)
+        if effect.electrical and model.pole_pairs is None:
+            raise InputError(f"model {model.name}: effect {name} needs machine.pole_pairs; give it in the model file")
         if effect.settle is not None:
             effect.settle(record, instance.parameters, instance.options)
         if effect.act is not None:
@@ -108,13 +108,6 @@ def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:
         np.array([place for place, _, _ in ordered], np.int64),
         np.array([slots for _, _, slots in ordered], np.float64).reshape(len(ordered), PARAMETER_SLOTS),
     )
-
-
-def _check_needs(model: Model, name: str, effect: Effect) -> None:
-    """Refuse an effect of which a constant is not known."""
-    unknown = [path for path in effect.needs if path not in model.constants]
-    if unknown:
-        raise InputError(f"model {model.name}: effect {name} needs {' and '.join(unknown)}; give it in the model file")
 
 
 def _check(model: Model, record: np.void) -> None:
