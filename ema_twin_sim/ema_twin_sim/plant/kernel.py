@@ -271,6 +271,8 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                         account_drive(energies, h, speed, gap_torque, link_power, winding_loss)
 
                 # mechanics: half the drift, then the kick at the middle of the step
+                if not (rigid or planetary):
+                    twist = angle - output_angle
                 angle += 0.5 * h * speed
                 if not rigid:
                     output_angle += 0.5 * h * output_speed
@@ -394,7 +396,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                     output_speed = speed
                 else:
                     transmitted = contact_torque(
-                        angle - output_angle - 0.5 * h * (speed - output_speed),
+                        twist,
                         speed - output_speed,
                         stiffness,
                         damping,
