@@ -141,6 +141,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         total_dry = plant.motor_dry + plant.output_dry
         elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
+        plain = not (acting or stops or asymmetry != 0.0 or bristled)
         balanced = balanced_effects if fine else effects
         torque = output_torque = thinned = 0.0
         dry = base_dry
@@ -276,73 +277,78 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 angle += 0.5 * h * speed
                 if not rigid:
                     output_angle += 0.5 * h * output_speed
-                else:
-                    output_angle = angle - twist
-                    output_speed = speed
-                if acting and effects_in == 0:
-                    effects_in = effect_steps
-                    at = OperatingPoint(
-                        time + k * h,
-                        motor_origin + angle,
-                        pole_pairs * (motor_origin + angle),
-                        speed,
-                        output_origin + output_angle * per_ratio,
-                        output_angle * per_ratio,
-                        output_speed * per_ratio,
-                        acceleration,
-                        current,
-                        drive_torque,
-                        transmitted,
-                        total_dry,
-                        viscous_total,
-                    )
-                    torque, dry, output_torque, thinned = evaluate(effects, at)
-                    dry -= elsewhere
-                    dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
-                    break_away = base_break_away + (dry - base_dry)
-                    break_away = break_away if break_away > 0.0 else 0.0
-                effects_in -= 1
-                load = output_torque
-                if stops:
-                    load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
-                dry_now = dry
-                held = break_away
-                net = drive_torque - torque
+                net = drive_torque
+                load = 0.0
+                dry_now = base_dry
+                held = base_break_away
                 load_dry = output_dry
                 load_held = output_break_away
-                if asymmetry != 0.0:
-                    passed = reaction if planetary else transmitted
-                    factor = directed(asymmetry, speed, net - (load if rigid else passed))
-                    dry_now *= factor
-                    held *= factor
-                    net -= asymmetry * (viscous + thinned) * math.fabs(speed)
-                    load_factor = directed(asymmetry, output_speed, transmitted - load)
-                    load_dry *= load_factor
-                    load_held *= load_factor
-                    if not rigid:
-                        load += asymmetry * output_viscous * math.fabs(output_speed)
-                if bristled:
-                    bristle, bristle_torque = bristle_step(
-                        bristle,
-                        speed,
-                        dry_now,
-                        plant.bristle_stiffness * motor_share,
-                        plant.bristle_damping * motor_share,
-                        h,
-                    )
-                    net -= bristle_torque
-                    dry_now = held = 0.0
-                    if not rigid:
-                        output_bristle, bristle_torque = bristle_step(
-                            output_bristle,
-                            output_speed,
-                            load_dry,
-                            plant.bristle_stiffness * (1.0 - motor_share),
-                            plant.bristle_damping * (1.0 - motor_share),
+                if not plain:  # one question instead of four where a model has none of these
+                    if rigid:
+                        output_angle = angle - twist
+                        output_speed = speed
+                    if acting and effects_in == 0:
+                        effects_in = effect_steps
+                        at = OperatingPoint(
+                            time + k * h,
+                            motor_origin + angle,
+                            pole_pairs * (motor_origin + angle),
+                            speed,
+                            output_origin + output_angle * per_ratio,
+                            output_angle * per_ratio,
+                            output_speed * per_ratio,
+                            acceleration,
+                            current,
+                            drive_torque,
+                            transmitted,
+                            total_dry,
+                            viscous_total,
+                        )
+                        torque, dry, output_torque, thinned = evaluate(effects, at)
+                        dry -= elsewhere
+                        dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
+                        break_away = base_break_away + (dry - base_dry)
+                        break_away = break_away if break_away > 0.0 else 0.0
+                    effects_in -= 1
+                    dry_now = dry
+                    held = break_away
+                    net -= torque
+                    load += output_torque
+                    if stops:
+                        load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
+                    if asymmetry != 0.0:
+                        passed = reaction if planetary else transmitted
+                        factor = directed(asymmetry, speed, net - (load if rigid else passed))
+                        dry_now *= factor
+                        held *= factor
+                        net -= asymmetry * (viscous + thinned) * math.fabs(speed)
+                        load_factor = directed(asymmetry, output_speed, transmitted - load)
+                        load_dry *= load_factor
+                        load_held *= load_factor
+                        if not rigid:
+                            load += asymmetry * output_viscous * math.fabs(output_speed)
+                    if bristled:
+                        bristle, bristle_torque = bristle_step(
+                            bristle,
+                            speed,
+                            dry_now,
+                            plant.bristle_stiffness * motor_share,
+                            plant.bristle_damping * motor_share,
                             h,
                         )
-                        load += bristle_torque
-                        load_dry = load_held = 0.0
+                        net -= bristle_torque
+                        dry_now = held = 0.0
+                        if not rigid:
+                            output_bristle, bristle_torque = bristle_step(
+                                output_bristle,
+                                output_speed,
+                                load_dry,
+                                plant.bristle_stiffness * (1.0 - motor_share),
+                                plant.bristle_damping * (1.0 - motor_share),
+                                h,
+                            )
+                            load += bristle_torque
+                            load_dry = load_held = 0.0
                 before = speed
                 output_before = output_speed
                 if planetary:
