@@ -50,8 +50,9 @@ from .layout import (
 )
 from .operating_point import PARAMETER_SLOTS, OperatingPoint
 from .planetary.layout import TRAIN, TRAIN_STATE, TURN
-from .planetary.mesh_state import mesh_cycles, read_friction, read_meshes, wheel_angles
+from .planetary.mesh_state import mesh_cycles, moved_on, read_friction, read_meshes
 from .planetary.train import train_step
+from .planetary.train_constants import train_constants
 from .sensors import counted, remember, shown
 from .switching.electrical_angle import sine_and_cosine, turned
 from .switching.layout import WINDING, WINDING_STATE
@@ -96,8 +97,10 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
     ``accounting`` books every energy too, which costs a third more.
     """
     fine = switching or planetary
+    # a fine step is a long chain of products and sums, which fuse where the processor can
+    fused = {"contract"} if fine else False
 
-    @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy")
+    @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy", fastmath=fused)
     def advance(plants, states, effects, fine_parts, source, stamps, bench, twin, step, record):
         """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
 
@@ -179,10 +182,13 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         winding = step_constants(windings[0], step)
         sine, cosine = 0.0, 1.0
         train = trains[0]
+        train_of_step = train_constants(train, motor_origin, step)
         moving = train_states[0]
         flexible = planetary and train.shaft_stiffness > 0.0
         sun_angle = moving.sun_angle
         sun_speed = moving.sun_speed
+        carrier_angle = moving.carrier_angle
+        carrier_speed = moving.carrier_speed
         drive_torque = torque_constant * current
         effects_in = 0
 
@@ -212,6 +218,8 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 smoothing_gain = lag_gain(h, plant.speed_smoothing)
                 if switching:
                     winding = step_constants(windings[0], h)
+                if planetary:
+                    train_of_step = train_constants(train, motor_origin, h)
                 setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
             start = bench[row - 1, column]
             slope = bench[row, column] - start
@@ -353,21 +361,16 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 output_before = output_speed
                 if planetary:
                     sun_at, sun_before = (sun_angle + 0.5 * h * sun_speed, sun_speed) if flexible else (angle, speed)
-                    carrier_at = moving.carrier_angle + 0.5 * h * moving.carrier_speed
+                    carrier_at = carrier_angle + 0.5 * h * carrier_speed
                     output_at = output_angle * per_ratio
-                    sun_own, carrier_own, output_own = wheel_angles(train, motor_origin, sun_at, carrier_at, output_at)
-                    x_sun, x_ring, x_output = mesh_cycles(train, sun_own, carrier_own, output_own)
-                    if (
-                        math.fabs(x_sun - moving.mesh_read[0]) >= train.refresh
-                        or math.fabs(x_ring - moving.mesh_read[1]) >= train.refresh
-                        or math.fabs(x_output - moving.mesh_read[2]) >= train.refresh
-                    ):
+                    cycles = mesh_cycles(train_of_step, sun_at, carrier_at, output_at)
+                    if moved_on(train, moving, cycles):
                         if accounting:
                             energies[STIFFNESS_CHANGE] -= stored_in_meshes(
                                 train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
                                 output_at - 0.5 * h * output_speed * per_ratio, output_speed * per_ratio, h,
                             )  # fmt: skip
-                        read_meshes(train, moving, lanes, table, sun_own, carrier_own, output_own)
+                        read_meshes(train, moving, lanes, table, cycles)
                         if accounting:
                             energies[STIFFNESS_CHANGE] += stored_in_meshes(
                                 train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
@@ -375,9 +378,12 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                             )  # fmt: skip
                     if accounting:
                         keep_speeds(lanes, moving)
-                    on_sun, on_output = train_step(
-                        train, moving, lanes, sun_at, sun_before, output_at, output_speed * per_ratio, h
-                    )
+                    on_sun, on_output, carrier_angle, carrier_speed = train_step(
+                        train_of_step, moving.friction_coefficient, lanes, sun_at, sun_before, carrier_at,
+                        carrier_speed, output_at, output_speed * per_ratio,
+                    )  # fmt: skip
+                    moving.carrier_angle = carrier_angle
+                    moving.carrier_speed = carrier_speed
                     reaction = -on_sun
                     if flexible:
                         reaction = train.shaft_stiffness * (angle - sun_at) + train.shaft_damping * (speed - sun_speed)
@@ -386,12 +392,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                     transmitted = on_output * per_ratio
                     speed = shaft_speed(speed, net - reaction, dry_now, held, motor_gain, motor_drag)
                     output_speed = shaft_speed(
-                        output_speed,
-                        transmitted - load,
-                        load_dry,
-                        load_held,
-                        output_gain,
-                        output_drag,
+                        output_speed, transmitted - load, load_dry, load_held, output_gain, output_drag
                     )
                     angle += 0.5 * h * speed
                     output_angle += 0.5 * h * output_speed
