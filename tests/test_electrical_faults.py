@@ -10,6 +10,7 @@ from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.discovery.candidates import candidates
+from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.assembly import assemble
@@ -117,3 +118,31 @@ def test_phase_currents_of_a_simulated_recording_are_read_back(tmp_path, switchi
     read = load(tmp_path / "run.mcap")
     for name in ("direct_current", "phase_current_u", "phase_current_v", "phase_current_w"):
         np.testing.assert_array_equal(read.signals[name], bench.signals[name])
+
+
+def recorded(model):
+    """Slow, fast and back and forth; a drive that switches in its usual band makes noise of its own."""
+    commands = ("ramp:0.02", "ramp:0.08", "triangle:0.04:2")
+    return [virtual_bench(model, parse_command(c), 10.0, seed=k) for k, c in enumerate(commands)]
+
+
+@faults
+def test_a_fault_of_a_switching_bench_is_discovered_by_the_averaged_model(stock, id):
+    found = discover(recorded(faulty(load_model("polito_hf"), id)), stock)
+    parameters, options, _ = FAULTS[id]
+    assert found.added == (id,)
+    assert found.model.effects[id].options == options
+    for name, value in parameters.items():
+        assert found.model.effects[id].parameters[name] == pytest.approx(value, rel=0.05)
+
+
+def test_of_a_healthy_switching_bench_no_fault_is_named(stock):
+    assert not discover(recorded(load_model("polito_hf")), stock).added
+
+
+@pytest.mark.parametrize(
+    ("other", "parameters"),
+    [("torque_constant_error", {"scale": 0.8}), ("torque_ripple", {"fraction": 0.1}), ("current_offset", {})],
+)
+def test_what_looks_like_a_fault_is_not_taken_for_one(stock, other, parameters):
+    assert discover(recorded(stock.with_effect(other, parameters)), stock).added == (other,)
