@@ -12,7 +12,7 @@ from ema_bench_replay.errors import InputError
 
 from ..quantities import quantity
 from . import options
-from .compare import shown_signals
+from .error_cells import shown_signals
 from .output import console, warn
 
 if TYPE_CHECKING:
