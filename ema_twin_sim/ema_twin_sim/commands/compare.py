@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from rich.markup import escape
@@ -38,6 +39,7 @@ def run(
     import_map: options.ImportMap = "siemens",
     start: options.From = None,
     end: options.To = None,
+    step: options.Step = None,
     strict: options.Strict = False,
     json: options.JsonFile = None,
 ) -> None:
@@ -55,14 +57,17 @@ def run(
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     with counted(len(models) * len(recordings), "comparing") as done:
         comparisons = [
-            compare(recordings, each, input, progress=lambda name, of=each.name: done(f"{of} beside {name}"))  # type: ignore[misc]
-            for each in models
+            compare(recordings, each, input, step=step, progress=partial(_tell, done, each.name)) for each in models
         ]
     show(comparisons, labels=model)
     warn_of(list(dict.fromkeys(text for c in comparisons for text in c.warnings)), recordings)
     first, *others = comparisons
     beside = [{**other.as_json(), "times_closer": closer(first, other).as_json()} for other in others]
     write_json(json, [first.as_json(), *beside] if beside else first.as_json())
+
+
+def _tell(done: Callable[[str], None], model: str, recording: str) -> None:
+    done(f"{model} beside {recording}")
 
 
 def show(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:

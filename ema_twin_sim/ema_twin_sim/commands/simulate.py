@@ -46,6 +46,7 @@ def run(
     phase: Annotated[
         float, typer.Option(callback=options.finite, help="Phase that a periodic command begins with, in rad.")
     ] = 0.0,
+    step: options.Step = None,
     with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:
@@ -68,7 +69,7 @@ def run(
     if seconds is None:
         seconds = 20.0 if parsed.seconds is None else parsed.seconds
     driven = load_model(model)
-    recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None)
+    recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None, step=step)
     _warn_of_speed(driven, parsed, recording.stamps * 1e-9)
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":

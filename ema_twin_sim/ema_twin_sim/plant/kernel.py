@@ -231,7 +231,6 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                 steps = max(1, math.ceil(interval / step - 1e-9))
                 h = interval / steps
                 effect_steps = max(1, round(EFFECT_PERIOD / h)) if fine else 1
-                effects_in = 0
                 per_step = 1.0 / h
                 motor_gain, motor_drag = response(h, inertia, viscous)
                 output_gain, output_drag = response(h, plant.output_inertia, plant.output_viscous)
@@ -240,6 +239,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                 if switching:
                     winding = step_constants(windings[0], h)
                 setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
+            effects_in = 0  # at every sample, so that a live twin takes them when an offline one does
             start = bench[row - 1, column]
             slope = bench[row, column] - start
             current_rate = 0.0

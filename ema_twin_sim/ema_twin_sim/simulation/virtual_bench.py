@@ -12,7 +12,6 @@ from ema_bench_replay.recording import MOTION, Recording
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
-from .simulate import refuse_infinite
 from .twin import Twin
 
 _OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
@@ -47,12 +46,9 @@ def virtual_bench(
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
     twin.start({column: bench[0, BENCH.index(column)]}, *origins)
     rows = twin.follow(stamps, bench)
-    refuse_infinite(rows, stamps * 1e-9, f"model {model.name}: on the virtual bench")
     signals = {
         name: rows[:, k] for k, name in enumerate(TWIN) if name not in _OF_THE_TWIN and not np.isnan(rows[1:, k]).all()
     }
-    if command.speed:
-        signals.pop("output_command", None)
     if seed is not None:
         signals = with_noise(signals, model, seed)
     motion = {} if model.motion == "rotary" else {MOTION: model.motion}
