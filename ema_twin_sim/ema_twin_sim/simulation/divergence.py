@@ -9,6 +9,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
+from ..plant.layout import TWIN
 from ..plant.planetary.layout import PLANETS, ROW
 from .fidelity import Fine, FineParts
 
@@ -18,6 +19,7 @@ _MOST_CURRENT = 1e7
 """A."""
 _MOST_BENT = 1e7
 """rad of a bristle."""
+_CURRENT, _SPEED = TWIN.index("current"), TWIN.index("speed")
 _RESOLUTION = 500
 """ns, within which the moment is found."""
 
@@ -44,6 +46,11 @@ def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
         for phase in "uvw":
             found[f"the current of phase {phase}"] = (fine[1][0][f"phase_current_{phase}"], _MOST_CURRENT, "A")
     return found
+
+
+def looks_lost(row: np.ndarray) -> bool:
+    """Whether a twin's sample (signals,) is beyond all bounds: what any state does shows in the motor's soon."""
+    return not (abs(row[_CURRENT]) <= _MOST_CURRENT and abs(row[_SPEED]) <= _FASTEST)
 
 
 def is_lost(states: States) -> bool:

@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
+from .dc_link_check import refuse_recording_beyond_link
 from .operating_points import twin_at_points
 from .twin import Twin
 
@@ -70,6 +71,7 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
             f"model {model.name}: has no drive.position_gain and drive.speed_gain to follow a command with; give them, "
             "or choose --input current"
         )
+    refuse_recording_beyond_link(model, recording, chosen)
     twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step)
     absent = np.full(len(recording), math.nan)
     bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])

@@ -17,8 +17,8 @@ from ..plant.kernel import kernel
 from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from ..plant.sensors import shown
 from .assembly import assemble
-from .divergence import States, is_lost, refuse_divergence, states_of
-from .fidelity import DEFAULT_STEP, Fine, copied, resting_state, set_in_motion, usual_step, with_parts
+from .divergence import States, looks_lost, refuse_divergence, states_of
+from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import refuse_long_step
 
@@ -185,20 +185,22 @@ class Twin:
         assert fine is not None  # start comes first
         for first in range(0, len(stamps) - 1, _ROWS_AT_A_TIME):
             some = slice(first, first + _ROWS_AT_A_TIME + 1)
-            before = self._state.copy(), copied(fine)
+            before = kept(self._state, fine)
             self._run(self._state, fine, stamps[some], bench[some], rows[some])
-            if is_lost(states_of(self._state, fine, self._parts)):
-                self._refuse_divergence(*before, stamps[some], bench[some])
+            if looks_lost(rows[some][-1]):
+                self._refuse_divergence(before, stamps[some], bench[some])
 
     def _run(self, state: np.ndarray, fine: Fine, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         assembly = self._assembly
         self._advance(assembly.plant, state, assembly.acting, fine, self.source, stamps, bench, rows, self.step, True)
 
-    def _refuse_divergence(self, start: np.ndarray, fine: Fine, stamps: np.ndarray, bench: np.ndarray) -> None:
+    def _refuse_divergence(self, before: tuple[bytes, ...], stamps: np.ndarray, bench: np.ndarray) -> None:
         """Find, from a sound state on, when the simulation loses its way."""
+        fine = self._fine
+        assert fine is not None
 
         def states_after(intervals: int, share: float) -> States:
-            state, parts = start.copy(), copied(fine)
+            state, parts = restored(before, self._state, fine)
             rows = np.empty((len(stamps), len(TWIN)))
             whole = slice(0, intervals + 1)
             self._run(state, parts, stamps[whole], bench[whole], rows[whole])
@@ -210,6 +212,7 @@ class Twin:
                 self._run(state, parts, times, inputs, rows[:2])
             return states_of(state, parts, self._parts)
 
+        start, _ = restored(before, self._state, fine)
         refuse_divergence(states_after, stamps, float(start[0]["time"]), f"model {self._model.name}: its simulation")
 
     def _signals(self) -> dict[str, float]:

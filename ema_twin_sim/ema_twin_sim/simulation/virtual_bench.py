@@ -12,6 +12,7 @@ from ema_bench_replay.recording import MOTION, Recording
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
+from .dc_link_check import refuse_command_beyond_link
 from .twin import Twin
 
 _OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
@@ -40,6 +41,7 @@ def virtual_bench(
         )
     stamps = np.arange(count, dtype=np.int64) * period
     wanted = command(stamps * 1e-9)
+    refuse_command_beyond_link(model, command, stamps * 1e-9)
     column = "speed_setpoint" if command.speed else "output_command"
     bench = np.full((count, len(BENCH)), math.nan)
     bench[:, BENCH.index(column)] = wanted * (model.value("machine.gear_ratio") if command.speed else 1.0)
