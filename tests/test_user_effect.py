@@ -319,7 +319,7 @@ def test_what_raises_far_from_the_trial_ends_the_run_with_words(own, stock, plac
         lambda: compare([recording], model),
         lambda: virtual_bench(model, parse_command("ramp:0.05"), 0.5),
     ):
-        with pytest.raises(InputError, match=r"no finite motion from 0\.20[0-9] s on.*of your own"):
+        with pytest.raises(InputError, match=r"diverges: .* no finite number 0\.20[0-9]+ s after.*of your own"):
             run()
 
 

@@ -10,12 +10,15 @@ transmission be a planetary train (``planetary/``): then the step is about 1 us,
 milliseconds, are taken every EFFECT_PERIOD.
 """
 
+import logging
 import math
+import threading
 from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 from numba import boolean, float64, from_dtype, int64, njit, types, void
+from numba.core.event import Event, Listener, install_listener
 
 from .balance import unexplained_torque
 from .drive import lag_gain, limited, quadrature_voltage, speed_controller
@@ -63,6 +66,9 @@ from .transmission import contact_torque, end_stop_torque, response, shaft_speed
 EFFECT_PERIOD = 25e-6
 """s, after which effects are taken again where steps are shorter."""
 
+_ONE_AT_A_TIME = threading.Lock()
+"""Threads that ask for the same kernel compile it once."""
+
 _PLANT = from_dtype(PLANT)
 _STATE = from_dtype(STATE)
 _STAMPS = types.Array(int64, 1, "C", readonly=True)
@@ -90,12 +96,34 @@ _SIGNATURE = void(
 assert PARAMETER_SLOTS == 4 and len(BENCH) == 5  # the calls and columns below are written out
 
 
-@cache
+class _Compiling(Listener):
+    """Logs that a kernel is being compiled, and not just read from disk."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._told = False
+
+    def on_start(self, event: Event) -> None:
+        if not self._told:
+            self._told = True
+            logging.getLogger(__name__).info("compiling the equations of the %s: once, 10 to 20 s", self._what)
+
+    def on_end(self, event: Event) -> None:
+        pass
+
+
 def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callable[..., Any]:
-    """``advance`` for a fidelity, compiled when first asked for (seconds) and kept on disk.
+    """``advance`` for a fidelity, compiled when first asked for (seconds, told by a log line) and kept on disk.
 
     ``accounting`` books every energy too, which costs a third more.
     """
+    drive, transmission = "switching" if switching else "averaged", "planetary" if planetary else "lumped"
+    with _ONE_AT_A_TIME, install_listener("numba:compile", _Compiling(f"{drive} drive, {transmission} transmission")):
+        return _compiled(switching, planetary, accounting)
+
+
+@cache
+def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..., Any]:
     fine = switching or planetary
     # a fine step is a long chain of products and sums, which fuse where the processor can
     fused = {"contract"} if fine else False
@@ -210,7 +238,6 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 steps = max(1, math.ceil(interval / step - 1e-9))
                 h = interval / steps
                 effect_steps = max(1, round(EFFECT_PERIOD / h)) if fine else 1
-                effects_in = 0
                 per_step = 1.0 / h
                 motor_gain, motor_drag = response(h, inertia, viscous)
                 output_gain, output_drag = response(h, plant.output_inertia, plant.output_viscous)
@@ -221,6 +248,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 if planetary:
                     train_of_step = train_constants(train, motor_origin, h)
                 setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
+            effects_in = 0  # at every sample, so that a live twin takes them when an offline one does
             start = bench[row - 1, column]
             slope = bench[row, column] - start
             current_rate = 0.0

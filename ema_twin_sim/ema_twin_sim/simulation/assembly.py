@@ -124,17 +124,6 @@ def _check(model: Model, record: np.void) -> None:
         )
 
 
-def stiffest_step(plant: np.ndarray) -> float:
-    """The longest step [s] that the transmission's contact allows: beyond it the integration would blow up."""
-    record = plant[0]
-    if not record["two_inertia"]:
-        return np.inf
-    softness = 1.0 / record["motor_inertia"] + 1.0 / record["output_inertia"]
-    by_spring = 2.0 / np.sqrt(record["contact_stiffness"] * softness)
-    by_damper = 4.0 / max(record["contact_damping"] * softness, 1e-12)
-    return float(min(by_spring, by_damper))
-
-
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:
     """The four numbers that a compiled effect is called with: its parameters, then a numeric option, then zeros."""
     values = [instance.parameters[parameter.name] for parameter in effect.parameters]
