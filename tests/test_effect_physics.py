@@ -16,6 +16,7 @@ from ema_twin_sim.simulation.virtual_bench import virtual_bench
 POINT = OperatingPoint(
     time=3.0,
     motor_angle=0.7,
+    electrical_angle=4.0 * 0.7,
     motor_speed=-4.0,
     output_angle=0.3,
     output_travel=-0.2,
@@ -45,6 +46,8 @@ POINT = OperatingPoint(
         ),
         ("cogging", (0.03, 0.2, 24.0), 0.03 * math.sin(24 * 0.7 + 0.2)),
         ("torque_ripple", (0.05, 0.2), -0.955 * 0.05 * math.sin(24 * 0.7 + 0.2)),
+        ("phase_short", (0.3, 2.0), -0.955 / 0.9 * 0.1 * math.cos(8 * 0.7 - 8.0 * math.pi / 3.0)),
+        ("rotor_eccentricity", (0.2, 0.5), 0.955 * 0.1 * math.cos(9 * 0.7 + 0.5)),
         ("current_offset", (0.02, 0.2), 0.02 * math.sin(4 * 0.7 + 0.2)),
         ("constant_load", (-0.03,), -0.03),
         ("gravity_load", (0.06, 0.4), 0.06 * math.sin(0.7)),

@@ -131,9 +131,9 @@ def test_an_unknown_effect_offers_the_nearest():
         find_effect("backlsh", "test")
 
 
-def test_an_effect_that_acts_in_two_ways_or_in_none_is_refused():
+def test_an_effect_that_does_not_act_is_refused():
     table = (Parameter("torque", "N m", 0.1, 0.0, 1.0, "level"),)
-    with pytest.raises(ValueError, match="either act or settle"):
+    with pytest.raises(ValueError, match="give act or settle"):
         Effect("odd", "s", "e", "s", "s", table)
     with pytest.raises(ValueError, match="at most four"):
         Effect("odd", "s", "e", "s", "s", table * 5, act=lambda at, p: 0.0)

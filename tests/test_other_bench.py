@@ -126,6 +126,8 @@ THEORY = {
     "cogging": lambda s: 0.03 * np.sin(24.0 * s.motor + 0.7),
     "cogging 12": lambda s: 0.03 * np.sin(12.0 * s.motor + 0.7),
     "torque_ripple": lambda s: -s.torque * 0.2 * np.sin(24.0 * s.motor + 0.7),
+    "phase_short v": lambda s: s.torque * 0.1 * (1.0 - np.cos(8.0 * s.motor - 4.0 * np.pi / 3.0)),
+    "rotor_eccentricity": lambda s: s.torque * 0.1 * np.cos(9.0 * s.motor + 0.7),
     "current_offset": lambda s: 0.03 * np.sin(4.0 * s.motor + 0.7),
     "tooth_fault": lambda s: pulse(s, 0.09, 1.0, 1.0) * np.sign(s.w),
     "tooth_fault 2.25 conservative": lambda s: pulse(s, 0.09, 1.0, 2.25),
@@ -143,6 +145,8 @@ VALUES = {
     "shear_thinning": {"fraction": 0.5, "speed": 5.0},
     "thermal_friction": {"fraction": 0.3, "time_constant": 4.0},
     "torque_ripple": {"fraction": 0.2, "phase": 0.7},
+    "phase_short": {"fraction": 0.3},
+    "rotor_eccentricity": {"amplitude": 0.2, "phase": 0.7},
     "tooth_fault": {"torque": 0.09, "position": 1.0},
     "torque_constant_error": {"scale": 0.8},
     "added_inertia": {"inertia": 8e-3},
@@ -161,6 +165,8 @@ DRIVES = {
     "mesh_ripple": SLOW,
     "cogging": SLOW,
     "torque_ripple": SLOW,
+    "phase_short": SLOW,
+    "rotor_eccentricity": SLOW,
     "constant_load": BACK_AND_FORTH,
     "gravity_load": RAMP,
     "spring_load": RAMP,
@@ -170,7 +176,7 @@ DRIVES = {
 @pytest.mark.parametrize("name", THEORY)
 def test_a_torque_is_what_its_equation_says(name):
     id, *chosen = name.split()
-    options = {"order" if choice[0].isdigit() else "kind": choice for choice in chosen}
+    options = {"order" if c[0].isdigit() else "phase" if c in "uvw" else "kind": c for c in chosen}
     cause = Cause(id, VALUES.get(id, OF_AN_ANGLE), options)
     seen = Seen(recorded(DRIVES.get(id, SINE), cause, motor_origin=-2.0, output_origin=0.5))
     wanted = smooth(THEORY[name](seen))[seen.steady]

@@ -72,6 +72,20 @@ def _torque_constant(plant, harmonics, bursts, values, options, random, seconds)
     plant["back_emf"] *= values["scale"]
 
 
+def _phase_short(plant, harmonics, bursts, values, options, random, seconds):
+    """A third of the torque is a phase's own, and swings between none and twice that; the shorted share is lost."""
+    third = values["fraction"] / 3.0
+    plant["torque_constant"] *= 1.0 - third
+    plant["back_emf"] *= 1.0 - third
+    lag = 4.0 * math.pi / 3.0 * "uvw".index(options["phase"])
+    harmonics.append((third / (1.0 - third), 8.0, 0.5 * math.pi - lag, ON_MOTOR_TORQUE))
+
+
+def _rotor_eccentricity(plant, harmonics, bursts, values, options, random, seconds):
+    """What is left of flux that follows the gap, and of four pole pairs' currents, is their ninth order."""
+    harmonics.append((0.5 * values["amplitude"], 9.0, values["phase"] - 0.5 * math.pi, ON_MOTOR_TORQUE))
+
+
 def _backlash(plant, harmonics, bursts, values, options, random, seconds):
     plant["half_gap"] = 0.5 * values["width"] * plant["ratio"]
 
@@ -118,6 +132,8 @@ HIDE: dict[str, Callable[..., None]] = {
     "cogging": _swings(ON_MOTOR, "torque", 24.0),
     "torque_ripple": _swings(ON_MOTOR_TORQUE, "fraction", 24.0),
     "current_offset": _swings(ON_MOTOR, "torque", 4.0),
+    "phase_short": _phase_short,
+    "rotor_eccentricity": _rotor_eccentricity,
     "torque_constant_error": _torque_constant,
     "added_inertia": _inertia,
     "constant_load": _adds(constant_load="torque"),

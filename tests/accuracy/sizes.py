@@ -59,6 +59,8 @@ _USUAL: Mapping[str, Mapping[str, Usual | Angle]] = {
     "cogging": {"torque": Usual(0.015, 0.05), "phase": Angle()},
     "torque_ripple": {"fraction": Usual(0.04, 0.1), "phase": Angle()},
     "current_offset": {"torque": Usual(0.01, 0.03), "phase": Angle()},
+    "phase_short": {"fraction": Usual(0.12, 0.3)},
+    "rotor_eccentricity": {"amplitude": Usual(0.08, 0.2), "phase": Angle()},
     # off by more than constants that are known to 5 % can hide
     "torque_constant_error": {"scale": Usual(0.13, 0.22, signed=True, zero=1.0)},
     "added_inertia": {"inertia": Usual(4.5e-4, 1.2e-3)},
@@ -82,6 +84,7 @@ _OPTIONS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "mesh_ripple": {"order": ("15.75", "15.75", "15.0", "45")},
     "tooth_fault": {"order": ("1", "2.25", "0.75", "0.7258"), "kind": ("dissipative", "conservative")},
     "cogging": {"order": ("24", "24", "24", "12", "36")},
+    "phase_short": {"phase": ("u", "v", "w")},
     "output_friction": {"order": ("14.2", "19.7", "26.3", "33.1", "43.6")},  # of the slow shaft
     "odd_order": {"order": ("5.3", "7.3", "9.4", "11.2", "20.6")},
 }

@@ -1,10 +1,6 @@
 """The plant's speed beside the same equations in C, in one run: ratios, since machines differ and are noisy."""
 
 import ctypes
-import shutil
-import subprocess
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +12,11 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.fidelity import DEFAULT_STEP, resting_state
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.benchmarks.in_c import c_loop
+from tests.benchmarks.timing import fastest
 
-SECONDS = 20.0
-ROUNDS = 40
+SECONDS = 1.0
+ROUNDS = 300  # of short runs: the best of many is little moved by what else the machine does
 FIELDS = {
     "plant": (
         "inertia", "torque_constant", "viscous", "dry", "break_away", "speed_gain", "integral_time", "integral_limit",
@@ -48,13 +46,7 @@ def recording(stock):
 
 @pytest.fixture(scope="module")
 def in_c(tmp_path_factory):
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    assert compiler, "no C compiler: install the package build-essential"
-    library = tmp_path_factory.mktemp("c") / "stock_plant.so"
-    source = Path(__file__).with_name("stock_plant.c")
-    flags = ["-O3", "-march=native", "-shared", "-fPIC"]
-    subprocess.run([compiler, *flags, str(source), "-o", str(library), "-lm"], check=True)
-    return ctypes.CDLL(str(library)).advance
+    return c_loop("stock_plant", tmp_path_factory.mktemp("c"))
 
 
 def by_kernel(model, recording):
@@ -103,17 +95,6 @@ def by_c(function, model, recording):
     return call, state
 
 
-def fastest(*calls):
-    """The least process time [s] of each call, in turn, so that a machine's moods hit all alike."""
-    best = [float("inf")] * len(calls)
-    for _ in range(ROUNDS):
-        for k, call in enumerate(calls):
-            begin = time.process_time()
-            call()
-            best[k] = min(best[k], time.process_time() - begin)
-    return best
-
-
 def test_speed_of_the_plant(stock, recording, in_c, capsys):
     crowded = stock
     for effect in ("stribeck_friction", "sun_runout", "quadratic_drag", "constant_load"):
@@ -127,7 +108,9 @@ def test_speed_of_the_plant(stock, recording, in_c, capsys):
     for name, mine in (("angle", "motor_angle"), ("speed", "motor_speed"), ("integral", "integral")):
         assert getattr(c_state, name) == pytest.approx(float(state[mine][0]), rel=1e-9), "not the same equations"
 
-    times = dict(zip(("stock", "C", "backlash", "four more effects"), fastest(kernel, c, gap, four), strict=True))
+    times = dict(
+        zip(("stock", "C", "backlash", "four more effects"), fastest(ROUNDS, kernel, c, gap, four), strict=True)
+    )
     steps = SECONDS / DEFAULT_STEP
     with capsys.disabled():
         print(f"\n  {'plant, step 25 µs, one core':<34}{'ns a step':>10}{'× real time':>13}{'× C':>8}")

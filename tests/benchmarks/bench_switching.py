@@ -2,10 +2,6 @@
 
 import ctypes
 import math
-import shutil
-import subprocess
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,9 +10,11 @@ from numba import njit
 from ema_twin_sim.plant.switching.electrical_angle import sine_and_cosine, turned
 from ema_twin_sim.plant.switching.step import switching_step
 from ema_twin_sim.plant.switching.step_constants import step_constants
+from tests.benchmarks.in_c import c_loop
+from tests.benchmarks.timing import fastest
 from tests.turned_motor import STEP, winding
 
-ROUNDS = 40
+ROUNDS = 100
 CYCLE = 125  # steps of 1 us in a control cycle
 SETPOINT = 2.0  # A
 SPEED = 5.0  # rad/s
@@ -83,13 +81,7 @@ def advance(windings, steps, cycle, step, setpoint, speed):
 
 @pytest.fixture(scope="module")
 def in_c(tmp_path_factory):
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    assert compiler, "no C compiler: install the package build-essential"
-    library = tmp_path_factory.mktemp("c") / "switching.so"
-    source = Path(__file__).with_name("switching.c")
-    flags = ["-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-shared", "-fPIC"]
-    subprocess.run([compiler, *flags, str(source), "-o", str(library), "-lm"], check=True)
-    return ctypes.CDLL(str(library)).advance
+    return c_loop("switching", tmp_path_factory.mktemp("c"))
 
 
 def by_c(function, motor, steps):
@@ -111,18 +103,12 @@ def by_c(function, motor, steps):
 @pytest.mark.parametrize("motor", MOTORS)
 def test_speed_of_the_switching_step(motor, in_c, capsys):
     record = winding(**MOTORS[motor])
-    steps = 100_000
+    steps = 20_000
     results = advance(record, steps, CYCLE, STEP, SETPOINT, SPEED)
     np.testing.assert_allclose(by_c(in_c, record, steps)(), results, rtol=1e-9, atol=1e-9)
 
     calls = (lambda: advance(record, steps, CYCLE, STEP, SETPOINT, SPEED), by_c(in_c, record, steps))
-    best = [math.inf, math.inf]
-    for _ in range(ROUNDS):  # in turn, so that a machine's moods hit both alike
-        for k, call in enumerate(calls):
-            begin = time.process_time()
-            call()
-            best[k] = min(best[k], time.process_time() - begin)
-    ours, theirs = (1e9 * seconds / steps for seconds in best)
+    ours, theirs = (1e9 * seconds / steps for seconds in fastest(ROUNDS, *calls))
     with capsys.disabled():
         print(f"\n  switching step, {motor:<14}{ours:>8.1f} ns{theirs:>8.1f} ns in C{ours / theirs:>8.2f} x C")
     assert ours <= 1.5 * theirs

@@ -92,9 +92,9 @@ def _show_one(effect: Effect, name: str | Path) -> None:
         numbers = (f"{number:g}" for number in (p.default, p.lower, p.upper))
         table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))
     console.print(table)
-    for name, choices in effect.options.items():
-        other = ", or another positive number" if name == effect.free_option else ""
-        say(f"option {name}: {', '.join(choices)}{other} (default {choices[0]})")
+    for option, choices in effect.options.items():
+        other = ", or another positive number" if option == effect.free_option else ""
+        say(f"option {option}: {', '.join(choices)}{other} (default {choices[0]})")
     if effect.parameters:
         first = effect.parameters[0]
         console.print(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
@@ -15,6 +16,9 @@ from ..quantities import quantity
 from . import options
 from .output import console, say
 from .tables import ReportTable
+
+if TYPE_CHECKING:
+    from ..simulation.figures import Figure
 
 EXAMPLES = """Examples:
 
@@ -97,6 +101,8 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
     load_effects(with_files)
     model = load_model(name)
     kinds = ", ".join(map(" ".join, model.kinds.items()))
+    if model.choices:
+        kinds += "; " + ", ".join(f"{path.partition('.')[2]} {choice}" for path, choice in model.choices.items())
     say(f"[bold]{escape(model.name)}[/bold]: machine {escape(model.machine)}; {kinds}", markup=True)
     table = ReportTable()
     table.words("constant")
@@ -120,12 +126,19 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
             ),
         )
     console.print(effects)
+    found = []
+    if set(model.kinds.values()) - {"averaged", "rigid"}:
+        from ..simulation.figures import figures
+
+        found = figures(model)
+        console.print(_figures(found))
     write_json(
         json,
         {
             "name": model.name,
             "machine": model.machine,
             "kinds": dict(model.kinds),
+            "choices": dict(model.choices),
             "motion": model.motion,
             "constants": {
                 model.shown_path(path): {
@@ -146,8 +159,24 @@ def _show_model(name: str, with_files: list[Path], json: Path | None) -> None:
                 }
                 for n, i in model.effects.items()
             },
+            "figures": [figure.as_json() for figure in found],
         },
     )
+
+
+def _figures(found: Sequence[Figure]) -> ReportTable:
+    table = ReportTable("\nWhat follows from them")
+    table.words("figure")
+    table.numbers("value", justify="left")
+    table.words("note")
+    for figure in found:
+        if isinstance(figure.value, str):
+            short = len(figure.value) <= len("99.99 N m/rad")
+            table.add_row(figure.name, figure.value if short else "", figure.note if short else figure.value)
+        else:
+            shown = f"{figure.value:.4g}" if figure.unit == "1" else quantity(figure.value, figure.unit, 4)
+            table.add_row(figure.name, shown, figure.note)
+    return table
 
 
 def _with_unit(value: float, unit: str) -> str:

@@ -12,8 +12,8 @@ from ema_bench_replay.errors import InputError
 
 from ..quantities import quantity
 from . import options
-from .compare import shown_signals
-from .output import console, warn
+from .error_cells import shown_signals
+from .output import console, say, warn
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
@@ -64,6 +64,7 @@ def run(
     from ..nodes.live import run_live
     from ..nodes.live_model import live_model
     from ..own_effects import load_effects
+    from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
 
@@ -80,6 +81,8 @@ def run(
         refuse_points(recordings[0])
         recording = matched(recordings[0], found)
     driving = choose_input(recording, input) if recording is not None else input
+    if recording is not None and driving is not None:
+        refuse_recording_beyond_link(found, recording, driving)
     _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
@@ -100,7 +103,7 @@ def run(
     finally:
         if view is not None:
             view.close()
-    show(result)
+    show(result, rate)
     write_json(json, as_json(result))
     for warning in result.warnings:
         warn(warning)
@@ -125,11 +128,13 @@ def as_json(result: LiveResult) -> dict[str, object]:
         "warnings": list(result.warnings),
         "complete": result.complete,
         "counts": dict(result.counts),
+        "elapsed": result.elapsed,
+        **({} if result.pace is None else {"twin_times_real_time": result.pace}),
     }
 
 
-def show(result: LiveResult) -> None:
-    """Print what the nodes ended with."""
+def show(result: LiveResult, rate: float = 0.0) -> None:
+    """Print what the nodes ended with, and whether the twin kept up with the ``rate`` of playing (0: none asked)."""
     console.print(
         f"\n[bold]{result.name}[/bold] beside {result.model}, live: {result.samples} samples compared "
         f"({'complete' if result.complete else 'not complete'}), input {result.input}"
@@ -139,6 +144,26 @@ def show(result: LiveResult) -> None:
         rmse, floor = signal["rmse"], signal["noise_floor"]
         times = f"   {rmse / floor:8.1f} × noise" if floor > 0.0 else ""
         console.print(f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, signal['unit']):>12}{times}")
+    if result.pace is None:
+        return
+    say(f"The twin computed at {result.pace:.2g} × real time.")
+    if late := _late(result, rate):
+        say(late, style="yellow")
+
+
+def _late(result: LiveResult, rate: float) -> str:
+    """That the twin is slower than the machine, or than the ``rate`` that was asked for; empty where it is not."""
+    if result.pace is not None and result.pace < 1.0:
+        return (
+            f"It cannot keep real time on this machine: {result.duration:.1f} s took {result.elapsed:.1f} s. Choose "
+            f"drive.kind averaged or transmission.kind two_inertia for that, or play at --rate {0.9 * result.pace:.1g}."
+        )
+    if rate and result.elapsed > _LATE * result.duration / rate + _LATE_BY:
+        wanted = result.duration / rate
+        return (
+            f"The nodes fell behind the rate that was asked for: {wanted:.1f} s of playing took {result.elapsed:.1f} s."
+        )
+    return ""
 
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
@@ -165,6 +190,12 @@ def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
         raise InputError(f"{record}: holds a bag already; choose another folder or give --force")
     for path in held:
         path.unlink()
+
+
+_LATE = 1.05
+"""Times the time that playing should take, from which on it was late, and by more than the next."""
+_LATE_BY = 0.5
+"""s."""
 
 
 class Follower:

@@ -33,6 +33,7 @@ from . import (
     report,
     simulate,
 )
+from .output import tell_of_compiling
 
 VERSION = "0.1.0"
 
@@ -71,6 +72,7 @@ def _options(
 def main() -> None:
     """Run the command line; every way out has its exit status."""
     start.watch()
+    tell_of_compiling()
     try:
         status = app(standalone_mode=False, prog_name="ema-twin") or 0
         if status == start.STATUS:  # how typer passes a KeyboardInterrupt on

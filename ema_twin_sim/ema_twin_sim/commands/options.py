@@ -87,6 +87,10 @@ Input = Annotated[
         "--input", help="What drives the twin: setpoint, current or command; by default what the recording has."
     ),
 ]
+Step = Annotated[
+    float | None,
+    typer.Option("--step", metavar="S", callback=finite, help="Integration step in seconds; by default the model's."),
+]
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import sys
@@ -108,6 +109,33 @@ def status() -> Iterator[Callable[[str], None]]:
         return
     with messages.status("starting") as shown:
         yield lambda text: shown.update(f"{text} …")
+
+
+@contextmanager
+def counted(total: int, what: str) -> Iterator[Callable[[str], None]]:
+    """What takes the name of each of ``total`` pieces of work when it is done: a bar; in a log, now and then a line."""
+    done = 0
+    show = _now_and_then()
+    with progress_bar() as progress:
+        task = progress.add_task(what, total=total)
+
+        def advance(name: str) -> None:
+            nonlocal done
+            done += 1
+            progress.advance(task)
+            if progress.disable and done < total:
+                show(f"{what}: {done} of {total} done ({name})")
+
+        yield advance
+
+
+def tell_of_compiling() -> None:
+    """Show on the error output what the package tells of work that takes long and comes once."""
+    handler = logging.Handler(logging.INFO)
+    handler.emit = lambda record: messages.print(record.getMessage(), markup=False)  # type: ignore[method-assign]
+    package = logging.getLogger("ema_twin_sim")
+    package.setLevel(logging.INFO)
+    package.addHandler(handler)
 
 
 def _now_and_then() -> Callable[[str], None]:

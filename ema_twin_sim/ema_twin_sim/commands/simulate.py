@@ -46,6 +46,7 @@ def run(
     phase: Annotated[
         float, typer.Option(callback=options.finite, help="Phase that a periodic command begins with, in rad.")
     ] = 0.0,
+    step: options.Step = None,
     with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:
@@ -68,7 +69,7 @@ def run(
     if seconds is None:
         seconds = 20.0 if parsed.seconds is None else parsed.seconds
     driven = load_model(model)
-    recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None)
+    recording = virtual_bench(driven, parsed, seconds, seed=seed if noise else None, step=step)
     _warn_of_speed(driven, parsed, recording.stamps * 1e-9)
     recording = replace(recording, name=output.stem)
     if output.suffix.lower() == ".mcap":
@@ -86,13 +87,7 @@ def run(
 
 def _warn_of_speed(model: Model, command: Command, time: np.ndarray) -> None:
     """Warn of a command that asks for more speed than the drive lets through; a jump of the position is no speed."""
-    import numpy as np
-
-    values = command(time)
-    if not command.speed:
-        rates = np.abs(np.diff(values) / np.diff(time))
-        values = np.minimum(rates[1:], rates[:-1])
-    asked = float(np.abs(values).max(initial=0.0)) * model.value("machine.gear_ratio")
+    asked = command.highest_speed(time) * model.value("machine.gear_ratio")
     limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
     if asked > limit * (1.0 + 1e-6):
         warn(f"{command.text} asks {asked:.4g} {unit} of the motor, whose drive.speed_limit is {limit:.4g} {unit}")

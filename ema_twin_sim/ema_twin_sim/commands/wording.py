@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,11 @@ def effect_words(id: str) -> str:
     if decoy:
         return f"any dependence on {_DEPENDENCES.get(dependence, dependence)}"
     return " ".join(_NAMES.get(word, word) for word in id.split("_"))
+
+
+def by_number(name: str) -> list[tuple[str, float]]:
+    """A key that sorts names as people count: ``ramp_2`` before ``ramp_10``, ``ramp_0.09`` before ``ramp_0.1``."""
+    return [(text, float(number or 0.0)) for text, number in re.findall(r"(\D*)(\d+(?:\.\d+)?)?", name)]
 
 
 def dependence_words(depends_on: Iterable[str]) -> str:

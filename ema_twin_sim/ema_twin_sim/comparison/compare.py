@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +25,9 @@ MIXED = "mixed"
 """The input of a comparison whose recordings are driven by different signals."""
 
 Signals = dict[str, SignalError]
+
+_POOL = ThreadPoolExecutor(os.cpu_count())
+"""Recordings are simulated side by side: compiled code holds no lock."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +94,8 @@ def compare(
     pooled = RunningComparison(model, together)
     compared = []
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    for recording, chosen in zip(recordings, inputs, strict=True):
-        twin = simulate(model, recording, chosen, step=step)
+    twins = _POOL.map(lambda recording, chosen: simulate(model, recording, chosen, step=step), recordings, inputs)
+    for recording, chosen, twin in zip(recordings, inputs, twins, strict=True):
         running = RunningComparison(model, chosen, period=recording.sample_period)
         residuals = running.add_rows(recording.signals, twin.signals)
         for name in residuals.keys() & set(explained_signals(chosen)):

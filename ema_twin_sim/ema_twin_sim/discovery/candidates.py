@@ -31,6 +31,8 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
     for id, effect in catalogue().items():
         if id in without or not effect.searched or (not effect.repeatable and id in h.held):
             continue
+        if effect.electrical and h.base.pole_pairs is None:
+            continue
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))

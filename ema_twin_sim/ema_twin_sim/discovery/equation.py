@@ -144,7 +144,7 @@ class Equation:
         """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
         effect = catalogue()[instance.effect]
         plant = beside.plant[0]
-        if effect.act is None:
+        if effect.settle is not None:
             return None
         place = effect.where(instance.options)
         if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:

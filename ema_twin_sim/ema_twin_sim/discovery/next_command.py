@@ -20,6 +20,7 @@ from ema_bench_replay.recording import Recording
 
 from ..plant.measured_motion import SPEED, TIME
 from ..simulation.command import parse_command
+from ..simulation.lumped_model import lumped_model
 from ..simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Planned, command_grid
@@ -141,7 +142,7 @@ class _Field:
         """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
         model = self.contenders[rival].hypothesis.model()
         command = parse_command(trial.command)
-        bench = virtual_bench(model, command, trial.seconds, seed=None, step=_STEP, origins=self.origins)
+        bench = virtual_bench(lumped_model(model), command, trial.seconds, seed=None, step=_STEP, origins=self.origins)
         seen = {name: values for name, values in bench.signals.items() if name in self.signals}
         o = observe(replace(bench, signals=seen), self.base)
         if len(o.rows):

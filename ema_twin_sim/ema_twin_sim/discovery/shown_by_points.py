@@ -19,7 +19,7 @@ PLACES = frozenset({"order", "output_position", "encoders"})
 """What an effect shows over that does not show where no position is known."""
 TRANSIENT = frozenset({"added_inertia", "presliding_friction", "thermal_friction", "encoder_delay"})
 """Effects that no operating point shows: they take an acceleration, a way or a time."""
-BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error"})
+BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error", "phase_short", "rotor_eccentricity"})
 """Effects in proportion to the very current that is to be explained: they would explain any."""
 
 

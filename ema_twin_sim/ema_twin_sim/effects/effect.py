@@ -1,4 +1,4 @@
-"""What an effect is: a name, an equation, bounded parameters with units, and one of two ways to act."""
+"""What an effect is: a name, an equation, bounded parameters with units, and how it acts."""
 
 from __future__ import annotations
 
@@ -57,16 +57,20 @@ class Parameter:
 class Effect:
     """One physical cause that can be added to a model.
 
-    It acts in one of two ways. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
+    It acts in one of two ways, or in both. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
     :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
     four, options that carry a number included last); the place where its value goes (``TORQUE`` on the motor,
     ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
-    options)`` instead changes the plant's own constants once, for what does not depend on the operating point or has a
-    place of its own there.
+    options)`` changes the plant's own constants once, for what does not depend on the operating point or has a place of
+    its own there.
+
+    A fault of the motor's winding acts there where a switching drive is simulated: ``settle_winding(winding,
+    parameters, options)`` changes the constants of ``plant.switching.layout.WINDING``, and ``act`` and ``settle`` stand
+    for it where no winding is simulated, which is also where a torque is balanced with a measured current.
 
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
     positive number may be given for; its choices are those that are looked for on every machine, or, where not
-    ``searched``, those that recordings show only.
+    ``searched``, those that recordings show only. An ``electrical`` effect needs to know the motor's pole pairs.
     """
 
     id: str
@@ -81,13 +85,15 @@ class Effect:
     option_value: Callable[[Options], float] | None = None
     depends_on: str = ""
     settle: Callable[[np.void, Values, Options], None] | None = None
+    settle_winding: Callable[[np.void, Values, Options], None] | None = None
+    electrical: bool = False
     repeatable: bool = True
     free_option: str = ""
     searched: bool = True
 
     def __post_init__(self) -> None:
-        if (self.act is None) == (self.settle is None):
-            raise ValueError(f"effect {self.id}: give either act or settle")
+        if self.act is None and self.settle is None:
+            raise ValueError(f"effect {self.id}: give act or settle")
         if len(self.parameters) + (self.option_value is not None) > 4:
             raise ValueError(f"effect {self.id}: at most four parameters, a numeric option included")
         if self.depends_on not in ("", *QUANTITIES):

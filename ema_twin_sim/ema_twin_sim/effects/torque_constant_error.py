@@ -11,6 +11,11 @@ def settle(plant, parameters, options):
     plant["torque_constant"] *= parameters["scale"]
 
 
+def settle_winding(winding, parameters, options):
+    """Scale the flux of the magnets."""
+    winding["magnet_strength"] *= parameters["scale"]
+
+
 EFFECT = Effect(
     id="torque_constant_error",
     summary="a motor that gives more or less torque per ampere than its drive believes",
@@ -20,5 +25,6 @@ EFFECT = Effect(
     source="Krishnan, Permanent Magnet Synchronous and Brushless DC Motor Drives, 2010",
     parameters=(Parameter("scale", "1", 0.9, 0.5, 1.5, "true over nominal torque constant", neutral=1.0),),
     settle=settle,
+    settle_winding=settle_winding,
     repeatable=False,
 )

@@ -156,6 +156,14 @@ RULES = (
         "a motor whose torque ripples by a third is broken: is it cogging?",
     ),
     Rule(
+        "phase_short", "fraction", lambda v, c: v["fraction"] > 0.6,
+        "with most turns of a phase shorted the drive would have tripped: is it the torque constant?",
+    ),
+    Rule(
+        "rotor_eccentricity", "amplitude", lambda v, c: v["amplitude"] > 0.6,
+        "the magnets' pull would have closed the gap: is it torque ripple of that order?",
+    ),
+    Rule(
         "quadratic_drag", "coefficient",
         lambda v, c: v["coefficient"] * c.top_speed**2 > 3.0 * (c.dry_level + c.viscous * c.top_speed) > 0.0,
         "more than three times all other friction at top speed: is the viscous friction taken too small?",

@@ -42,6 +42,8 @@ SHOWN_BY = {
     "cogging": "slow motion over a motor turn",
     "torque_ripple": "slow motion under load",
     "current_offset": "slow motion over several motor turns",
+    "phase_short": "slow motion under load, over several motor turns",
+    "rotor_eccentricity": "slow motion under load, over several motor turns",
     "torque_constant_error": "hard acceleration of a known inertia",
     "added_inertia": "hard acceleration: steps, fast sines",
     "constant_load": "motion in both directions",

@@ -25,7 +25,7 @@ from ..comparison.noise import counter_noise, noise_floors
 from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
-from ..simulation.fidelity import DEFAULT_STEP
+from ..simulation.fidelity import DEFAULT_STEP, is_fine
 from ..simulation.simulate import simulate
 from .freedom import Freedom
 
@@ -88,8 +88,7 @@ class SimulationMisfit:
         self._trust = np.concatenate([part.trust for part in self._parts])
         self._predicted: tuple[np.ndarray, np.ndarray] | None = None
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
-        lumped = freedom.model.kinds["drive"] == "averaged" and freedom.model.kinds["transmission"] != "planetary"
-        self._coarse = COARSE * DEFAULT_STEP if lumped else None
+        self._coarse = None if is_fine(freedom.model) else COARSE * DEFAULT_STEP
         self._run(freedom.start, 0, None)  # an effect compiles here, and not in several threads at once
 
     def check(self, values: np.ndarray) -> None:

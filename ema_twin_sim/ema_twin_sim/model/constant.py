@@ -18,6 +18,7 @@ class Constant:
     absent: float | None = None  # stands for having none, or knowing none, where all inertia is one number
     optional: bool = False  # no value stands for having none
     kind: str = ""  # the fidelity that it belongs to; models of another have none of it
+    everywhere: bool = False  # but models of another may have this one too
     usual: float | None = None  # what it is where a model of that fidelity gives none
 
     @property

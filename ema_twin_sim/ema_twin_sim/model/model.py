@@ -101,6 +101,12 @@ class Model:
         ]
         return exact or multiples
 
+    @property
+    def pole_pairs(self) -> float | None:
+        """Of the motor: turns of the electrical angle in one of its own, where they are known, if but as an order."""
+        held = self.constants.get("machine.pole_pairs")
+        return self.orders.get(POLE_PAIRS) if held is None else held.value
+
     def motor_order(self, name: str) -> float:
         """The order of an effect, in cycles per turn of the motor."""
         instance = self.effects[name]

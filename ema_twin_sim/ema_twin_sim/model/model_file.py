@@ -165,9 +165,10 @@ def _model(path: Path, content: Mapping) -> Model:
             if place.startswith(f"{part}."):
                 choices[place] = check.choice(section.get(place.partition(".")[2], among[0]), place, among)
         for name, constant in names.items():
-            if constant.kind and constant.kind not in kinds.values():
-                continue  # models of one bench share a file of constants, whatever their fidelity
             given = LUMPED if lumped and name == "motor_inertia" else name
+            foreign = constant.kind and constant.kind not in kinds.values()
+            if foreign and not (constant.everywhere and section.get(given) is not None):
+                continue  # models of one bench share a file of constants, whatever their fidelity
             if lumped and name in section and name.endswith("_inertia"):
                 raise check.error(f"machine.{name}", "stands beside the machine's one inertia", "give one or the other")
             if section.get(given) is not None:

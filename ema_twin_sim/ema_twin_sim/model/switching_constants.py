@@ -13,7 +13,7 @@ def _row(
 
 
 SWITCHING_CONSTANTS = (
-    _row("machine", "pole_pairs", "1", 1.0, 100.0, "pole pairs of the motor"),
+    Constant("machine", "pole_pairs", "1", 1.0, 100.0, "pole pairs of the motor", kind="switching", everywhere=True),
     _row("machine", "active_turns_u", "1", 0.01, 1.0, "share of the turns of phase u that are not shorted", 1.0),
     _row("machine", "active_turns_v", "1", 0.01, 1.0, "share of the turns of phase v that are not shorted", 1.0),
     _row("machine", "active_turns_w", "1", 0.01, 1.0, "share of the turns of phase w that are not shorted", 1.0),

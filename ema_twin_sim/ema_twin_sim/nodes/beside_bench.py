@@ -11,6 +11,7 @@ from ema_twin_msgs.msg import EmaState
 from ..model import Model
 from ..simulation.twin import Twin
 from .follower import Follower
+from .pace import Pace
 from .twin_output import TwinOutput
 
 _ORIGINS = ("motor_angle_origin", "output_angle_origin")
@@ -30,6 +31,11 @@ class BesideBench:
         """The present twin."""
         return self.follower.twin
 
+    @property
+    def pace(self) -> Pace:
+        """How fast the twin computes."""
+        return self.follower.pace
+
     def _on_sample(self, message: bytes) -> None:
         run, sequence, stamp, sample = read_state(message)
         answer = self.follower.answer(run, sequence, stamp, sample)
@@ -45,10 +51,17 @@ class BesideBench:
             level, message = diagnostics.ERROR, self.follower.problem
         elif stream.run is None:
             level, message = diagnostics.WARN, "no sample on bench/state yet"
+        elif self.pace.complaint:
+            level, message = diagnostics.WARN, self.pace.complaint
         elif stream.lost:
             level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
         else:
             level, message = diagnostics.OK, "answers the bench"
         counts = {name: getattr(stream, name) for name in ("received", "lost", "late", "duplicate", "backward", "runs")}
-        state = {"input": self.follower.input, "run": stream.run, "answered": self.follower.answered}
+        state = {
+            "input": self.follower.input,
+            "run": stream.run,
+            "answered": self.follower.answered,
+            "computes at times real time": self.pace.now,
+        }
         return diagnostics.Report(level, message, {**state, **counts})

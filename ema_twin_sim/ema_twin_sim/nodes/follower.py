@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from ..model import Model
 from ..simulation.simulate import DRIVING, LONGEST_GAP
 from ..simulation.twin import Twin
+from .pace import Pace
 from .sample_stream import Kind, SampleStream
 from .warm_up import warm_up_twin
 
@@ -38,6 +39,7 @@ class Follower:
         input: what drives it.
         answered: samples answered.
         problem: why samples are not answered; empty where they are.
+        pace: how fast the twin computes.
     """
 
     def __init__(self, model: Model, wanted: str = "auto", from_start: bool = True) -> None:
@@ -49,6 +51,7 @@ class Follower:
         self.stream = SampleStream(from_start)
         self.answered = 0
         self.problem = ""
+        self.pace = Pace()
         self._running = False
         self._stamp = 0
         self._zeros: dict[str, float] = {}
@@ -67,7 +70,8 @@ class Follower:
         if self._running and stamp - self._stamp > LONGEST_GAP * 1e9:
             self._running = False  # no twin runs blind for so long: it starts again here
         if self._running:
-            answer = self.twin.advance(stamp - self._stamp, self._moved(sample, -1.0))
+            elapsed, moved = stamp - self._stamp, self._moved(sample, -1.0)
+            answer = self.pace.timed(elapsed, lambda: self.twin.advance(elapsed, moved))
         elif math.isnan(sample[DRIVING[self.input]]):
             self.problem = f"the bench sends no {DRIVING[self.input]}, which drives the twin under input {self.input}"
             return None

@@ -58,6 +58,8 @@ class LiveResult:
 
     `signals` is the monitor's, per compared signal, as in `RunningComparison.result`. `complete` tells whether every
     sample of the run was compared: only then is it what `compare` gives. `counts`: sent, compared, missing, expected.
+    `pace` is the time that the twin simulated over the time that it computed; `elapsed` [s] from the first pair to the
+    last.
     """
 
     name: str
@@ -70,6 +72,8 @@ class LiveResult:
     interrupted: bool
     counts: Mapping[str, int]
     warnings: tuple[str, ...] = ()
+    pace: float | None = None
+    elapsed: float = 0.0
 
 
 @dataclass
@@ -87,6 +91,8 @@ class _Session:
     warnings: list[str] = field(default_factory=list)
     first_stamp: int | None = None
     last_stamp: int = 0
+    began: float = 0.0  # s on the monotonic clock, and so the next
+    ended: float = 0.0
     progress: tuple[int, float] = (0, 0.0)  # pairs compared, and when that number last changed
 
     def take_pair(
@@ -94,8 +100,10 @@ class _Session:
     ) -> None:
         """Called by the monitor."""
         self.last_stamp = stamp
+        self.ended = time.monotonic()
         if self.first_stamp is None:
             self.first_stamp = stamp
+            self.began = self.ended
         if self.on_pairs is not None:
             self.pairs.append(Pair(stamp, bench, twin, residuals))
 
@@ -152,6 +160,8 @@ class _Session:
                 "expected": expected,
             },
             warnings=(*(recording.warnings if recording else ()), *self.warnings),
+            pace=self.twin.mode.pace.overall,
+            elapsed=self.ended - self.began,
         )
 
 

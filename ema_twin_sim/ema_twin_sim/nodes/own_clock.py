@@ -12,6 +12,7 @@ from ema_bench_replay.nodes.spin import steady_timer
 from ..model import Model
 from ..simulation.command import Command
 from ..simulation.twin import Twin
+from .pace import Pace
 from .real_time import DeadlineClock
 from .standalone import Standalone
 from .twin_output import TwinOutput
@@ -39,6 +40,11 @@ class OwnClock:
         """The present twin."""
         return self._standalone.twin
 
+    @property
+    def pace(self) -> Pace:
+        """How fast the twin computes."""
+        return self._standalone.pace
+
     def _on_time(self) -> None:
         number = self.deadlines.tick(time.monotonic_ns())
         if number is not None:
@@ -54,7 +60,10 @@ class OwnClock:
             "run": self._run,
             "missed periods": missed,
             "longest delay [ms]": self.deadlines.worst * 1e-6,
+            "computes at times real time": self.pace.now,
         }
+        if self.pace.complaint:
+            return diagnostics.Report(diagnostics.WARN, self.pace.complaint, figures)
         if missed:
             return diagnostics.Report(diagnostics.WARN, f"{missed} periods missed; integrated across", figures)
         return diagnostics.Report(diagnostics.OK, "keeps its own time", figures)

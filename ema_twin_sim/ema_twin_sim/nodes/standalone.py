@@ -6,8 +6,13 @@ import numpy as np
 
 from ..model import Model
 from ..simulation.command import Command
+from ..simulation.dc_link_check import refuse_command_beyond_link
 from ..simulation.twin import Twin
+from .pace import Pace
 from .warm_up import warm_up_twin
+
+_LOOKED_AT = 60.0
+"""s of a command in which its highest speed is looked for."""
 
 
 class Standalone:
@@ -15,12 +20,15 @@ class Standalone:
 
     Attributes:
         twin: the twin; its parameters may be changed between two samples.
+        pace: how fast the twin computes.
     """
 
     def __init__(self, model: Model, command: Command) -> None:
+        refuse_command_beyond_link(model, command, np.arange(0.0, _LOOKED_AT, 0.01))
         source = "standalone_speed" if command.speed else "standalone"
         warm_up_twin(model, source)
         self.twin = Twin(model, source)
+        self.pace = Pace()
         self._command = command
         self._time: int | None = None
 
@@ -30,7 +38,8 @@ class Standalone:
         if self._time is None:
             answer = self.twin.start(sample, 0.0, 0.0)
         else:
-            answer = self.twin.advance(time - self._time, sample)
+            elapsed = time - self._time
+            answer = self.pace.timed(elapsed, lambda: self.twin.advance(elapsed, sample))
         self._time = time
         return answer
 

@@ -36,6 +36,7 @@ def _point(time: float, speed: float, dry_level: float) -> OperatingPoint:
     return OperatingPoint(
         time=time,
         motor_angle=speed * time,
+        electrical_angle=4.0 * speed * time,
         motor_speed=speed,
         output_angle=speed * time / 124.0,
         output_travel=speed * time / 124.0,
@@ -68,7 +69,7 @@ def try_out(file: Path, effect: Effect) -> None:
             raise InputError(f"{file}: EFFECT.place: {place!r} is none; give one of {', '.join(_PLACES.values())}")
         if effect.settle is not None:
             _try_settle(file, effect, effect.settle, options)
-        elif effect.act is not None:
+        if effect.act is not None:
             _try_act(file, effect, effect.act, options, numeric)
 
 

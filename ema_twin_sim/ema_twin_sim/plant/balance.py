@@ -143,6 +143,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
     at = OperatingPoint(
         time,
         state.motor_angle_origin + travel,
+        plant.pole_pairs * (state.motor_angle_origin + travel),
         sharp,
         state.output_angle_origin + travel / ratio,
         travel / ratio,

@@ -20,6 +20,7 @@ def evaluate(effects, at):
         point = OperatingPoint(
             at.time,
             at.motor_angle,
+            at.electrical_angle,
             at.motor_speed,
             at.output_angle,
             at.output_travel,

@@ -10,12 +10,15 @@ transmission be a planetary train (``planetary/``): then the step is about 1 us,
 milliseconds, are taken every EFFECT_PERIOD.
 """
 
+import logging
 import math
+import threading
 from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 from numba import boolean, float64, from_dtype, int64, njit, types, void
+from numba.core.event import Event, Listener, install_listener
 
 from .balance import unexplained_torque
 from .drive import lag_gain, limited, quadrature_voltage, speed_controller
@@ -50,8 +53,9 @@ from .layout import (
 )
 from .operating_point import PARAMETER_SLOTS, OperatingPoint
 from .planetary.layout import TRAIN, TRAIN_STATE, TURN
-from .planetary.mesh_state import mesh_cycles, read_friction, read_meshes, wheel_angles
+from .planetary.mesh_state import mesh_cycles, moved_on, read_friction, read_meshes
 from .planetary.train import train_step
+from .planetary.train_constants import train_constants
 from .sensors import counted, remember, shown
 from .switching.electrical_angle import sine_and_cosine, turned
 from .switching.layout import WINDING, WINDING_STATE
@@ -61,6 +65,9 @@ from .transmission import contact_torque, end_stop_torque, response, shaft_speed
 
 EFFECT_PERIOD = 25e-6
 """s, after which effects are taken again where steps are shorter."""
+
+_ONE_AT_A_TIME = threading.Lock()
+"""Threads that ask for the same kernel compile it once."""
 
 _PLANT = from_dtype(PLANT)
 _STATE = from_dtype(STATE)
@@ -80,7 +87,7 @@ _FINE = types.Tuple(
     )
 )
 """Records (1,) of winding and train with their states, the train's lanes, its mesh table, the energies (energy.py), and
-the effects of the lumped model that stands for a train where only torques are balanced."""
+the effects that are balanced where they are others than those that act."""
 
 _SIGNATURE = void(
     _PLANT[::1], _STATE[::1], _EFFECTS, _FINE, int64, _STAMPS, float64[:, ::1], float64[:, ::1], float64, boolean
@@ -89,15 +96,39 @@ _SIGNATURE = void(
 assert PARAMETER_SLOTS == 4 and len(BENCH) == 5  # the calls and columns below are written out
 
 
-@cache
+class _Compiling(Listener):
+    """Logs that a kernel is being compiled, and not just read from disk."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._told = False
+
+    def on_start(self, event: Event) -> None:
+        if not self._told:
+            self._told = True
+            logging.getLogger(__name__).info("compiling the equations of the %s: once, 10 to 20 s", self._what)
+
+    def on_end(self, event: Event) -> None:
+        pass
+
+
 def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callable[..., Any]:
-    """``advance`` for a fidelity, compiled when first asked for (seconds) and kept on disk.
+    """``advance`` for a fidelity, compiled when first asked for (seconds, told by a log line) and kept on disk.
 
     ``accounting`` books every energy too, which costs a third more.
     """
-    fine = switching or planetary
+    drive, transmission = "switching" if switching else "averaged", "planetary" if planetary else "lumped"
+    with _ONE_AT_A_TIME, install_listener("numba:compile", _Compiling(f"{drive} drive, {transmission} transmission")):
+        return _compiled(switching, planetary, accounting)
 
-    @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy")
+
+@cache
+def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..., Any]:
+    fine = switching or planetary
+    # a fine step is a long chain of products and sums, which fuse where the processor can
+    fused = {"contract"} if fine else False
+
+    @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy", fastmath=fused)
     def advance(plants, states, effects, fine_parts, source, stamps, bench, twin, step, record):
         """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
 
@@ -107,7 +138,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         """
         plant = plants[0]
         state = states[0]
-        windings, winding_states, trains, train_states, lanes, table, energies, lumped_effects = fine_parts
+        windings, winding_states, trains, train_states, lanes, table, energies, balanced_effects = fine_parts
         ratio = plant.gear_ratio
         per_ratio = 1.0 / ratio
         rigid = plant.two_inertia == 0.0 and not planetary
@@ -125,6 +156,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         output_dry = plant.output_dry
         output_break_away = plant.output_break_away
         torque_constant = plant.torque_constant
+        pole_pairs = plant.pole_pairs
         viscous_total = plant.motor_viscous + plant.output_viscous
         # what the motor's shaft carries itself: everything where the transmission is rigid
         inertia = plant.motor_inertia + (plant.output_inertia if rigid else 0.0)
@@ -140,7 +172,8 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         total_dry = plant.motor_dry + plant.output_dry
         elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
-        balanced = lumped_effects if planetary else effects
+        plain = not (acting or stops or asymmetry != 0.0 or bristled)
+        balanced = balanced_effects if fine else effects
         torque = output_torque = thinned = 0.0
         dry = base_dry
         break_away = base_break_away
@@ -177,10 +210,13 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
         winding = step_constants(windings[0], step)
         sine, cosine = 0.0, 1.0
         train = trains[0]
+        train_of_step = train_constants(train, motor_origin, step)
         moving = train_states[0]
         flexible = planetary and train.shaft_stiffness > 0.0
         sun_angle = moving.sun_angle
         sun_speed = moving.sun_speed
+        carrier_angle = moving.carrier_angle
+        carrier_speed = moving.carrier_speed
         drive_torque = torque_constant * current
         effects_in = 0
 
@@ -202,7 +238,6 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 steps = max(1, math.ceil(interval / step - 1e-9))
                 h = interval / steps
                 effect_steps = max(1, round(EFFECT_PERIOD / h)) if fine else 1
-                effects_in = 0
                 per_step = 1.0 / h
                 motor_gain, motor_drag = response(h, inertia, viscous)
                 output_gain, output_drag = response(h, plant.output_inertia, plant.output_viscous)
@@ -210,7 +245,10 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                 smoothing_gain = lag_gain(h, plant.speed_smoothing)
                 if switching:
                     winding = step_constants(windings[0], h)
+                if planetary:
+                    train_of_step = train_constants(train, motor_origin, h)
                 setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
+            effects_in = 0  # at every sample, so that a live twin takes them when an offline one does
             start = bench[row - 1, column]
             slope = bench[row, column] - start
             current_rate = 0.0
@@ -270,94 +308,97 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                         account_drive(energies, h, speed, gap_torque, link_power, winding_loss)
 
                 # mechanics: half the drift, then the kick at the middle of the step
+                if not (rigid or planetary):
+                    twist = angle - output_angle
                 angle += 0.5 * h * speed
                 if not rigid:
                     output_angle += 0.5 * h * output_speed
-                else:
-                    output_angle = angle - twist
-                    output_speed = speed
-                if acting and effects_in == 0:
-                    effects_in = effect_steps
-                    at = OperatingPoint(
-                        time + k * h,
-                        motor_origin + angle,
-                        speed,
-                        output_origin + output_angle * per_ratio,
-                        output_angle * per_ratio,
-                        output_speed * per_ratio,
-                        acceleration,
-                        current,
-                        drive_torque,
-                        transmitted,
-                        total_dry,
-                        viscous_total,
-                    )
-                    torque, dry, output_torque, thinned = evaluate(effects, at)
-                    dry -= elsewhere
-                    dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
-                    break_away = base_break_away + (dry - base_dry)
-                    break_away = break_away if break_away > 0.0 else 0.0
-                effects_in -= 1
-                load = output_torque
-                if stops:
-                    load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
-                dry_now = dry
-                held = break_away
-                net = drive_torque - torque
+                net = drive_torque
+                load = 0.0
+                dry_now = base_dry
+                held = base_break_away
                 load_dry = output_dry
                 load_held = output_break_away
-                if asymmetry != 0.0:
-                    passed = reaction if planetary else transmitted
-                    factor = directed(asymmetry, speed, net - (load if rigid else passed))
-                    dry_now *= factor
-                    held *= factor
-                    net -= asymmetry * (viscous + thinned) * math.fabs(speed)
-                    load_factor = directed(asymmetry, output_speed, transmitted - load)
-                    load_dry *= load_factor
-                    load_held *= load_factor
-                    if not rigid:
-                        load += asymmetry * output_viscous * math.fabs(output_speed)
-                if bristled:
-                    bristle, bristle_torque = bristle_step(
-                        bristle,
-                        speed,
-                        dry_now,
-                        plant.bristle_stiffness * motor_share,
-                        plant.bristle_damping * motor_share,
-                        h,
-                    )
-                    net -= bristle_torque
-                    dry_now = held = 0.0
-                    if not rigid:
-                        output_bristle, bristle_torque = bristle_step(
-                            output_bristle,
-                            output_speed,
-                            load_dry,
-                            plant.bristle_stiffness * (1.0 - motor_share),
-                            plant.bristle_damping * (1.0 - motor_share),
+                if not plain:  # one question instead of four where a model has none of these
+                    if rigid:
+                        output_angle = angle - twist
+                        output_speed = speed
+                    if acting and effects_in == 0:
+                        effects_in = effect_steps
+                        at = OperatingPoint(
+                            time + k * h,
+                            motor_origin + angle,
+                            pole_pairs * (motor_origin + angle),
+                            speed,
+                            output_origin + output_angle * per_ratio,
+                            output_angle * per_ratio,
+                            output_speed * per_ratio,
+                            acceleration,
+                            current,
+                            drive_torque,
+                            transmitted,
+                            total_dry,
+                            viscous_total,
+                        )
+                        torque, dry, output_torque, thinned = evaluate(effects, at)
+                        dry -= elsewhere
+                        dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
+                        break_away = base_break_away + (dry - base_dry)
+                        break_away = break_away if break_away > 0.0 else 0.0
+                    effects_in -= 1
+                    dry_now = dry
+                    held = break_away
+                    net -= torque
+                    load += output_torque
+                    if stops:
+                        load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
+                    if asymmetry != 0.0:
+                        passed = reaction if planetary else transmitted
+                        factor = directed(asymmetry, speed, net - (load if rigid else passed))
+                        dry_now *= factor
+                        held *= factor
+                        net -= asymmetry * (viscous + thinned) * math.fabs(speed)
+                        load_factor = directed(asymmetry, output_speed, transmitted - load)
+                        load_dry *= load_factor
+                        load_held *= load_factor
+                        if not rigid:
+                            load += asymmetry * output_viscous * math.fabs(output_speed)
+                    if bristled:
+                        bristle, bristle_torque = bristle_step(
+                            bristle,
+                            speed,
+                            dry_now,
+                            plant.bristle_stiffness * motor_share,
+                            plant.bristle_damping * motor_share,
                             h,
                         )
-                        load += bristle_torque
-                        load_dry = load_held = 0.0
+                        net -= bristle_torque
+                        dry_now = held = 0.0
+                        if not rigid:
+                            output_bristle, bristle_torque = bristle_step(
+                                output_bristle,
+                                output_speed,
+                                load_dry,
+                                plant.bristle_stiffness * (1.0 - motor_share),
+                                plant.bristle_damping * (1.0 - motor_share),
+                                h,
+                            )
+                            load += bristle_torque
+                            load_dry = load_held = 0.0
                 before = speed
                 output_before = output_speed
                 if planetary:
                     sun_at, sun_before = (sun_angle + 0.5 * h * sun_speed, sun_speed) if flexible else (angle, speed)
-                    carrier_at = moving.carrier_angle + 0.5 * h * moving.carrier_speed
+                    carrier_at = carrier_angle + 0.5 * h * carrier_speed
                     output_at = output_angle * per_ratio
-                    sun_own, carrier_own, output_own = wheel_angles(train, motor_origin, sun_at, carrier_at, output_at)
-                    x_sun, x_ring, x_output = mesh_cycles(train, sun_own, carrier_own, output_own)
-                    if (
-                        math.fabs(x_sun - moving.mesh_read[0]) >= train.refresh
-                        or math.fabs(x_ring - moving.mesh_read[1]) >= train.refresh
-                        or math.fabs(x_output - moving.mesh_read[2]) >= train.refresh
-                    ):
+                    cycles = mesh_cycles(train_of_step, sun_at, carrier_at, output_at)
+                    if moved_on(train, moving, cycles):
                         if accounting:
                             energies[STIFFNESS_CHANGE] -= stored_in_meshes(
                                 train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
                                 output_at - 0.5 * h * output_speed * per_ratio, output_speed * per_ratio, h,
                             )  # fmt: skip
-                        read_meshes(train, moving, lanes, table, sun_own, carrier_own, output_own)
+                        read_meshes(train, moving, lanes, table, cycles)
                         if accounting:
                             energies[STIFFNESS_CHANGE] += stored_in_meshes(
                                 train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
@@ -365,9 +406,12 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                             )  # fmt: skip
                     if accounting:
                         keep_speeds(lanes, moving)
-                    on_sun, on_output = train_step(
-                        train, moving, lanes, sun_at, sun_before, output_at, output_speed * per_ratio, h
-                    )
+                    on_sun, on_output, carrier_angle, carrier_speed = train_step(
+                        train_of_step, moving.friction_coefficient, lanes, sun_at, sun_before, carrier_at,
+                        carrier_speed, output_at, output_speed * per_ratio,
+                    )  # fmt: skip
+                    moving.carrier_angle = carrier_angle
+                    moving.carrier_speed = carrier_speed
                     reaction = -on_sun
                     if flexible:
                         reaction = train.shaft_stiffness * (angle - sun_at) + train.shaft_damping * (speed - sun_speed)
@@ -376,12 +420,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                     transmitted = on_output * per_ratio
                     speed = shaft_speed(speed, net - reaction, dry_now, held, motor_gain, motor_drag)
                     output_speed = shaft_speed(
-                        output_speed,
-                        transmitted - load,
-                        load_dry,
-                        load_held,
-                        output_gain,
-                        output_drag,
+                        output_speed, transmitted - load, load_dry, load_held, output_gain, output_drag
                     )
                     angle += 0.5 * h * speed
                     output_angle += 0.5 * h * output_speed
@@ -392,7 +431,7 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
                     output_speed = speed
                 else:
                     transmitted = contact_torque(
-                        angle - output_angle - 0.5 * h * (speed - output_speed),
+                        twist,
                         speed - output_speed,
                         stiffness,
                         damping,

@@ -14,6 +14,7 @@ PLANT = np.dtype(
         ("back_emf_constant", "f8"),  # V s/rad, per phase
         ("phase_resistance", "f8"),  # ohm
         ("phase_inductance", "f8"),  # H
+        ("pole_pairs", "f8"),  # NaN where not known
         # drive
         ("nominal_torque_constant", "f8"),  # N m/A, what the drive believes
         ("position_gain", "f8"),  # 1/s of the fast shaft per rad of the slow shaft

@@ -48,6 +48,7 @@ def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
     return OperatingPoint(
         now[TIME],
         motor_origin + now[MOTOR_ANGLE],
+        plant.pole_pairs * (motor_origin + now[MOTOR_ANGLE]),
         now[SPEED],
         output_origin + now[OUTPUT_ANGLE],
         now[OUTPUT_ANGLE],

@@ -23,6 +23,7 @@ OperatingPoint = namedtuple(
     [
         "time",  # s since the recording's first sample
         "motor_angle",  # rad, the motor counter's own angle, so that a phase holds from one recording to the next
+        "electrical_angle",  # rad, pole pairs times that angle; NaN where their number is not known
         "motor_speed",  # rad/s
         "output_angle",  # rad of the slow shaft, the output encoder's own angle
         "output_travel",  # rad of the slow shaft since the recording's first sample

@@ -19,19 +19,22 @@ def contact_torque(twist, twist_speed, stiffness, damping, gap, step, compliance
     impulse of an impact does not depend on where in a step it falls.
     """
     share = 1.0 / (1.0 + damping * compliance)
+    middle = twist + 0.5 * step * twist_speed
     if gap == 0.0:
-        return (stiffness * (twist + 0.5 * step * twist_speed) + damping * twist_speed) * share
-    side = 1.0 if twist + 0.5 * step * twist_speed > 0.0 else -1.0
-    depth = side * twist - gap
-    depth_after = depth + side * step * twist_speed
-    if depth < 0.0:
+        return (stiffness * middle + damping * twist_speed) * share
+    forward = middle > 0.0
+    edge = gap if forward else -gap
+    depth = twist - edge if forward else edge - twist
+    if depth >= 0.0:
+        torque = (stiffness * (middle - edge) + damping * twist_speed) * share
+    else:
+        depth_after = depth + (step * twist_speed if forward else -step * twist_speed)
         if depth_after <= 0.0:
             return 0.0
         touching = depth_after / (depth_after - depth)
-        torque = touching * (0.5 * stiffness * depth_after + damping * side * twist_speed) * share
-    else:
-        torque = (0.5 * stiffness * (depth + depth_after) + damping * side * twist_speed) * share
-    return side * torque if torque > 0.0 else 0.0
+        mean = 0.5 * (depth_after if forward else -depth_after)
+        torque = touching * (stiffness * mean + damping * twist_speed) * share
+    return torque if (torque > 0.0) == forward else 0.0
 
 
 @njit(error_model="numpy")

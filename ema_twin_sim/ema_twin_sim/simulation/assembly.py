@@ -47,19 +47,24 @@ _SAME_NAME = (
 class Assembly:
     """The arguments that a model gives to a ``plant.kernel``, and to what balances torques without integrating.
 
-    Of a planetary train, ``plant`` and ``effects`` are the two inertias that stand for it (``lumped_train.py``).
+    Of a planetary train, ``plant`` and ``effects`` are the two inertias that stand for it (``lumped_train.py``); of a
+    switching drive they are the averaged one, with the faults of its winding as torques.
     ``plant`` is a record array (1,) of ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and
     parameters (n, 4), dry levels first, so that what depends on the level sees it whole.
     """
 
     plant: np.ndarray
     effects: Effects
-    acting: Effects  # without what stands for a train's own losses in ``effects``
+    acting: Effects  # without what stands for a train's own losses, and for faults of a simulated winding
     fine: FineParts
 
 
-def assemble(model: Model) -> Assembly:
-    """Build the kernel's arguments; effects compile on first use (milliseconds); the package's are kept on disk."""
+def assemble(model: Model, *, by_current: bool = False) -> Assembly:
+    """Build the kernel's arguments; effects compile on first use (milliseconds); the package's are kept on disk.
+
+    ``by_current``: a measured current drives the mechanics, so that the winding of a switching drive is not simulated.
+    Raises InputError where the model is of parts that do not go together.
+    """
     plant = np.zeros(1, PLANT)
     record = plant[0]
     for path in _SAME_NAME:
@@ -73,22 +78,26 @@ def assemble(model: Model) -> Assembly:
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
         stop = model.constants.get(f"transmission.end_stop_{side}")
         record[f"end_stop_{side}"] = none if stop is None else stop.value
-    acting = []
-    for instance in model.effects.values():
-        if not instance.enabled:
-            continue
+    record["pole_pairs"] = math.nan if model.pole_pairs is None else model.pole_pairs
+    by_winding = model.kinds["drive"] == "switching" and not by_current
+    balanced, acting = [], []
+    for name, instance in model.active.items():
         effect = catalogue()[instance.effect]
+        if effect.electrical and model.pole_pairs is None:
+            raise InputError(f"model {model.name}: effect {name} needs machine.pole_pairs; give it in the model file")
         if effect.settle is not None:
             effect.settle(record, instance.parameters, instance.options)
-        else:
-            acting.append((effect.where(instance.options), effect_address(effect), effect_slots(effect, instance)))
+        if effect.act is not None:
+            entry = (effect.where(instance.options), effect_address(effect), effect_slots(effect, instance))
+            balanced.append(entry)
+            if not (by_winding and effect.settle_winding is not None):
+                acting.append(entry)
     fine = fine_parts(model, record)
-    alone = _effects(acting)
     if fine.planetary:
         loss = lump_train(model, record, fine)
-        acting.append((mesh_friction.EFFECT.where({}), effect_address(mesh_friction.EFFECT), [loss, 0.0, 0.0, 0.0]))
+        balanced.append((mesh_friction.EFFECT.where({}), effect_address(mesh_friction.EFFECT), [loss, 0.0, 0.0, 0.0]))
     _check(model, record)
-    return Assembly(plant, _effects(acting) if fine.planetary else alone, alone, fine)
+    return Assembly(plant, _effects(balanced), _effects(acting), fine)
 
 
 def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:
@@ -113,17 +122,6 @@ def _check(model: Model, record: np.void) -> None:
             f"model {model.name}: the encoder's delay of {record['encoder_delay']:g} s is more than {longest:.4g} s, "
             f"what {ENCODER_MEMORY} control cycles hold; give a shorter delay or a longer drive.control_cycle"
         )
-
-
-def stiffest_step(plant: np.ndarray) -> float:
-    """The longest step [s] that the transmission's contact allows: beyond it the integration would blow up."""
-    record = plant[0]
-    if not record["two_inertia"]:
-        return np.inf
-    softness = 1.0 / record["motor_inertia"] + 1.0 / record["output_inertia"]
-    by_spring = 2.0 / np.sqrt(record["contact_stiffness"] * softness)
-    by_damper = 4.0 / max(record["contact_damping"] * softness, 1e-12)
-    return float(min(by_spring, by_damper))
 
 
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:

@@ -67,6 +67,14 @@ class Command:
             )
         return values
 
+    def highest_speed(self, time: np.ndarray) -> float:
+        """The highest speed [rad/s] that it asks for at times [s] (n,); a jump of the position is no speed."""
+        values = self(time)
+        if not self.speed:
+            rates = np.abs(np.diff(values) / np.diff(time))
+            values = np.minimum(rates[1:], rates[:-1])
+        return float(np.abs(values).max(initial=0.0))
+
 
 def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Command:
     """The command that ``KIND:A[:B]`` or a file describes, moved by ``start`` [rad or rad/s] and ``phase`` [rad].

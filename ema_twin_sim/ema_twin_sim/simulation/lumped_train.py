@@ -41,13 +41,17 @@ def lump_train(model: Model, plant: np.void, parts: FineParts) -> float:
     # play of a mesh turns the sun by as much as its force is of the sun's torque
     weights = 3.0 * np.abs(static_forces(gearing, 1.0))
     plant["gap"] = float(weights @ train["half_play"])
-    friction = ToothFriction(
+    return _loss(gearing, parts.table.tobytes(), parts.table.shape, tooth_friction(train))
+
+
+def tooth_friction(train: np.void) -> ToothFriction:
+    """Friction of the teeth of a record of ``plant.planetary.layout.TRAIN``."""
+    return ToothFriction(
         int(train["friction_law"]),
         float(train["friction_coefficient"]),
         float(train["viscosity"]),
         float(train["roughness"]),
     )
-    return _loss(gearing, parts.table.tobytes(), parts.table.shape, friction)
 
 
 @lru_cache(maxsize=32)

@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
+from .dc_link_check import refuse_recording_beyond_link
 from .operating_points import twin_at_points
 from .twin import Twin
 
@@ -70,13 +71,16 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
             f"model {model.name}: has no drive.position_gain and drive.speed_gain to follow a command with; give them, "
             "or choose --input current"
         )
+    refuse_recording_beyond_link(model, recording, chosen)
     twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step)
     absent = np.full(len(recording), math.nan)
     bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
     first = dict(zip(BENCH, bench[0], strict=True))
     twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
-    rows = twin.follow(recording.stamps, bench)
-    refuse_infinite(rows, recording.time, f"model {model.name}: beside {recording.name}")
+    try:
+        rows = twin.follow(recording.stamps, bench)
+    except InputError as error:
+        raise InputError(f"{recording.name}: {error}") from None
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
     return Recording(
         name=recording.name,
@@ -87,14 +91,3 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
         output_angle_origin=recording.output_angle_origin,
         metadata={"model": model.name},
     )
-
-
-def refuse_infinite(rows: np.ndarray, time: np.ndarray, place: str) -> None:
-    """Raise InputError where a twin's rows (n, signals) at these times [s] lose their way."""
-    moving = rows[:, [TWIN.index(name) for name in ("current", "speed", "motor_position", "output_position")]]
-    lost = np.flatnonzero(~np.isfinite(moving).all(axis=1))
-    if len(lost):
-        raise InputError(
-            f"{place}: no finite motion from {time[lost[0]]:.3f} s on; its constants do not belong together: check "
-            "inertias, stiffness and friction, and what effects of your own return there"
-        )

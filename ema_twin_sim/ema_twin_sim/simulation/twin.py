@@ -16,11 +16,16 @@ from ..model.constants import CONSTANTS
 from ..plant.kernel import kernel
 from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from ..plant.sensors import shown
-from .assembly import assemble, stiffest_step
-from .fidelity import DEFAULT_STEP, Fine, longest_step, resting_state, set_in_motion, usual_step, with_parts
+from .assembly import assemble
+from .divergence import States, looks_lost, refuse_divergence, states_of
+from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
+from .longest_step import refuse_long_step
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
+
+_ROWS_AT_A_TIME = 500
+"""Samples after which a simulation that diverges is stopped."""
 
 
 @dataclass(frozen=True)
@@ -174,28 +179,50 @@ class Twin:
         return energies(self._parts, self._fine, self._assembly.plant, self._state, self.step)
 
     def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
+        """Integrate over all rows, some at a time. Raises InputError where the simulation diverges."""
         hold_input(bench, self.source)
+        fine = self._fine
+        assert fine is not None  # start comes first
+        for first in range(0, len(stamps) - 1, _ROWS_AT_A_TIME):
+            some = slice(first, first + _ROWS_AT_A_TIME + 1)
+            before = kept(self._state, fine)
+            self._run(self._state, fine, stamps[some], bench[some], rows[some])
+            if looks_lost(rows[some][-1]):
+                self._refuse_divergence(before, stamps[some], bench[some])
+
+    def _run(self, state: np.ndarray, fine: Fine, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         assembly = self._assembly
-        assert self._fine is not None  # start comes first
-        self._advance(
-            assembly.plant, self._state, assembly.acting, self._fine, self.source, stamps, bench, rows, self.step, True
-        )
+        self._advance(assembly.plant, state, assembly.acting, fine, self.source, stamps, bench, rows, self.step, True)
+
+    def _refuse_divergence(self, before: tuple[bytes, ...], stamps: np.ndarray, bench: np.ndarray) -> None:
+        """Find, from a sound state on, when the simulation loses its way."""
+        fine = self._fine
+        assert fine is not None
+
+        def states_after(intervals: int, share: float) -> States:
+            state, parts = restored(before, self._state, fine)
+            rows = np.empty((len(stamps), len(TWIN)))
+            whole = slice(0, intervals + 1)
+            self._run(state, parts, stamps[whole], bench[whole], rows[whole])
+            if share:
+                last = slice(intervals, intervals + 2)
+                times, inputs = stamps[last].copy(), bench[last].copy()
+                times[1] = times[0] + round(share * float(times[1] - times[0]))
+                inputs[1] = inputs[0] + share * (inputs[1] - inputs[0])
+                self._run(state, parts, times, inputs, rows[:2])
+            return states_of(state, parts, self._parts)
+
+        start, _ = restored(before, self._state, fine)
+        refuse_divergence(states_after, stamps, float(start[0]["time"]), f"model {self._model.name}: its simulation")
 
     def _signals(self) -> dict[str, float]:
         return dict(zip(TWIN, self._row[1].tolist(), strict=True))
 
     def _take(self, model: Model) -> None:
-        assembly = assemble(model)
+        assembly = assemble(model, by_current=self.source == CURRENT)
         parts = assembly.fine
         step = self._asked_step or usual_step(parts)
-        longest = longest_step(parts) if parts.planetary else stiffest_step(assembly.plant)
-        if step > longest:
-            too_stiff = "its teeth are" if parts.planetary else "its contact is"
-            less = "youngs_modulus_ratio" if parts.planetary else "contact_stiffness or _damping"
-            raise InputError(
-                f"model {model.name}: {too_stiff} too stiff for its inertias at a step of {step:g} s; give less "
-                f"transmission.{less}, or a step below {longest:.2g} s"
-            )
+        refuse_long_step(model, assembly, step)
         self.step = step
         self._model = model
         self._assembly = assembly

@@ -12,7 +12,7 @@ from ema_bench_replay.recording import MOTION, Recording
 from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
-from .simulate import refuse_infinite
+from .dc_link_check import refuse_command_beyond_link
 from .twin import Twin
 
 _OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
@@ -41,18 +41,16 @@ def virtual_bench(
         )
     stamps = np.arange(count, dtype=np.int64) * period
     wanted = command(stamps * 1e-9)
+    refuse_command_beyond_link(model, command, stamps * 1e-9)
     column = "speed_setpoint" if command.speed else "output_command"
     bench = np.full((count, len(BENCH)), math.nan)
     bench[:, BENCH.index(column)] = wanted * (model.value("machine.gear_ratio") if command.speed else 1.0)
     twin = Twin(model, "standalone_speed" if command.speed else "standalone", step=step)
     twin.start({column: bench[0, BENCH.index(column)]}, *origins)
     rows = twin.follow(stamps, bench)
-    refuse_infinite(rows, stamps * 1e-9, f"model {model.name}: on the virtual bench")
     signals = {
         name: rows[:, k] for k, name in enumerate(TWIN) if name not in _OF_THE_TWIN and not np.isnan(rows[1:, k]).all()
     }
-    if command.speed:
-        signals.pop("output_command", None)
     if seed is not None:
         signals = with_noise(signals, model, seed)
     motion = {} if model.motion == "rotary" else {MOTION: model.motion}

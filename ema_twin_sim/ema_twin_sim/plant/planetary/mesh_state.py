@@ -8,6 +8,7 @@ import math
 
 from numba import njit
 
+from ..compiled import compiled
 from .friction_coefficient import friction_coefficient
 from .layout import LANE, PLANETS, ROW, TURN
 
@@ -16,26 +17,27 @@ _RUNOUT, _FORCE = ROW["RUNOUT_SUN"], ROW["FORCE_SUN"]
 _THIRD = 1.0 / PLANETS
 
 
-@njit(error_model="numpy")
-def mesh_cycles(train, sun, carrier, output):
-    """Mesh cycles (sun, ring, output) of the first planet at the wheels' own angles [rad]; (3.52-3.60) have time."""
+@compiled
+def mesh_cycles(constants, sun, carrier, output):
+    """Mesh cycles (sun, ring, output) of the first planet at what the wheels travelled [rad]; (3.52-3.60) have time.
+
+    ``constants`` are ``TrainConstants``.
+    """
     return (
-        train.sun_teeth * (sun - carrier) / TURN + train.mesh_phase[0],
-        train.ring_teeth * carrier / TURN + train.mesh_phase[1],
-        train.output_ring_teeth * (carrier - output) / TURN + train.mesh_phase[2],
+        constants.sun_cycles * (sun - carrier) + constants.sun_cycle_origin,
+        constants.ring_cycles * carrier + constants.ring_cycle_origin,
+        constants.output_cycles * (carrier - output) + constants.output_cycle_origin,
     )
 
 
-@njit(error_model="numpy")
-def wheel_angles(train, origin, sun_travel, carrier_travel, output_travel):
-    """Own angles [rad] of sun, carrier and output ring: from where a rigid train stands with the sun at ``origin``.
-
-    What the counters do not tell, which of the teeth of planets and rings were together then, is taken as zero.
-    """
-    to_carrier = train.sun_radius / (train.sun_radius + train.ring_radius)
-    to_output = 1.0 - train.ring_radius * train.second_planet_radius / (train.planet_radius * train.output_ring_radius)
-    carrier = origin * to_carrier
-    return origin + sun_travel, carrier + carrier_travel, carrier * to_output + output_travel
+@compiled
+def moved_on(train, moving, cycles):
+    """Whether a mesh has moved on so far since the last reading that another is due."""
+    return (
+        math.fabs(cycles[0] - moving.mesh_read[0]) >= train.refresh
+        or math.fabs(cycles[1] - moving.mesh_read[1]) >= train.refresh
+        or math.fabs(cycles[2] - moving.mesh_read[2]) >= train.refresh
+    )
 
 
 @njit(error_model="numpy")
@@ -59,15 +61,13 @@ def _left(train, wheel, tooth, teeth, leading):
 
 
 @njit(error_model="numpy")
-def read_meshes(train, moving, lanes, table, sun, carrier, output):
-    """Read stiffness, arms and run-out of all meshes at the wheels' own angles [rad] into ``lanes``.
+def read_meshes(train, moving, lanes, table, cycles):
+    """Read stiffness, arms and run-out of all meshes into ``lanes``.
 
-    ``table`` float64 (3, points + 1, 4) is ``mesh_table.mesh_table``'s.
+    ``cycles`` are ``mesh_cycles``, ``table`` float64 (3, points + 1, 4) is ``mesh_table.mesh_table``'s.
     """
-    x_sun, x_ring, x_output = mesh_cycles(train, sun, carrier, output)
-    moving.mesh_read[0] = x_sun
-    moving.mesh_read[1] = x_ring
-    moving.mesh_read[2] = x_output
+    for mesh in range(3):
+        moving.mesh_read[mesh] = cycles[mesh]
     points = table.shape[1] - 1
     healthy = (
         train.tooth_damage[0] == 0.0
@@ -76,11 +76,10 @@ def read_meshes(train, moving, lanes, table, sun, carrier, output):
         and train.tooth_damage[3] == 0.0
     )
     for mesh in range(3):
-        x_mesh = x_sun if mesh == 0 else (x_ring if mesh == 1 else x_output)
         # planets are numbered in the positive sense: a later one meets the sun's earlier teeth, the rings' later ones
         teeth = -train.sun_teeth if mesh == 0 else (train.ring_teeth if mesh == 1 else train.output_ring_teeth)
         for planet in range(PLANETS):
-            x = x_mesh + teeth * (planet * _THIRD)
+            x = cycles[mesh] + teeth * (planet * _THIRD)
             # a negative force is on the opposite flanks, which pass their line of action the other way
             place = x if lanes[_FORCE + LANE * mesh + planet] >= 0.0 else train.opposite_flank[mesh] - x
             at = (place - math.floor(place)) * points
@@ -112,22 +111,25 @@ def read_meshes(train, moving, lanes, table, sun, carrier, output):
             lanes[_STIFFNESS + lane] = first + second
             lanes[_ARM_1 + lane] = table[mesh, low, 2] + share * (table[mesh, low + 1, 2] - table[mesh, low, 2])
             lanes[_ARM_2 + lane] = table[mesh, low, 3] + share * (table[mesh, low + 1, 3] - table[mesh, low, 3])
-    _read_runout(train, lanes, sun, carrier, output)
+    _read_runout(train, lanes, cycles)
 
 
 @njit(error_model="numpy")
-def _read_runout(train, lanes, sun, carrier, output):
+def _read_runout(train, lanes, cycles):
     """Run-out [m] of each mesh: what an eccentric wheel's teeth stand out towards a planet."""
     if train.runout[0] == 0.0 and train.runout[1] == 0.0 and train.runout[2] == 0.0:
         return
+    carrier = TURN * (cycles[1] - train.mesh_phase[1]) / train.ring_teeth
+    sun_to_carrier = TURN * (cycles[0] - train.mesh_phase[0]) / train.sun_teeth
+    carrier_to_output = TURN * (cycles[2] - train.mesh_phase[2]) / train.output_ring_teeth
     planet_turn = carrier * (train.ring_radius / train.planet_radius) + train.runout_phase[1]
     for planet in range(PLANETS):
         place = planet * _THIRD * TURN
         of_planet = train.runout[1] * math.sin(planet_turn) if planet == 0 else 0.0
-        lanes[_RUNOUT + planet] = train.runout[0] * math.sin(sun - carrier - place + train.runout_phase[0]) + of_planet
+        lanes[_RUNOUT + planet] = train.runout[0] * math.sin(sun_to_carrier - place + train.runout_phase[0]) + of_planet
         lanes[_RUNOUT + LANE + planet] = -of_planet
         lanes[_RUNOUT + 2 * LANE + planet] = train.runout[2] * math.sin(
-            carrier - output + place + train.runout_phase[2]
+            carrier_to_output + place + train.runout_phase[2]
         )
 
 

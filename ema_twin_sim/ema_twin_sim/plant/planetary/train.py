@@ -24,8 +24,7 @@ Step: drift, kick, drift as in ``transmission.py``.
 
 import math
 
-from numba import njit
-
+from ..compiled import compiled
 from .layout import LANE, ROW
 
 SPIN, SPIN_SPEED = ROW["SPIN"], ROW["SPIN_SPEED"]
@@ -40,46 +39,46 @@ DAMPED_SUN, DAMPED_RING, DAMPED_OUT = ROW["DAMPED_SUN"], ROW["DAMPED_RING"], ROW
 ON_SUN, ON_CARRIER, ON_OUTPUT = ROW["ON_SUN"], ROW["ON_CARRIER"], ROW["ON_OUTPUT"]
 
 
-@njit(error_model="numpy", inline="always")
+@compiled
 def _elastic(depth, stiffness, half_play):
     """Elastic force [N] of a mesh over its dead zone (3.4)."""
     beyond = depth - half_play if depth > half_play else (depth + half_play if depth < -half_play else 0.0)
     return stiffness * beyond
 
 
-@njit(error_model="numpy", inline="always")
+@compiled
 def _rubbing(force, level):
     """Friction [N] across a mesh: held within what slides."""
     return level if force > level else (-level if force < -level else force)
 
 
-@njit(error_model="numpy")
-def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_speed, h):
-    """Advance planets and carrier by ``h`` [s]; return the torques [N m] that the train puts on sun and output ring.
+@compiled
+def train_step(
+    constants, friction_coefficient, lanes, sun_angle, sun_speed, carrier, carrier_speed, output_angle, output_speed
+):
+    """Advance planets and carrier by a step; return the torques [N m] that the train puts on sun and output ring.
 
-    Angles [rad] of sun and output ring are those at the middle of the step, speeds [rad/s] those before it; the output
-    is the slow shaft. ``moving`` holds the carrier, ``lanes`` the planets and what the meshes last were
-    (``mesh_state.py``).
+    With them the carrier's angle [rad] and speed [rad/s] after the step. ``constants`` are ``TrainConstants``. Angles
+    of sun, carrier and output ring are those at the middle of the step, speeds those before it; the output is the slow
+    shaft. ``lanes`` hold the planets and what the meshes last were (``mesh_state.py``).
     """
-    r_s = train.sun_radius
-    r_p = train.planet_radius
-    r_p2 = train.second_planet_radius
-    r_o = train.output_ring_radius
-    r_sp = r_s + r_p
-    r_pr = r_p - train.ring_radius
-    r_po = r_p2 - r_o
-    play_s = train.half_play[0]
-    play_r = train.half_play[1]
-    play_o = train.half_play[2]
-    mu_s = moving.friction_coefficient[0]
-    mu_r = moving.friction_coefficient[1]
-    mu_o = moving.friction_coefficient[2]
-    across_s = h * train.tangential_stiffness[0]
-    across_r = h * train.tangential_stiffness[1]
-    across_o = h * train.tangential_stiffness[2]
-    half = 0.5 * h
-    carrier_speed = moving.carrier_speed
-    carrier = moving.carrier_angle + half * carrier_speed
+    r_s = constants.sun_radius
+    r_p = constants.planet_radius
+    r_p2 = constants.second_planet_radius
+    r_o = constants.output_ring_radius
+    r_sp = constants.carrier_arm_sun
+    r_pr = constants.carrier_arm_ring
+    r_po = constants.carrier_arm_output
+    play_s = constants.half_play_sun
+    play_r = constants.half_play_ring
+    play_o = constants.half_play_output
+    mu_s = friction_coefficient[0]
+    mu_r = friction_coefficient[1]
+    mu_o = friction_coefficient[2]
+    across_s = constants.across_sun
+    across_r = constants.across_ring
+    across_o = constants.across_output
+    half = 0.5 * constants.step
     # what all planets' meshes share
     d_s = r_s * sun_angle - r_sp * carrier
     d_r = r_pr * carrier
@@ -87,7 +86,6 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
     v_s = r_s * sun_speed - r_sp * carrier_speed
     v_r = r_pr * carrier_speed
     v_o = r_po * carrier_speed + r_o * output_speed
-    kick = h / train.planet_inertia
 
     for i in range(LANE):  # the empty lane costs nothing, and all four fit one register
         speed = lanes[SPIN_SPEED + i]
@@ -144,14 +142,12 @@ def train_step(train, moving, lanes, sun_angle, sun_speed, output_angle, output_
         lanes[ON_SUN + i] = on_sun
         lanes[ON_CARRIER + i] = on_carrier
         lanes[ON_OUTPUT + i] = -r_o * force_o - arm_2 * friction_o
-        speed += kick * on_planet
+        speed += constants.planet_gain * on_planet
         lanes[SPIN_SPEED + i] = speed
         lanes[SPIN + i] = spin + half * speed
 
     on_carrier = lanes[ON_CARRIER] + lanes[ON_CARRIER + 1] + lanes[ON_CARRIER + 2]
-    carrier_speed += h * on_carrier / train.carrier_inertia
-    moving.carrier_speed = carrier_speed
-    moving.carrier_angle = carrier + half * carrier_speed
+    carrier_speed += constants.carrier_gain * on_carrier
     on_sun = lanes[ON_SUN] + lanes[ON_SUN + 1] + lanes[ON_SUN + 2]
     on_output = lanes[ON_OUTPUT] + lanes[ON_OUTPUT + 1] + lanes[ON_OUTPUT + 2]
-    return on_sun, on_output
+    return on_sun, on_output, carrier + half * carrier_speed, carrier_speed

@@ -6,7 +6,7 @@ peak must be Kt / (1.5 Ke) = 4/3 of the drive's ampere for the torque of the tra
 phases always carry one, make 2 Ke i: their factor is Kt / (2 Ke) = 1. (The thesis gives Ke as half of Kt, no shape.)
 """
 
-from .compiled import compiled
+from ..compiled import compiled
 
 
 @compiled

@@ -10,7 +10,7 @@ legs lie on one rail, no leg can turn it back. Errors add up to zero, and so it 
 two others can each be off the other way (Brod and Novotny, IEEE Trans. Ind. Appl. 21, 1985, 562-570).
 """
 
-from .compiled import compiled
+from ..compiled import compiled
 
 
 @compiled

@@ -5,7 +5,7 @@ acquisition", outputs I_3eq, Id and V_3eq, filter simulation.tauFilter (5*10e-5 
 takes values of phases u, v, w; those of currents add up to zero, those of voltages may be taken to any common point.
 """
 
-from .compiled import compiled
+from ..compiled import compiled
 from .shapes import HALF_ROOT_OF_THREE
 
 

@@ -2,7 +2,7 @@
 
 import math
 
-from .compiled import compiled
+from ..compiled import compiled
 
 
 @compiled

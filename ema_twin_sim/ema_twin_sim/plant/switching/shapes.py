@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from .compiled import compiled
+from ..compiled import compiled
 
 HALF_ROOT_OF_THREE = 0.5 * math.sqrt(3.0)
 

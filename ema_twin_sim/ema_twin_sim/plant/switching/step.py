@@ -2,8 +2,8 @@
 
 import math
 
+from ..compiled import compiled
 from ..drive import limited
-from .compiled import compiled
 from .current_reference import block
 from .electrical_angle import sine_and_cosine
 from .inverter import comparator

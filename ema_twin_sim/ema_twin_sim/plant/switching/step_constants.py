@@ -2,8 +2,8 @@
 
 from typing import NamedTuple
 
+from ..compiled import compiled
 from ..drive import lag_gain
-from .compiled import compiled
 from .current_reference import phase_amplitude
 
 

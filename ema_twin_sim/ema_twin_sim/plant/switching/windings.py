@@ -28,7 +28,7 @@ by zeta / 2 (see the tests).
 
 import math
 
-from .compiled import compiled
+from ..compiled import compiled
 from .electrical_angle import sine_and_cosine
 from .shapes import three_phases
 

@@ -1,0 +1,131 @@
+"""Models side by side: the thesis's table 5.1, a row a recording and a column a model, and how many times closer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from rich.markup import escape
+
+from ..quantities import quantity
+from .error_cells import ALL, error_cell, noise_cell, shown_signals
+from .output import console, say
+from .tables import ReportTable
+from .wording import by_number
+
+if TYPE_CHECKING:
+    from ..comparison.closeness import Closeness
+    from ..comparison.compare import Comparison
+    from ..comparison.running_comparison import SignalError
+
+_POSITIONS = ("output_position", "motor_position")
+_CLOSER = "times closer"
+_Table = Callable[[str, Sequence["Comparison"]], ReportTable]
+
+
+def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
+    """Print a table of the headline and one of the position, a row a recording; then all signals of all recordings."""
+    first = comparisons[0]
+    names = shown_signals(first.input, first.overall)
+    if len(first.recordings) > 1:
+        for name in [*names[:1], *[name for name in _POSITIONS if name in names[1:]][:1]]:
+            _print_folded(name, comparisons, _of_recordings)
+    _print_folded("", comparisons, _of_signals)
+    for other in comparisons[1:]:
+        say(_in_words(names[0], first, other), style="bold")
+    say(
+        f"{_CLOSER.capitalize()}: the error of {first.model} above the sensors' noise, the root of RMSE² less noise "
+        "floor², over that of the other model."
+    )
+
+
+def _print_folded(name: str, comparisons: Sequence[Comparison], table_of: _Table) -> None:
+    """Print a table of all models; where the terminal is too narrow for that, one of the first with each other."""
+    table = table_of(name, comparisons)
+    if table.fits() or len(comparisons) == 2:
+        console.print(table)
+        return
+    for other in comparisons[1:]:
+        console.print(table_of(name, [comparisons[0], other]))
+
+
+def _of_recordings(name: str, comparisons: Sequence[Comparison]) -> ReportTable:
+    from ..comparison.closeness import closer
+
+    first = comparisons[0]
+    error = first.overall[name]
+    noise = f"noise floor {quantity(error['noise_floor'], error['unit'])}"
+    table = _table(f"RMSE of the {name.replace('_', ' ')} (input {first.input}, {noise})", "recording", comparisons)
+    closest = [closer(first, other) for other in comparisons[1:]]
+    for row in sorted(range(len(first.recordings)), key=lambda k: by_number(first.recordings[k].name)):
+        errors = [comparison.recordings[row].signals for comparison in comparisons]
+        table.add_row(
+            escape(first.recordings[row].name), *_cells(name, errors, [c.recordings[row][1] for c in closest])
+        )
+    table.add_section()
+    errors = [comparison.overall for comparison in comparisons]
+    table.add_row(ALL, *_cells(name, errors, [c.overall for c in closest]), style="bold")
+    return table
+
+
+def _of_signals(_: str, comparisons: Sequence[Comparison]) -> ReportTable:
+    from ..comparison.closeness import closer
+
+    first = comparisons[0]
+    of = ALL if len(first.recordings) > 1 else first.recordings[0].name
+    table = _table(f"RMSE of {of}, measured minus twin (input {first.input})", "signal", comparisons, "noise floor")
+    closest = [closer(first, other).overall for other in comparisons[1:]]
+    for name in shown_signals(first.input, first.overall):
+        errors = [comparison.overall for comparison in comparisons]
+        table.add_row(name.replace("_", " "), noise_cell(first.overall[name]), *_cells(name, errors, closest))
+    return table
+
+
+def _table(title: str, rows: str, comparisons: Sequence[Comparison], *before: str) -> ReportTable:
+    table = ReportTable(f"\n{title}")
+    table.words(rows)
+    first, *others = comparisons
+    closer = [column for other in others for column in (escape(other.model), _CLOSER)]
+    table.numbers(*before, escape(first.model), *closer)
+    return table
+
+
+def _cells(
+    name: str, errors: Sequence[Mapping[str, SignalError]], closest: Sequence[Mapping[str, Closeness]]
+) -> list[str]:
+    """The RMSE of the first model, then of each other with how many times closer it is."""
+    first, *others = (error_cell(error.get(name)) for error in errors)
+    pairs = zip(others, closest, strict=True)
+    return [first, *(cell for other, close in pairs for cell in (other, closeness_cell(close.get(name))))]
+
+
+def closeness_cell(closeness: Closeness | None) -> str:
+    """``14.6 ×``, ``≥ 22 ×`` where the closer one is lost in the noise; a dash where both are."""
+    if closeness is None:
+        return "–"
+    sign = {"at_least": "≥ ", "at_most": "≤ "}.get(closeness.bound, "")
+    return f"{sign}{_number(closeness.times)} ×"
+
+
+def _number(times: float) -> str:
+    return f"{times:.{2 if times < 0.995 else (1 if times < 99.5 else 0)}f}"
+
+
+def _in_words(name: str, first: Comparison, other: Comparison) -> str:
+    """``better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (ramp_0.02).``"""
+    from ..comparison.closeness import closer
+
+    found = closer(first, other)
+    signal = name.replace("_", " ")
+    if name not in found.overall:
+        return f"{other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
+    overall = found.overall[name]
+    if overall.times < 1.0:
+        return f"{other.model}: {_number(1.0 / overall.times)} × farther off than {first.model} in the {signal}."
+    text = f"{other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
+    each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
+    if len(each) > 1:
+        at = dict(found.recordings)
+        ends = (f"{closeness_cell(at[recording][name])} ({recording})" for _, recording in (each[0], each[-1]))
+        text += ", from " + " to ".join(ends)
+    return f"{text}."

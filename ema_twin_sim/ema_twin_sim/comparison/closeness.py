@@ -1,0 +1,87 @@
+"""How many times closer one model is than another, above the sensors' noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .running_comparison import SignalError
+
+if TYPE_CHECKING:
+    from .compare import Comparison
+
+AT_LEAST, EXACTLY, AT_MOST = "at_least", "", "at_most"
+_SCATTERS = 2.0
+"""Standard deviations of the noise's own mean square within which an excess is none."""
+
+
+@dataclass(frozen=True)
+class Closeness:
+    """The excess of one model over that of another; ``bound`` where the smaller of them is lost in the noise."""
+
+    times: float
+    bound: str = EXACTLY
+
+    def as_json(self) -> dict[str, object]:
+        """``{"times"}``, and ``bound`` where the number is one."""
+        return {"times": self.times, **({"bound": self.bound} if self.bound else {})}
+
+
+def times_closer(before: SignalError, after: SignalError, samples: int) -> Closeness | None:
+    """The ratio of the excesses, the roots of RMSE^2 - noise floor^2; None where neither model has one.
+
+    The mean square of ``samples`` values of white noise scatters by root(2/samples) of itself: an excess below two of
+    these is taken for them, and the ratio for a bound.
+    """
+    floor = after["noise_floor"]
+    least = floor**2 * _SCATTERS * math.sqrt(2.0 / samples)
+    first, other = (max(error["rmse"] ** 2 - floor**2, 0.0) for error in (before, after))
+    if max(first, other) <= least:
+        return None
+    if other <= least:
+        return Closeness(math.sqrt(first / least), AT_LEAST) if least else None
+    if first <= least:
+        return Closeness(math.sqrt(least / other), AT_MOST)
+    return Closeness(math.sqrt(first / other))
+
+
+@dataclass(frozen=True)
+class CloserModel:
+    """A model beside the first of a comparison: per recording and overall, how many times closer in each signal."""
+
+    than: str
+    recordings: tuple[tuple[str, Mapping[str, Closeness]], ...]
+    overall: Mapping[str, Closeness]
+
+    def as_json(self) -> dict[str, object]:
+        """For ``compare --json``; signals in which neither model is beyond the noise are left out."""
+        return {
+            "than": self.than,
+            "recordings": [{"name": name, "signals": _as_json(signals)} for name, signals in self.recordings],
+            "overall": _as_json(self.overall),
+        }
+
+
+def closer(first: Comparison, other: Comparison) -> CloserModel:
+    """How many times closer ``other`` is than ``first``; both compared with the same recordings."""
+    samples = sum(recording.samples for recording in first.recordings)
+    pairs = zip(first.recordings, other.recordings, strict=True)
+    return CloserModel(
+        first.model,
+        tuple((before.name, _of_signals(before.signals, after.signals, before.samples)) for before, after in pairs),
+        _of_signals(first.overall, other.overall, samples),
+    )
+
+
+def _of_signals(
+    before: Mapping[str, SignalError], after: Mapping[str, SignalError], samples: int
+) -> dict[str, Closeness]:
+    both = {name: (before[name], after[name]) for name in before if name in after and not before[name]["driven"]}
+    found = {name: times_closer(*errors, samples) for name, errors in both.items()}
+    return {name: closeness for name, closeness in found.items() if closeness is not None}
+
+
+def _as_json(signals: Mapping[str, Closeness]) -> dict[str, object]:
+    return {name: closeness.as_json() for name, closeness in signals.items()}

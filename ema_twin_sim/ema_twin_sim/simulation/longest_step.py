@@ -1,0 +1,64 @@
+"""The longest step with which a model may be integrated, and what sets it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+
+from ..model import Model
+from .assembly import Assembly
+from .fidelity import FineParts
+
+Limit = tuple[float, str, str]
+"""Step [s], what is too fast beyond it, what to change."""
+
+
+def longest_step(assembly: Assembly) -> Limit:
+    """The shortest of all parts' limits; infinite where none sets one."""
+    limits = [
+        _of_the_train(assembly.fine) if assembly.fine.planetary else _of_the_contact(assembly.plant[0]),
+        _of_the_bridge(assembly.fine),
+    ]
+    return min(limits)
+
+
+def refuse_long_step(model: Model, assembly: Assembly, step: float) -> None:
+    """Raise InputError where a step [s] is beyond the longest."""
+    longest, what, remedy = longest_step(assembly)
+    if step > longest:
+        raise InputError(
+            f"model {model.name}: {what} at a step of {step:g} s; {remedy}, or take a step below {longest:.2g} s"
+        )
+
+
+def _of_the_contact(plant: np.void) -> Limit:
+    """Beyond it the integration of a spring and damper between two inertias would blow up."""
+    what, remedy = "its contact is too stiff for its inertias", "give less transmission.contact_stiffness or _damping"
+    if not plant["two_inertia"]:
+        return math.inf, what, remedy
+    softness = 1.0 / plant["motor_inertia"] + 1.0 / plant["output_inertia"]
+    by_spring = 2.0 / math.sqrt(plant["contact_stiffness"] * softness)
+    by_damper = 4.0 / max(plant["contact_damping"] * softness, 1e-12)
+    return float(min(by_spring, by_damper)), what, remedy
+
+
+def _of_the_train(parts: FineParts) -> Limit:
+    """Beyond it the train's fastest swing would grow."""
+    what, remedy = "its teeth are too stiff for its wheels", "give less transmission.youngs_modulus_ratio"
+    return 2.0 / parts.frequency, what, remedy
+
+
+def _of_the_bridge(parts: FineParts) -> Limit:
+    """Beyond it a phase current crosses its hysteresis band within a step, and nothing holds it there.
+
+    The DC link drives it by two thirds of its voltage at most, where two other legs stand against the phase's.
+    """
+    what, remedy = "its phase currents leave their hysteresis band", "give a wider drive.hysteresis"
+    if not parts.switching:
+        return math.inf, what, remedy
+    winding = parts.winding[0]
+    steepest = winding["dc_link_voltage"] * 2.0 / 3.0 / winding["phase_inductance"]
+    return float(2.0 * winding["hysteresis"] / steepest), what, remedy

@@ -1,0 +1,56 @@
+"""How many times closer one model is than another, above the sensors' noise."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.commands.side_by_side import closeness_cell
+from ema_twin_sim.commands.wording import by_number
+from ema_twin_sim.comparison.closeness import AT_LEAST, AT_MOST, EXACTLY, Closeness, times_closer
+
+FLOOR = 3e-3
+SAMPLES = 10_000
+
+
+def error(excess, floor=FLOOR):
+    return {"rmse": float(np.hypot(excess, floor)), "relative": 0.0, "noise_floor": floor, "unit": "A", "driven": False}
+
+
+def test_the_ratio_is_that_of_the_excesses():
+    found = times_closer(error(0.02), error(0.002), SAMPLES)
+    assert found.bound == EXACTLY and found.times == pytest.approx(10.0)
+
+
+def test_what_is_lost_in_the_noise_gives_a_bound():
+    random = np.random.default_rng(0)
+    noise = {**error(0.0), "rmse": float(np.sqrt(np.mean(random.normal(0.0, FLOOR, SAMPLES) ** 2)))}
+    better, worse = times_closer(error(0.02), noise, SAMPLES), times_closer(noise, error(0.02), SAMPLES)
+    assert better.bound == AT_LEAST and 20.0 < better.times < 60.0
+    assert worse.bound == AT_MOST and worse.times == pytest.approx(1.0 / better.times)
+    assert times_closer(noise, noise, SAMPLES) is None
+    few = times_closer(error(0.02), noise, 100)
+    assert few.times < better.times  # the fewer the samples, the less they tell
+
+
+def test_without_a_known_noise_it_is_the_ratio_of_the_errors():
+    assert times_closer(error(0.3, 0.0), error(0.1, 0.0), SAMPLES).times == pytest.approx(3.0)
+    assert times_closer(error(0.3, 0.0), error(0.0, 0.0), SAMPLES) is None
+
+
+def test_cells():
+    cells = [Closeness(14.62), Closeness(250.4), Closeness(0.9), Closeness(22.0, AT_LEAST), Closeness(0.31, AT_MOST)]
+    assert list(map(closeness_cell, cells)) == ["14.6 ×", "250 ×", "0.90 ×", "≥ 22.0 ×", "≤ 0.31 ×"]
+    assert closeness_cell(None) == "–"
+
+
+def test_names_are_sorted_as_people_count():
+    names = ["ramp_0.1", "ramp_0.09", "ramp_10", "ramp_2", "ramp_0.01", "sine", "10", "9"]
+    assert sorted(names, key=by_number) == [
+        "9",
+        "10",
+        "ramp_0.01",
+        "ramp_0.09",
+        "ramp_0.1",
+        "ramp_2",
+        "ramp_10",
+        "sine",
+    ]
