@@ -136,7 +136,8 @@ class Twin:
         state["encoder_zero"] = shown.py_func(plant, moving, 0.0, ages[1])
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
-        self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
+        winding = self._fine[1] if self._parts.switching and self.source != CURRENT else None
+        self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant, winding)
         if self._parts.switching and self.source != CURRENT:
             winding = self._fine[1][0]
             for name in ("direct_current", "phase_current_u", "phase_current_v", "phase_current_w"):
@@ -232,11 +233,21 @@ class Twin:
             self._fine = with_parts(self._fine, parts, assembly.effects)
 
 
-def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray) -> np.ndarray:
-    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it."""
+def first_row(
+    state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray, winding: np.ndarray | None
+) -> np.ndarray:
+    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it.
+
+    ``winding`` is the state (1,) of the winding where one is simulated.
+    """
     held = state[0]
     torque = plant["torque_constant"][0] * held["current"]
     by_setpoint = source != CURRENT
+    voltage = plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"]
+    of_winding = [math.nan] * 4
+    if winding is not None:
+        voltage = winding["quadrature_voltage"][0]
+        of_winding = [winding[name][0] for name in ("direct_current", *(f"phase_current_{phase}" for phase in "uvw"))]
     return np.array(
         [
             bench[2] if source == CURRENT else held["current"],
@@ -246,10 +257,11 @@ def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarr
             0.0,
             0.0,
             bench[0],
-            plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"],
+            voltage,
             torque,
             0.0,
-            *(math.nan,) * 5,
+            math.nan,
+            *of_winding,
         ]
     )
 
