@@ -29,6 +29,7 @@ def act(at, p):
 
         at.time                 s since the recording's first sample
         at.motor_angle          rad, at.motor_speed rad/s, at.acceleration rad/s2: of the fast shaft
+        at.electrical_angle     rad, pole pairs times motor_angle; say electrical=True below where you use it
         at.output_angle         rad of the slow shaft as its encoder counts, the same place in every recording
         at.output_travel        rad of the slow shaft since the recording's first sample
         at.output_speed         rad/s of the slow shaft

@@ -32,9 +32,11 @@ def checked_table(file: Path, effect: Effect) -> Effect:
     for name in names:
         if names.count(name) > 1:
             raise check.error("EFFECT", f"'{name}' names two parameters or options", "rename one")
-    for way in ("act", "settle"):
+    for way in ("act", "settle", "settle_winding"):
         if getattr(effect, way) is not None and not callable(getattr(effect, way)):
             raise check.error(f"EFFECT.{way}", "is no function", f"give {way}={way}")
+    if not isinstance(effect.electrical, bool):
+        raise check.error("EFFECT.electrical", f"is {effect.electrical!r}", "give True or False")
     act = getattr(effect.act, "py_func", effect.act)  # of a function that is compiled already, the Python
     return replace(effect, parameters=parameters, options=options, act=act)
 

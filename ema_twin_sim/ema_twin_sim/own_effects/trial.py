@@ -16,13 +16,15 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..effects.effect import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT, Effect, Options, Values
+from ..effects.effect import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT, Effect, Options
 from ..model.model import nearest
 from ..plant.layout import PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, OperatingPoint, compiled_effect
+from ..plant.switching.layout import WINDING
 from .refusal import line_of, words
 
 _COMPILABLE = "act may use numbers, at, p, math and numpy, and helpers under @numba.njit(error_model='numpy')"
+_LAYOUTS = {"settle": "layout.py", "settle_winding": "switching/layout.py"}
 _PLACES = {
     TORQUE: "TORQUE",
     DRY_LEVEL: "DRY_LEVEL",
@@ -68,7 +70,9 @@ def try_out(file: Path, effect: Effect) -> None:
         if not isinstance(place, int) or place not in _PLACES:
             raise InputError(f"{file}: EFFECT.place: {place!r} is none; give one of {', '.join(_PLACES.values())}")
         if effect.settle is not None:
-            _try_settle(file, effect, effect.settle, options)
+            _try_settle(file, effect, "settle", np.ones(1, PLANT), options)
+        if effect.settle_winding is not None:
+            _try_settle(file, effect, "settle_winding", np.ones(1, WINDING), options)
         if effect.act is not None:
             _try_act(file, effect, effect.act, options, numeric)
 
@@ -87,20 +91,19 @@ def _settings(effect: Effect) -> Iterator[dict[str, float]]:
         yield {**defaults, p.name: p.upper}
 
 
-def _try_settle(
-    file: Path, effect: Effect, settle: Callable[[np.void, Values, Options], None], options: Options
-) -> None:
+def _try_settle(file: Path, effect: Effect, way: str, constants: np.ndarray, options: Options) -> None:
+    """Try a function of that name on constants (1,) that are all one."""
     for parameters in _settings(effect):
-        plant = np.ones(1, PLANT)
+        settled = constants.copy()
         try:
-            settle(plant[0], parameters, options)
+            getattr(effect, way)(settled[0], parameters, options)
         except Exception as error:
-            what = f"settle fails with {_told({**parameters, **options})}: {words(error)}"
-            remedy = "it may change the plant's constants, the fields of ema_twin_sim/plant/layout.py"
+            what = f"{way} fails with {_told({**parameters, **options})}: {words(error)}"
+            remedy = f"it may change the constants in ema_twin_sim/plant/{_LAYOUTS[way]}"
             raise InputError(f"{file}: {line_of(error, file)}{what}; {remedy}") from None
-        for name in plant.dtype.names or ():
-            if not np.isfinite(plant[name]).all():
-                what = f"settle makes {name} {plant[name][0]} with {_told({**parameters, **options})}"
+        for name in settled.dtype.names or ():
+            if not np.isfinite(settled[name]).all():
+                what = f"{way} makes {name} {settled[name][0]} with {_told({**parameters, **options})}"
                 raise InputError(f"{file}: {what}; keep it finite for all values within bounds")
 
 
@@ -120,6 +123,11 @@ def _try_act(
         if not math.isfinite(value):
             remedy = "keep it finite for all values within bounds (a lower bound above 0, a case for standstill)"
             raise InputError(f"{file}: {_start(act)}act gives {value} {where}; {remedy}")
+    unknown = _POINTS[1]._replace(electrical_angle=math.nan)
+    values = (*effect.default_parameters().values(), *numeric)
+    if not effect.electrical and math.isnan(compiled(unknown, values + (0.0,) * (PARAMETER_SLOTS - len(values)))):
+        what = "act takes at.electrical_angle, which is known of motors of known pole pairs only"
+        raise InputError(f"{file}: {_start(act)}{what}; say electrical=True in EFFECT")
 
 
 def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) -> Callable[..., float]:
