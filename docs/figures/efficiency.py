@@ -1,4 +1,4 @@
-"""Efficiency of the train both ways: three ways to reckon it, the point of self-locking, and a map of load and speed."""
+"""Efficiency of the train, forward and back-driven: reckoned in three ways, self-locking, a map of load and speed."""
 
 from __future__ import annotations
 

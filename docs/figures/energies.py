@@ -36,7 +36,7 @@ TO = {
 
 @cache
 def run(load: float) -> tuple[dict[str, float], float]:
-    """(energies [J] of a settled second, what the balance lacks [J]) of polito_hff turning forwards against ``load``."""
+    """(energies [J] of a settled second, what the balance lacks [J]) of polito_hff turning against a load [N m]."""
     model = load_model("polito_hff").with_effect("constant_load", {"torque": load})
     twin = Twin(model, "setpoint", accounting=True)
     twin.start({"speed": SPEED, "speed_setpoint": SPEED, "current": 0.3})

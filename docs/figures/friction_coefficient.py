@@ -75,6 +75,7 @@ def numbers() -> dict[str, Number]:
     return {
         "viscosity": Number(1e3 * viscosity(), 1),
         "line_load": Number(load, 1),
+        "ring_force": Number(1e3 * load * GEARING.face_width),
         "rolling_slow": Number(slow, 3),
         "rolling_fast": Number(fast, 2),
         "script_coefficient": Number(script_coefficient(), 4),

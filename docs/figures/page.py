@@ -1,4 +1,4 @@
-"""The numbers that the page quotes: ``0.733<!--efficiency_forward-->`` is one, named by a comment that no reader sees."""
+"""The numbers that the page quotes: ``0.71<!--forward-->`` is one, named by a comment that no reader sees."""
 
 from __future__ import annotations
 
