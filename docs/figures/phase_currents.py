@@ -19,7 +19,8 @@ SHORT = 0.3  # of phase u's turns
 LOAD = 3.0  # N m at the fast shaft
 SPEED = 6.2  # rad/s of the motor, of the ramp of 0.05 rad/s
 PAIRS = 4.0
-INTERVAL = 5e-5  # s, of what is drawn
+INTERVAL = 5e-5  # s
+EVERY = 7  # of them is drawn
 
 
 @cache
@@ -60,7 +61,7 @@ def draw() -> Figure:
     for axis, (short, title) in zip(axes, shorts, strict=False):
         of = run(short)
         turns = PAIRS * (of["motor_position"] - of["motor_position"][0]) / (2.0 * np.pi)
-        shown = (turns <= 1.0) & (np.arange(len(turns)) % 2 == 0)
+        shown = (turns <= 1.0) & (np.arange(len(turns)) % EVERY == 0)
         for phase, colour in zip("uvw", (BLUE, ORANGE, GREY), strict=True):
             axis.plot(turns[shown], of[f"phase_current_{phase}"][shown], color=colour, lw=0.9, label=f"phase {phase}")
         axis.set_title(title)
@@ -72,7 +73,7 @@ def draw() -> Figure:
     for short, colour, label in ((0.0, GREY, "healthy"), (SHORT, PURPLE, "shorted")):
         of = run(short)
         turns = (of["motor_position"] - of["motor_position"][0]) / (2.0 * np.pi)
-        axes[2].plot(turns[::10], of["current"][::10], color=colour, lw=1.2, label=label)
+        axes[2].plot(turns[:: 3 * EVERY], of["current"][:: 3 * EVERY], color=colour, lw=1.2, label=label)
     axes[2].set_title("as the drive reports it")
     axes[2].set_ylabel("quadrature\ncurrent [A]")
     axes[2].set_xlabel("turns of the motor [1]: eight waves in one")

@@ -20,6 +20,7 @@ LOAD = 0.3  # N m at the fast shaft
 SETTLED, END = 2.0, 66.0  # s: 126 turns of the motor, which tell 0.726 from 0.75
 SAMPLES = 5e-4  # s, a quarter of the trace's: at its 2 ms the sixteenth harmonic of the mesh would fold to order 1.4
 PER_TURN = 1024
+FLOOR = 7e-4  # mA, below which nothing is drawn
 OUTPUT_TOOTH = 45.0 / 62.0
 CONDITIONS: dict[str, tuple[str, dict[str, float], float]] = {
     "healthy": ("healthy", {}, 0.0),
@@ -101,7 +102,7 @@ def slow_numbers() -> dict[str, Number]:
 def _line(axis: Axes, condition: str, highest: float, colour: str, width: float, label: str | None = None) -> None:
     orders, sizes = spectrum(condition)
     shown = (orders > 0.1) & (orders < highest)
-    axis.plot(orders[shown], np.maximum(sizes[shown], 2e-4), color=colour, lw=width, label=label)
+    axis.plot(orders[shown], np.maximum(sizes[shown], FLOOR), color=colour, lw=width, label=label)
     axis.set_yscale("log")
 
 
@@ -130,7 +131,7 @@ def draw_damages() -> Figure:
         _line(axis, "healthy", 3.4, GREY, 1.0, "healthy")
         _line(axis, condition, 3.4, BLUE, 1.2, "damaged")
         axis.set_title(f"{words}: order {order:.3g}", fontsize=10.5)
-    axes[0].set_ylim(3e-4, 60.0)
+    axes[0].set_ylim(1.2 * FLOOR, 60.0)
     axes[0].set_yticks([1e-3, 0.1, 10.0])
     axes[0].set_xlim(0.1, 3.4)
     axes[0].set_xticks([0.25, 0.75, 1.0, 1.5, 2.25, 3.0], ["0.25", "0.75", "1", "1.5", "2.25", "3"])

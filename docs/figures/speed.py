@@ -12,7 +12,7 @@ from .bench import follow, planetary
 from .number import Number
 
 ROUNDS = 20
-SECONDS = 0.2
+STEPS = 200_000
 SPEED = 6.2  # rad/s of the motor
 
 
@@ -38,10 +38,10 @@ def timings() -> dict[str, Number]:
         for name, twin in twins.items():
             twin.start({"speed": SPEED, "speed_setpoint": SPEED, "current": 0.15})
             begin = time.process_time()
-            follow(twin, SECONDS, 2e-3, speed_setpoint=SPEED)
+            follow(twin, STEPS * twin.step, 2e-3, speed_setpoint=SPEED)
             best[name] = min(best[name], time.process_time() - begin)
     found: dict[str, Number] = {}
     for name, seconds in best.items():
-        found[f"ns_{name}"] = Number(1e9 * seconds * twins[name].step / SECONDS)
-        found[f"times_{name}"] = Number(SECONDS / seconds)
+        found[f"ns_{name}"] = Number(1e9 * seconds / STEPS)
+        found[f"times_{name}"] = Number(STEPS * twins[name].step / seconds)
     return found
