@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test bench accuracy lock clean
+.PHONY: help setup demo test bench accuracy figures lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ bench: setup ## the benchmarks
 
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--robust", "--null 40", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
+
+figures: setup ## the figures and numbers of docs/physics.md; ARGS="--speed" measures what a step costs too
+	@$(RUN) -m docs.figures $(ARGS)
 
 lock: ## refresh requirements.lock
 	@$(PYTHON) -m venv --clear .venv-lock && .venv-lock/bin/python -m pip install --quiet uv
