@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..commands.compare import AT_NOISE
+from ..commands.error_cells import AT_NOISE
 from ..commands.wording import effect_words, groups_sentence, listed, verdict_sentence, why_step
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..commands.compare import AT_NOISE
+from ..commands.error_cells import AT_NOISE
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, STANDSTILL, Stretch
