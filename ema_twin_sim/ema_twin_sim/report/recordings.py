@@ -17,8 +17,8 @@ def recordings(content: Content) -> Markup:
     """The tables a recording."""
     tables = [_by_recording(content.given, name, content.names) for name in content.given.headlines]
     told = (
-        "Times closer: the error of the model before, above the sensors' noise (the root of RMSE² less noise floor²), over "
-        "that of the model after."
+        "Times closer: the error of the model before, above the sensors' noise (the root of RMSE² less noise floor²), "
+        "over that of the model after."
     )
     return section("recordings", "Recording by recording", *tables, tag("p", told, class_="aside"))
 
