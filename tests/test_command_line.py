@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.command_line import MODEL, done, twin
+from tests.command_line import MODEL, done, refused, twin
 
 VERBS = (
     "init",
@@ -22,6 +22,7 @@ VERBS = (
     "remove",
     "effects",
     "info",
+    "diff",
     "export",
     "demo",
 )
@@ -130,3 +131,14 @@ def test_commands_that_need_no_physics_do_not_load_it():
     """It takes half a second to import, and tab completion and --help wait for it."""
     code = "import sys; import ema_twin_sim.commands.main; sys.exit('numba' in sys.modules or 'numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_diff_tells_what_two_models_differ_in(tmp_path):
+    fine = done("diff", "polito_hf", "polito_hff", "--json", tmp_path / "d.json").stdout
+    assert "transmission.kind" in fine and "planetary" in fine and "motor_inertia" not in fine
+    found = json.loads((tmp_path / "d.json").read_text())
+    assert {"what": "transmission.kind", "first": "rigid", "second": "planetary"} in found["differences"]
+    done("add", "backlash", "--set", "width=0.004", *MODEL, "-o", tmp_path / "new.yaml")
+    assert "width 0.004 rad" in done("diff", "polito_bench", tmp_path / "new.yaml").stdout
+    assert "are alike" in done("diff", "polito_bench", "polito_bench").stdout
+    refused("diff", "polito_bench", "polito_benhc", naming=("polito_benhc",))

@@ -46,6 +46,7 @@ def nodes(context: LaunchContext) -> list[Node]:
             "loop": given["loop"].lower() == "true",
             "on_end": "wait",
             "subscribers": len(started),
+            "patience": 60.0,  # the first time, the twin compiles its model's equations before it listens
         }
         started.append(Node(package="ema_bench_replay", executable="replay", parameters=[replay], output="screen"))
     return started

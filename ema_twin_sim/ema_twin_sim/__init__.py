@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from ema_twin_sim.own_effects import load_effect
     from ema_twin_sim.simulation.command import parse_command
     from ema_twin_sim.simulation.simulate import simulate
+    from ema_twin_sim.simulation.simulate_many import simulate_many
     from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 if "numpy" not in sys.modules:
@@ -42,6 +43,7 @@ _HOMES = {
     "plan": "ema_twin_sim.discovery.plan",
     "save_model": "ema_twin_sim.model",
     "simulate": "ema_twin_sim.simulation.simulate",
+    "simulate_many": "ema_twin_sim.simulation.simulate_many",
     "virtual_bench": "ema_twin_sim.simulation.virtual_bench",
 }
 
@@ -58,6 +60,7 @@ __all__ = [
     "plan",
     "save_model",
     "simulate",
+    "simulate_many",
     "virtual_bench",
 ]
 

@@ -20,6 +20,7 @@ from . import (
     compare,
     demo,
     diagnose,
+    diff,
     discover,
     effects,
     export,
@@ -47,8 +48,8 @@ app = typer.Typer(
     "add what is missing, watch the error fall.",
 )
 for verb in (
-    init, import_, compare, diagnose, discover, report, fit, plan, live, simulate, add, remove, effects, info, export,
-    demo,
+    init, import_, compare, diagnose, discover, report, fit, plan, live, simulate, add, remove, effects, info, diff,
+    export, demo,
 ):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")
     app.command(name, epilog=verb.EXAMPLES)(verb.run)

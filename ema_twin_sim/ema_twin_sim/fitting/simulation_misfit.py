@@ -26,7 +26,7 @@ from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, W
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
-from ..simulation.simulate import simulate
+from ..simulation.simulate_many import simulate_many
 from .freedom import Freedom
 
 POOL = ThreadPoolExecutor(os.cpu_count())
@@ -89,11 +89,11 @@ class SimulationMisfit:
         self._predicted: tuple[np.ndarray, np.ndarray] | None = None
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
         self._coarse = None if is_fine(freedom.model) else COARSE * DEFAULT_STEP
-        self._run(freedom.start, 0, None)  # an effect compiles here, and not in several threads at once
+        self._runs([freedom.start], 0, None)  # an effect compiles here, and not in several threads at once
 
     def check(self, values: np.ndarray) -> None:
         """Raise InputError where no twin can be made of these values at the coarsest step that is used of them."""
-        self._run(values, 0, self._coarse)
+        self._runs([values], 0, self._coarse)
 
     def doubt(self, values: np.ndarray) -> None:
         """Count those rows less at which a small change of the numbers acts by leaps: an impact or a break-away, sooner
@@ -165,10 +165,8 @@ class SimulationMisfit:
         return self._predicted[1]
 
     def _predict_all(self, points: Sequence[np.ndarray], step: float | None, shift: float = 0.0) -> list[np.ndarray]:
-        count = len(self._recordings)
-        jobs = [(point, k) for point in points for k in range(count)]
-        runs = list(POOL.map(lambda job: self._run(job[0], job[1], step, shift), jobs))
-        return [np.concatenate(runs[k : k + count]) for k in range(0, len(runs), count)]
+        runs = POOL.map(lambda k: self._runs(points, k, step, shift), range(len(self._recordings)))
+        return [np.concatenate(of_point) for of_point in zip(*runs, strict=True)]
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
@@ -197,17 +195,21 @@ class SimulationMisfit:
                 self._spread[k] = max(1.0, before[k] * bulk)
         return bool((np.abs(np.log(self._spread / before)) > 0.1).any())
 
-    def _run(self, values: np.ndarray, k: int, step: float | None, shift: float = 0.0) -> np.ndarray:
-        """The twin's signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""
-        model = self.freedom.at(values)
-        ratio = model.value("machine.gear_ratio")
+    def _runs(self, points: Sequence[np.ndarray], k: int, step: float | None, shift: float = 0.0) -> list[np.ndarray]:
+        """The twins' signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""
+        models = [self.freedom.at(values) for values in points]
         for side in ("motor", "output"):
-            model = model.with_value(f"sensors.{side}_encoder_counts", FINE)
+            models = [model.with_value(f"sensors.{side}_encoder_counts", FINE) for model in models]
         recording = self._recordings[k]
         recording = replace(recording, motor_angle_origin=recording.motor_angle_origin + shift)
-        twin = dict(simulate(model, recording, self._sources[k], step=step).signals)
-        twin[DIFFERENCE] = twin["output_position"] - twin["motor_position"] / ratio
-        return np.concatenate([twin[part.signal][part.samples] for part in self._parts if part.recording == k])
+        twins = simulate_many(models, recording, self._sources[k], step=step)
+        return [self._seen(twin, model, k) for twin, model in zip(twins, models, strict=True)]
+
+    def _seen(self, twin: Recording, model: Model, k: int) -> np.ndarray:
+        signals = dict(twin.signals)
+        ratio = model.value("machine.gear_ratio")
+        signals[DIFFERENCE] = signals["output_position"] - signals["motor_position"] / ratio
+        return np.concatenate([signals[part.signal][part.samples] for part in self._parts if part.recording == k])
 
 
 def _parts(

@@ -20,8 +20,8 @@ class Pace:
         """`clock` tells the time [ns]."""
         self._clock = clock
         self._steps: deque[tuple[int, int]] = deque()
-        self._simulated = self._computing = 0
-        self._all_simulated = self._all_computing = 0
+        self._of_window = (0, 0)  # ns simulated, ns of computing; so the next
+        self._of_all = (0, 0)
 
     def timed(self, nanoseconds: int, compute: Callable[[], Answer]) -> Answer:
         """What `compute` returns, which simulates this much [ns]."""
@@ -32,32 +32,31 @@ class Pace:
 
     def _add(self, simulated: int, computing: int) -> None:
         self._steps.append((simulated, computing))
-        self._simulated += simulated
-        self._computing += computing
-        self._all_simulated += simulated
-        self._all_computing += computing
-        while self._simulated - self._steps[0][0] >= _WINDOW:
+        self._of_all = self._of_all[0] + simulated, self._of_all[1] + computing
+        self._of_window = self._of_window[0] + simulated, self._of_window[1] + computing
+        while len(self._steps) > 1 and self._of_window[0] - self._steps[0][0] >= _WINDOW:
             first = self._steps.popleft()
-            self._simulated -= first[0]
-            self._computing -= first[1]
+            self._of_window = self._of_window[0] - first[0], self._of_window[1] - first[1]
 
     @property
     def now(self) -> float | None:
         """Simulated over computing time, of the last second simulated; None before anything was."""
-        return self._simulated / self._computing if self._computing else None
+        simulated, computing = self._of_window
+        return simulated / computing if computing else None
 
     @property
     def overall(self) -> float | None:
         """The same of everything that was simulated."""
-        return self._all_simulated / self._all_computing if self._all_computing else None
+        simulated, computing = self._of_all
+        return simulated / computing if computing else None
 
     @property
     def complaint(self) -> str:
-        """That, and by how much, real time is not kept; empty where it is."""
+        """That real time is not kept, by how much, and what would help; empty where it is kept."""
         now = self.now
         if now is None or now >= 1.0:
             return ""
-        return f"takes {1.0 / now:.1f} s for a second of the bench: {REMEDY}"
-
-
-REMEDY = "this machine cannot run this model in real time; choose drive.kind averaged or transmission.kind two_inertia"
+        return (
+            f"takes {1.0 / now:.1f} s for a second of the bench: this machine cannot run this model in real time; "
+            "choose drive.kind averaged or transmission.kind two_inertia"
+        )

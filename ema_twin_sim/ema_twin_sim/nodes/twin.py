@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 from rclpy.context import Context
@@ -73,6 +74,7 @@ class TwinNode(Node):
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
+    logging.basicConfig(level=logging.INFO, format="%(message)s")  # that equations are being compiled
     return run(TwinNode)
 
 

@@ -57,30 +57,53 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
     """
+    chosen = choose_input(recording, source)
+    if chosen == POINTWISE:
+        return twin_at_points(model, recording)
+    bench = bench_of(recording)
+    twin = started(model, recording, bench, chosen, step)
+    return seen(model, recording, followed(twin, recording, bench))
+
+
+def bench_of(recording: Recording) -> np.ndarray:
+    """The rows (n, 5) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap."""
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(
             f"{recording.name}: nothing is recorded for {longest.duration:.4g} s from {longest.time:.3f} s on; "
             f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
         )
-    chosen = choose_input(recording, source)
-    if chosen == POINTWISE:
-        return twin_at_points(model, recording)
+    absent = np.full(len(recording), math.nan)
+    return np.column_stack([recording.signals.get(name, absent) for name in BENCH])
+
+
+def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, step: float | None) -> Twin:
+    """A twin at a recording's first sample; ``chosen`` is an input of ``choose_input``.
+
+    Raises InputError where it could not follow the recording.
+    """
     if chosen == "command" and not (model.value("drive.position_gain") and model.value("drive.speed_gain")):
         raise InputError(
             f"model {model.name}: has no drive.position_gain and drive.speed_gain to follow a command with; give them, "
             "or choose --input current"
         )
     refuse_recording_beyond_link(model, recording, chosen)
-    twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step)
-    absent = np.full(len(recording), math.nan)
-    bench = np.column_stack([recording.signals.get(name, absent) for name in BENCH])
+    twin = Twin(model, _TWIN_INPUT.get(chosen, chosen), step=step, switchable=False)
     first = dict(zip(BENCH, bench[0], strict=True))
     twin.start(first, recording.motor_angle_origin, recording.output_angle_origin)
+    return twin
+
+
+def followed(twin: Twin, recording: Recording, bench: np.ndarray) -> np.ndarray:
+    """Rows (n, signals) of a started twin beside a recording. Raises InputError where it diverges."""
     try:
-        rows = twin.follow(recording.stamps, bench)
+        return twin.follow(recording.stamps, bench)
     except InputError as error:
         raise InputError(f"{recording.name}: {error}") from None
+
+
+def seen(model: Model, recording: Recording, rows: np.ndarray) -> Recording:
+    """A twin's rows (n, signals) beside a recording (``layout.TWIN``) as a recording of its own."""
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
     return Recording(
         name=recording.name,

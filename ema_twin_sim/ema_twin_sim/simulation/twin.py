@@ -16,7 +16,7 @@ from ..model.constants import CONSTANTS
 from ..plant.kernel import kernel
 from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from ..plant.sensors import shown
-from .assembly import assemble
+from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
@@ -45,20 +45,27 @@ class Twin:
 
     ``source`` tells what drives it: ``setpoint`` (the recorded speed setpoint), ``current`` (the measured current) or
     ``standalone`` (its own position command; ``standalone_speed`` for a speed command). All effects of the catalogue
-    can be switched: those that the model lacks are there with their default parameters, switched off. ``step`` [s] is
-    the integration step, by default what the model's fidelity asks for. ``accounting`` books all energies too
-    (``energies``); it takes a finer fidelity than averaged and lumped.
+    can be switched: those that the model lacks are there with their default parameters, switched off (unless
+    ``switchable`` is false, which is quicker). ``step`` [s] is the integration step, by default what the model's
+    fidelity asks for. ``accounting`` books all energies too (``energies``); it takes a finer fidelity than averaged and
+    lumped.
     """
 
     def __init__(
-        self, model: Model, source: str = "setpoint", *, step: float | None = None, accounting: bool = False
+        self,
+        model: Model,
+        source: str = "setpoint",
+        *,
+        step: float | None = None,
+        accounting: bool = False,
+        switchable: bool = True,
     ) -> None:
         if source not in INPUTS:
             raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
         if step is not None and not 1e-8 <= step <= 1e-3:
             raise InputError(f"step {step} s is out of range; give 1e-8 to 1e-3 s")
         for id in catalogue():
-            if id not in model.effects:
+            if switchable and id not in model.effects:
                 model = model.with_effect(id, enabled=False)
         self.source = INPUTS.index(source)
         self._asked_step = step
@@ -79,6 +86,21 @@ class Twin:
     def effects(self) -> Mapping[str, EffectInstance]:
         """The effects by instance name, switched-off ones included."""
         return self._model.effects
+
+    @property
+    def assembly(self) -> Assembly:
+        """What the model gives to a kernel."""
+        return self._assembly
+
+    @property
+    def state(self) -> np.ndarray:
+        """The state (1,) of ``plant.layout.STATE``."""
+        return self._state
+
+    @property
+    def last_row(self) -> np.ndarray:
+        """The last sample (signals,), columns ``layout.TWIN``."""
+        return self._row[1]
 
     def parameters(self) -> list[ParameterDescription]:
         """Every number that may be set: the machine's constants and each effect's parameters."""
@@ -136,7 +158,8 @@ class Twin:
         state["encoder_zero"] = shown.py_func(plant, moving, 0.0, ages[1])
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
-        self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant)
+        winding = self._fine[1] if self._parts.switching and self.source != CURRENT else None
+        self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant, winding)
         if self._parts.switching and self.source != CURRENT:
             winding = self._fine[1][0]
             for name in ("direct_current", "phase_current_u", "phase_current_v", "phase_current_w"):
@@ -232,11 +255,21 @@ class Twin:
             self._fine = with_parts(self._fine, parts, assembly.effects)
 
 
-def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray) -> np.ndarray:
-    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it."""
+def first_row(
+    state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray, winding: np.ndarray | None
+) -> np.ndarray:
+    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it.
+
+    ``winding`` is the state (1,) of the winding where one is simulated.
+    """
     held = state[0]
     torque = plant["torque_constant"][0] * held["current"]
     by_setpoint = source != CURRENT
+    voltage = plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"]
+    of_winding = [math.nan] * 4
+    if winding is not None:
+        voltage = winding["quadrature_voltage"][0]
+        of_winding = [winding[name][0] for name in ("direct_current", *(f"phase_current_{phase}" for phase in "uvw"))]
     return np.array(
         [
             bench[2] if source == CURRENT else held["current"],
@@ -246,10 +279,11 @@ def first_row(state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarr
             0.0,
             0.0,
             bench[0],
-            plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"],
+            voltage,
             torque,
             0.0,
-            *(math.nan,) * 5,
+            math.nan,
+            *of_winding,
         ]
     )
 

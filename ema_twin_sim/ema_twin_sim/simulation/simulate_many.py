@@ -1,0 +1,93 @@
+"""Many models beside one recording: what fits and campaigns ask for, several times faster than one after the other."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN
+from ..plant.many import LANE, advance_many
+from .divergence import looks_lost
+from .operating_points import twin_at_points
+from .simulate import POINTWISE, bench_of, choose_input, followed, seen, started
+from .twin import Twin, hold_input
+
+FEWEST = 5
+"""Models that take as long one after the other as ``LANE`` of them side by side."""
+
+_POOL = ThreadPoolExecutor(os.cpu_count())
+_NOT_NEEDED = [BENCH.index("speed"), BENCH.index("motor_position")]
+"""What only the unexplained torque looks at."""
+
+
+def simulate_many(
+    models: Sequence[Model], recording: Recording, source: str | None = None, *, step: float | None = None
+) -> list[Recording]:
+    """The twins' own recordings beside a bench's, a model each: as ``simulate`` of each, less the unexplained torque.
+
+    Averaged drives under a recorded setpoint or current whose effects have all settled into constants go side by side
+    (``plant/many.py``), all others one by one; both on all cores.
+    """
+    chosen = choose_input(recording, source)
+    if chosen == POINTWISE:
+        return [twin_at_points(model, recording) for model in models]
+    found: dict[int, Recording] = {}
+    bench = bench_of(recording)
+    twins = [started(model, recording, bench, chosen, step) for model in models]
+    bench[:, _NOT_NEEDED] = math.nan
+    if twins:
+        hold_input(bench, twins[0].source)
+    groups: dict[tuple[float, ...], list[int]] = {}
+    for k, twin in enumerate(twins):
+        groups.setdefault(_kind(twin), []).append(k)
+    jobs = []
+    for kind, members in groups.items():
+        for first in range(0, len(members), LANE):
+            together = members[first : first + LANE]
+            jobs += [together] if kind and len(together) > FEWEST else [[k] for k in together]
+
+    def run(job: list[int]) -> None:  # both kernels leave the interpreter to other threads
+        if len(job) > 1:
+            rows = _side_by_side([twins[k] for k in job], recording.stamps, bench)
+        else:
+            rows = [followed(twins[job[0]], recording, bench)]
+        for k, of_one in zip(job, rows, strict=True):
+            # one that lost its way is let run by itself, to say when and in which state
+            whole = followed(twins[k], recording, bench) if len(job) > 1 and looks_lost(of_one[-1]) else of_one
+            found[k] = seen(models[k], recording, whole)
+
+    list(_POOL.map(run, jobs))
+    return [found[k] for k in range(len(models))]
+
+
+def _kind(twin: Twin) -> tuple[float, ...]:
+    """What twins must have in common to go side by side; nothing where a twin cannot."""
+    plant, parts = twin.assembly.plant[0], twin.assembly.fine
+    plain = (
+        not (parts.switching or parts.planetary or len(twin.assembly.acting[0]))
+        and plant["asymmetry"] == 0.0
+        and plant["bristle_stiffness"] == 0.0
+        and math.isinf(plant["end_stop_lower"])
+        and math.isinf(plant["end_stop_upper"])
+        and twin.source in (SETPOINT, CURRENT)
+    )
+    return (float(plant["two_inertia"]), float(plant["control_cycle"]), twin.step) if plain else ()
+
+
+def _side_by_side(twins: list[Twin], stamps: np.ndarray, bench: np.ndarray) -> list[np.ndarray]:
+    """Rows (n, signals) each of at most LANE twins of one kind; places that stay empty repeat the last one."""
+    filled = twins + [twins[-1]] * (LANE - len(twins))
+    plants = np.concatenate([twin.assembly.plant for twin in filled])
+    states = np.concatenate([twin.state for twin in filled])
+    rows = np.full((LANE, len(stamps), len(TWIN)), math.nan)
+    for twin, of_one in zip(filled, rows, strict=True):
+        of_one[0] = twin.last_row
+    advance_many(plants, states, twins[0].source, np.ascontiguousarray(stamps), bench, rows, twins[0].step)
+    return list(rows[: len(twins)])
