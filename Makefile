@@ -8,10 +8,10 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test bench accuracy figures lock clean
+.PHONY: help setup demo test test-pictures bench accuracy figures lock clean
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
+	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
 
 setup: ## ROS 2, all libraries and the packages into .venv; does only what changed
 	@$(PYTHON) bootstrap.py $(if $(filter setup,$(MAKECMDGOALS)),--next)
@@ -23,6 +23,11 @@ test: setup ## style and type checks, then all tests
 	@$(RUN) -m ruff check .
 	@$(RUN) -m mypy
 	@$(RUN) -m pytest tests
+
+test-pictures: setup ## the report as a browser shows it; needs chromium
+	@for name in chromium chromium-browser google-chrome; do command -v $$name >/dev/null && exit; done; \
+		echo "test-pictures: chromium is missing; on Debian or Ubuntu: sudo apt install chromium" >&2; exit 2
+	@$(RUN) -m pytest tests/test_report_in_browser.py
 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q

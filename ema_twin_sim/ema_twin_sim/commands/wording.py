@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from ..discovery.discover import Step
     from ..model import Model
 
+NO_RUNNER_UP = "none came near"
 _WHOLE = 0.02  # cycles within which an order is a whole number
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
@@ -141,7 +142,7 @@ def _runner_up(step: Step) -> str:
     took = next((trial for trial in tried if step.instance in trial["names"]), None)
     other = next((trial for trial in tried if step.instance not in trial["names"]), None)
     if took is None or other is None:
-        return "none came near"
+        return NO_RUNNER_UP
     name = listed(map(effect_words, other["names"]))
     share = other["gain"] / took["gain"]
     if share <= 0.0:

@@ -11,11 +11,12 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import explained_signals, in_own_units, stretch_of
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
-from ..comparison.where import Stretch
+from ..comparison.where import STANDSTILL, Stretch
 from ..model import Model
 from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
-from ..simulation.simulate import choose_input, simulate
+from ..simulation.operating_points import HOLDING
+from ..simulation.simulate import POINTWISE, choose_input, simulate
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class Beside:
 
     name: str
     way: str  # rad or m
+    still: float  # rad/s or m/s of the motor, below which a direction means little
     time: np.ndarray  # s (n,)
     speed: np.ndarray  # (n,), of the motor
     motor_position: np.ndarray | None  # (n,)
@@ -78,6 +80,7 @@ def _beside(recording: Recording, model: Model, source: str) -> Beside:
     return Beside(
         recording.name,
         unit_of_way,
+        (0.5 * HOLDING if source == POINTWISE else STANDSTILL) * way,
         recording.time,
         speed,
         None if motor is None else motor * way,

@@ -8,7 +8,7 @@ from datetime import datetime, timezone
 
 from ema_bench_replay.recording import NO_DATE, Recording
 
-from ..commands.compare import shown_signals
+from ..commands.error_cells import shown_signals
 from ..commands.wording import listed
 from ..comparison.compare import Comparison, compare, explained_signals
 from ..model import Model

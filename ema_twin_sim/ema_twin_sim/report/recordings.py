@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from ..commands.error_cells import ALL
+from ..commands.side_by_side import closeness_cell
+from ..commands.wording import by_number
+from ..comparison.closeness import closer
 from ..quantities import quantity
 from .content import Content, Shown, signal_words
 from .findings import UnseenErrors
 from .markup import Markup, section, table, tag
 from .summary import error_table
 
-ALL = "all recordings"
-
 
 def recordings(content: Content) -> Markup:
     """The tables a recording."""
     tables = [_by_recording(content.given, name, content.names) for name in content.given.headlines]
-    return section("recordings", "Recording by recording", *tables)
+    told = (
+        "Times closer: the error of the model before, above the sensors' noise (the root of RMSE² less noise floor²), "
+        "over that of the model after."
+    )
+    return section("recordings", "Recording by recording", *tables, tag("p", told, class_="aside"))
 
 
 def held_out(content: Content) -> Markup:
@@ -38,28 +44,29 @@ def held_out(content: Content) -> Markup:
 
 
 def _by_recording(shown: Shown, name: str, names: tuple[str, str]) -> Markup:
-    """Thesis, table 5.1: a row a recording, a column a model, and how many times smaller the error is."""
+    """Table 5.1 of the thesis: a row a recording, a column a model, and how many times closer the later one is."""
     first, second = shown.comparisons
     unit = first.overall[name]["unit"]
-    each = zip(first.recordings, second.recordings, strict=True)
-    pairs = sorted((a.name, a.signals[name]["rmse"], b.signals[name]["rmse"]) for a, b in each if name in a.signals)
-    rows = [_row(title, before, after, unit) for title, before, after in pairs]
-    whole = _row(ALL, first.overall[name]["rmse"], second.overall[name]["rmse"], unit)
+    closest = closer(first, second)
+    together = zip(first.recordings, second.recordings, closest.recordings, strict=True)
+    each = [(a.name, a.signals, b.signals, times) for a, b, (_, times) in together if name in a.signals]
+    rows: list[list[str]] = []
+    for title, before, after, times in sorted(each, key=lambda row: by_number(row[0])):
+        errors = (before[name]["rmse"], after[name]["rmse"])
+        rows.append([title, *(quantity(error, unit) for error in errors), closeness_cell(times.get(name))])
+    errors = (first.overall[name]["rmse"], second.overall[name]["rmse"])
+    whole = [ALL, *(quantity(error, unit) for error in errors), closeness_cell(closest.overall.get(name))]
     rows.append([tag("strong", cell) for cell in whole])
     floor = quantity(first.overall[name]["noise_floor"], unit)
     caption = f"RMSE of the {signal_words(name)} (the sensors' noise: {floor})"
-    return table(("recording", *names, "times smaller"), rows, caption=caption, stacked=False)
+    return table(("recording", *names, "times closer"), rows, caption=caption, stacked=False)
 
 
 def _unseen(unseen: UnseenErrors) -> Markup:
-    pairs = (*unseen.recordings, (ALL, unseen.rmse))
-    rows = [_row(name, values[0], values[-1], unseen.unit) for name, values in pairs]
-    caption = (
-        f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {quantity(unseen.noise_floor, unseen.unit)})"
-    )
-    return table(("recording", "before", "after", "times smaller"), rows, caption=caption, stacked=False)
-
-
-def _row(title: str, before: float, after: float, unit: str) -> list[str]:
-    times = f"{before / after:.3g} ×" if after > 0.0 else "–"
-    return [title, quantity(before, unit), quantity(after, unit), times]
+    rows = [
+        (name, quantity(values[0], unseen.unit), quantity(values[-1], unseen.unit))
+        for name, values in (*unseen.recordings, (ALL, unseen.rmse))
+    ]
+    floor = quantity(unseen.noise_floor, unseen.unit)
+    caption = f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {floor})"
+    return table(("recording", "before", "after"), rows, caption=caption, stacked=False)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..commands.compare import AT_NOISE
-from ..commands.wording import effect_words, groups_sentence, listed, verdict_sentence, why_step
+from ..commands.error_cells import AT_NOISE
+from ..commands.wording import NO_RUNNER_UP, effect_words, groups_sentence, listed, verdict_sentence, why_step
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue
 from ..quantities import quantity
@@ -112,10 +112,12 @@ def _sure(content: Content) -> list[Markup]:
     if findings.ranking:
         lines.append(_probabilities(content))
     runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}
-    lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items()]
+    lines += [f"Runner-up to {effect_words(name)}: {why}." for name, why in runners.items() if why != NO_RUNNER_UP]
+    if unrivalled := [effect_words(name) for name, why in runners.items() if why == NO_RUNNER_UP]:
+        lines.append(f"Nothing else came near {listed(unrivalled)}.")
     if findings.groups:
         lines.append(groups_sentence(findings.groups))
-    elif findings.added:
+    elif findings.verdict == "explained":
         lines.append("No other effect of the catalogue explains these recordings as well.")
     if findings.unseen is not None and len(findings.unseen.recordings) > 1:
         lines.append("Judged on recordings that the numbers were not fitted to.")

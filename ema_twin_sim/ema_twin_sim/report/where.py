@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..commands.compare import AT_NOISE
+from ..commands.error_cells import AT_NOISE
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
-from ..comparison.where import FEWEST_SAMPLES, STANDSTILL, Stretch
+from ..comparison.where import FEWEST_SAMPLES, Stretch
 from ..model import Model
 from ..quantities import axis_unit, quantity
 from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, log_axis, noise_band, packed
-from .content import Content, signal_words, signals_listed
+from .content import Content, Shown, signal_words, signals_listed
 from .markup import Markup, capitalised, items, joined, section, table, tag
 
 _BINS = 30
@@ -36,12 +36,8 @@ def where(content: Content, charts: Charts) -> Markup:
         stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
         if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
             continue
-        unit = given.comparisons[0].overall[name]["unit"]
-        shown = _Signal(name, unit, given.comparisons[0].overall[name]["noise_floor"], content.names, stretches)
-        way = given.curves[0][0].way
-        figures += [
-            charts.add(chart) for chart in (shown.over_speed(way), shown.over_position(way), shown.over_direction(way))
-        ]
+        shown = _Signal(name, given, content.names, stretches)
+        figures += [charts.add(chart) for chart in (shown.over_speed(), shown.over_position(), shown.over_direction())]
         if content.models[0].motion == "rotary":
             spectra = shown.over_order(content.models[0])
             if spectra is not None:
@@ -110,26 +106,30 @@ class _Signal:
     """One signal's residuals of both models."""
 
     def __init__(
-        self, name: str, unit: str, floor: float, models: tuple[str, str], stretches: Sequence[Sequence[Stretch]]
+        self, name: str, given: Shown, models: tuple[str, str], stretches: Sequence[Sequence[Stretch]]
     ) -> None:
-        self.words, self.models, self.base = signal_words(name), models, unit
+        error, first = given.comparisons[0].overall[name], given.curves[0][0]
+        self.words, self.models, self.base = signal_words(name), models, error["unit"]
+        self.way, self.still = first.way, first.still
         self.stretches = stretches
         self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
         self.speeds = [np.concatenate([part.speed for part in parts]) for parts in stretches]
-        self.scale, self.unit = axis_unit(max(float(np.nanquantile(np.abs(r), 0.98)) for r in self.residuals), unit)
+        self.scale, self.unit = axis_unit(
+            max(float(np.nanquantile(np.abs(r), 0.98)) for r in self.residuals), self.base
+        )
         self.title = f"residual of the {self.words} [{self.unit}]"
-        self.band = noise_band(floor / self.scale)
+        self.band = noise_band(error["noise_floor"] / self.scale)
 
-    def over_speed(self, way: str) -> Chart:
+    def over_speed(self) -> Chart:
         """The residual over the motor's speed, both directions."""
         traces = [
             trace
             for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True)
             for trace in self._banded(speed, residual, role, model, narrow=True)
         ]
-        return self._chart("the motor's speed", axis(f"speed of the motor [{way}/s]"), traces)
+        return self._chart("the motor's speed", axis(f"speed of the motor [{self.way}/s]"), traces)
 
-    def over_position(self, way: str) -> Chart:
+    def over_position(self) -> Chart:
         """The residual over the output's position, forward and backward apart."""
         traces: list[Trace] = []
         for role, model, parts, speed, residual in zip(
@@ -137,18 +137,23 @@ class _Signal:
         ):
             position = np.concatenate([part.output_position for part in parts])
             for sense, said, dash in ((1.0, "forward", "solid"), (-1.0, "backward", "dot")):
-                chosen = sense * speed > STANDSTILL if way == "rad" else sense * speed > 0.0
+                chosen = sense * speed > self.still
                 traces += self._banded(position[chosen], residual[chosen], role, f"{model}, {said}", dash=dash)
         return self._chart(
-            "the output's position, forward solid, backward dotted", axis(f"position of the output [{way}]"), traces
+            "the output's position, forward solid, backward dotted",
+            axis(f"position of the output [{self.way}]"),
+            traces,
         )
 
-    def over_direction(self, way: str) -> Chart:
+    def over_direction(self) -> Chart:
         """The residual moving backward, near standstill, and moving forward."""
-        still = STANDSTILL if way == "rad" else 0.0
         traces: list[Trace] = []
         for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True):
-            groups = {"backward": speed < -still, "standstill": np.abs(speed) <= still, "forward": speed > still}
+            groups = {
+                "backward": speed < -self.still,
+                "standstill": np.abs(speed) <= self.still,
+                "forward": speed > self.still,
+            }
             told = {
                 said: np.nanquantile(residual[chosen], (0.25, 0.5, 0.75)) / self.scale
                 for said, chosen in groups.items()
@@ -180,11 +185,11 @@ class _Signal:
 
     def over_order(self, model: Model) -> tuple[Chart, list[list[str]]] | None:
         """The order spectra, and the amplitudes of both models at each named order; None where nothing turns enough."""
-        first = find_order(_moving(self.stretches[0]))
+        first = find_order(_moving(self.stretches[0], self.still))
         if first is None:
             return None
         flips = bool(first.dissipative)
-        spectra = [find_order(_moving(parts, flips=flips)) for parts in self.stretches]
+        spectra = [find_order(_moving(parts, self.still, flips=flips)) for parts in self.stretches]
         if any(found is None for found in spectra):
             return None
         lines = [found.spectrum for found in spectra if isinstance(found, Periodicity)]
@@ -236,7 +241,9 @@ class _Signal:
         return Chart(said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
 
 
-def _moving(parts: Sequence[Stretch], *, flips: bool | None = None) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+def _moving(
+    parts: Sequence[Stretch], still: float, *, flips: bool | None = None
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
     """What the search for orders takes, where the machine moves.
 
     Where ``flips`` says whether residuals change sign with the direction, they are given with one direction throughout,
@@ -244,7 +251,7 @@ def _moving(parts: Sequence[Stretch], *, flips: bool | None = None) -> list[tupl
     """
     found = []
     for part in parts:
-        good = np.isfinite(part.residual) & np.isfinite(part.motor_angle) & (np.abs(part.speed) > STANDSTILL)
+        good = np.isfinite(part.residual) & np.isfinite(part.motor_angle) & (np.abs(part.speed) > still)
         residual, sense = part.residual[good], np.sign(part.speed[good])
         if flips is not None:
             residual, sense = residual * (sense if flips else 1.0), np.ones(len(sense))
