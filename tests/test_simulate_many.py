@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_twin_sim import load_model, parse_command, simulate, simulate_many, virtual_bench
 
 SECONDS = 1.0
@@ -78,3 +79,21 @@ def test_a_command_is_followed_too(stock, recording):
 
 def test_no_model_gives_no_recording(recording):
     assert simulate_many([], recording) == []
+
+
+def test_one_that_diverges_is_told_as_if_it_ran_alone(stock):
+    away = stock
+    for name in stock.effects:
+        away = away.with_enabled(name, False)  # a steady current then drives it ever faster
+    for part in ("motor", "gearbox", "output"):
+        away = away.with_value(f"machine.{part}_inertia", 0.0 if part == "gearbox" else 1e-9)
+    ramp = virtual_bench(stock, parse_command("ramp:0.05"), 3.0)
+    messages = []
+    for run in (
+        lambda: simulate(away, ramp, "current"),
+        lambda: simulate_many([*varied(stock, 6), away], ramp, "current"),
+    ):
+        with pytest.raises(InputError, match="diverges") as refused:
+            run()
+        messages.append(str(refused.value))
+    assert messages[0] == messages[1]

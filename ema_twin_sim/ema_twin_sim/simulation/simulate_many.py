@@ -17,7 +17,7 @@ from ..plant.many import LANE, advance_many
 from .divergence import looks_lost
 from .operating_points import twin_at_points
 from .simulate import POINTWISE, bench_of, choose_input, followed, seen, started
-from .twin import Twin, hold_input
+from .twin import ROWS_AT_A_TIME, Twin, hold_input
 
 FEWEST = 5
 """Models that take as long one after the other as ``LANE`` of them side by side."""
@@ -60,8 +60,8 @@ def simulate_many(
             rows = [followed(twins[job[0]], recording, bench)]
         for k, of_one in zip(job, rows, strict=True):
             # one that lost its way is let run by itself, to say when and in which state
-            whole = followed(twins[k], recording, bench) if len(job) > 1 and looks_lost(of_one[-1]) else of_one
-            found[k] = seen(models[k], recording, whole)
+            lost = any(map(looks_lost, (*of_one[ROWS_AT_A_TIME::ROWS_AT_A_TIME], of_one[-1])))
+            found[k] = seen(models[k], recording, followed(twins[k], recording, bench) if lost else of_one)
 
     list(_POOL.map(run, jobs))
     return [found[k] for k in range(len(models))]

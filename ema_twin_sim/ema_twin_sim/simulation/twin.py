@@ -24,7 +24,7 @@ from .longest_step import refuse_long_step
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
-_ROWS_AT_A_TIME = 500
+ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
 
 
@@ -206,8 +206,8 @@ class Twin:
         hold_input(bench, self.source)
         fine = self._fine
         assert fine is not None  # start comes first
-        for first in range(0, len(stamps) - 1, _ROWS_AT_A_TIME):
-            some = slice(first, first + _ROWS_AT_A_TIME + 1)
+        for first in range(0, len(stamps) - 1, ROWS_AT_A_TIME):
+            some = slice(first, first + ROWS_AT_A_TIME + 1)
             before = kept(self._state, fine)
             self._run(self._state, fine, stamps[some], bench[some], rows[some])
             if looks_lost(rows[some][-1]):
