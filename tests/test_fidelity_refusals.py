@@ -37,7 +37,10 @@ EFFECT = Effect(
     ("teeth", "words"),
     [
         ({"ring_teeth": 62}, ("centre distance", "would fit")),
-        ({"ring_teeth": 61, "planet_teeth": 20, "output_ring_teeth": 61}, ("does not divide", "change the number")),
+        (
+            {"ring_teeth": 61, "planet_teeth": 20, "second_planet_teeth": 19, "output_ring_teeth": 60},
+            ("does not divide", "change the number"),
+        ),
         ({"second_planet_teeth": 21, "output_ring_teeth": 63}, ("ratio is infinite",)),
         ({"sun_teeth": 21.5}, ("sun_teeth", "whole number")),
     ],
@@ -119,7 +122,7 @@ def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, model
     bench[:, 0] = 0.05e-9 * stamps
     with pytest.raises(InputError, match=r"diverges: the (motor's speed|current) is beyond 1e\+07 .* 0\.0\d+ s after"):
         twin.follow(stamps, bench)
-    assert twin._state[0]["time"] <= 1.0  # it did not go on for 20 s
+    assert twin._state[0]["time"] < 1.01  # it did not go on for 20 s
 
 
 def test_a_diverging_model_is_told_in_one_line(models, runaway, ramp, tmp_path):
