@@ -130,4 +130,3 @@ def test_a_diverging_model_is_told_in_one_line(models, runaway, ramp, tmp_path):
     done("add", runaway, "--model", "polito_bench", "-o", file)
     words = ("model away", "diverges: the motor's speed", "s after the start", "check")
     refused("compare", ramp, "--model", file, "--with", runaway, naming=(ramp.stem, *words))
-    refused("live", ramp, "--model", file, "--with", runaway, "--headless", naming=words)
