@@ -56,6 +56,7 @@ def test_the_twins_diagnostics_warn():
 
     beside = BesideBench.__new__(BesideBench)
     beside.follower = Follower()
+    beside.failure = None
     assert beside.report().level == diagnostics.OK
     clock = Clock()
     Follower.pace = Pace(clock)

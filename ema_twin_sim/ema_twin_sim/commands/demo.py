@@ -125,7 +125,8 @@ def run(
     )
     with status() as progress:
         progress("writing the report")
-        report.write_found(page, recordings, (stock, better), ("polito_bench", better_file), found, story=story)
+        models, labels = (stock, better), ("polito_bench", better_file)
+        report.write_found(page, recordings, models, labels, found, story=story, force=True)
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
     console.print(f"  {page}   the report: before and after, in any browser")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")

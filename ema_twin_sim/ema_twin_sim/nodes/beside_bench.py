@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.sample_codec import read_state
 from ema_twin_msgs.msg import EmaState
@@ -18,11 +19,17 @@ _ORIGINS = ("motor_angle_origin", "output_angle_origin")
 
 
 class BesideBench:
-    """Subscribes to `bench/state`, and answers by the rule of `sample_stream`."""
+    """Subscribes to `bench/state`, and answers by the rule of `sample_stream`.
+
+    Attributes:
+        follower: the twin and what it counts.
+        failure: why the twin cannot go on; None while it can.
+    """
 
     def __init__(self, node: Node, model: Model, output: TwinOutput, wanted: str, from_start: bool) -> None:
         """`wanted` drives the twin, see `Follower`; `from_start`: answer also what was sent before this node came."""
         self._output = output
+        self.failure: InputError | None = None
         self.follower = Follower(model, wanted, from_start)
         node.create_subscription(EmaState, "bench/state", self._on_sample, qos.state(from_start), raw=True)
 
@@ -38,7 +45,13 @@ class BesideBench:
 
     def _on_sample(self, message: bytes) -> None:
         run, sequence, stamp, sample = read_state(message)
-        answer = self.follower.answer(run, sequence, stamp, sample)
+        if self.failure is not None:
+            return
+        try:
+            answer = self.follower.answer(run, sequence, stamp, sample)
+        except InputError as error:  # raised here, it would be told with its whole stack
+            self.failure = error
+            return
         if answer is not None:
             for name in _ORIGINS:
                 answer[name] = sample[name]

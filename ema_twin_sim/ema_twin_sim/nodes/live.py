@@ -130,7 +130,12 @@ class _Session:
         self.notify(f"{change.parameter} = {change.value} after {change.after:g} s")
 
     def over(self) -> bool:
-        """Whether the caller stops, or all samples were sent and nothing more comes of them."""
+        """Whether the caller stops, or all samples were sent and nothing more comes of them.
+
+        Raises InputError where the twin cannot go on.
+        """
+        if self.twin.failure is not None:
+            raise self.twin.failure
         if self.stop.is_set():
             return True
         if self.replay is None or not self.replay.ended:
@@ -193,7 +198,7 @@ def run_live(
     SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
 
     Raises:
-        InputError: where a change is refused, or `record_to` cannot be written.
+        InputError: where a change is refused, `record_to` cannot be written, or the twin's simulation diverges.
     """
     context = Context()
     stop = stop or threading.Event()

@@ -6,6 +6,7 @@ import time
 
 from rclpy.node import Node
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.spin import steady_timer
 
@@ -22,11 +23,16 @@ class OwnClock:
     """Sends a sample every period; periods that are missed are counted, and integrated across.
 
     Stamps are whole periods after the start, so a missed one shows as a gap of stamps, not of sequence.
+
+    Attributes:
+        deadlines: counts of periods missed.
+        failure: why the twin cannot go on; None while it can.
     """
 
     def __init__(self, node: Node, model: Model, output: TwinOutput, command: Command, rate: float) -> None:
         """`rate` is the number of samples a second."""
         self._output = output
+        self.failure: InputError | None = None
         self._standalone = Standalone(model, command)
         self._period = round(1e9 / rate)
         self._run = int(time.time()) % 2**32
@@ -47,10 +53,16 @@ class OwnClock:
 
     def _on_time(self) -> None:
         number = self.deadlines.tick(time.monotonic_ns())
-        if number is not None:
-            elapsed = number * self._period
-            self._output.send(self._epoch + elapsed, self._run, self._sequence, self._standalone.answer(elapsed))
-            self._sequence += 1
+        if number is None or self.failure is not None:
+            return
+        elapsed = number * self._period
+        try:
+            answer = self._standalone.answer(elapsed)
+        except InputError as error:  # raised here, it would be told with its whole stack
+            self.failure = error
+            return
+        self._output.send(self._epoch + elapsed, self._run, self._sequence, answer)
+        self._sequence += 1
 
     def report(self) -> diagnostics.Report:
         """Whether real time is held."""

@@ -9,6 +9,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run
@@ -64,6 +65,11 @@ class TwinNode(Node):
         ModelParameters(self, lambda: self.mode.twin)
         refuse_unknown(self)
         self._diagnostics = diagnostics.Diagnostics(self, model.name, self._report)
+
+    @property
+    def failure(self) -> InputError | None:
+        """Why the twin cannot go on; None while it can."""
+        return self.mode.failure
 
     def _report(self) -> diagnostics.Report:
         report = self.mode.report()
