@@ -267,7 +267,9 @@ def setup() -> None:
         lock = LOCK.read_bytes()
         install_libraries()
         if LOCK.read_bytes() != lock:
-            raise SetupError(f"{LOCK.name} changed while it was being installed; set up again, to install what it says now")
+            raise SetupError(
+                f"{LOCK.name} changed while it was being installed; set up again to install what it says now"
+            )
         stamp("libraries", library_key())
     keys = {name: package_key(name) for name in PACKAGES}  # of what is built now, whatever is edited meanwhile
     outdated = [name for name in PACKAGES if not is_current(name, keys[name])]

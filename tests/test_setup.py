@@ -80,7 +80,7 @@ def test_a_lock_edited_while_it_is_installed_does_not_count_as_installed(checkou
             bootstrap.LOCK.write_text(bootstrap.LOCK.read_text() + "# edited\n")
 
     bootstrap.run = edit
-    with pytest.raises(bootstrap.SetupError, match="requirements.lock changed while"):
+    with pytest.raises(bootstrap.SetupError, match=r"requirements\.lock changed while"):
         bootstrap.setup()
     bootstrap.run = note
     bootstrap.steps.clear()
