@@ -122,13 +122,14 @@ def _read_runout(train, lanes, cycles):
     along the carrier's way and by e cos b outwards. Along the carrier's way it goes away from the sun's teeth and from
     the ring's, outwards away from the sun's and into the ring's: with a pressure angle a
 
-        delta_s = -e (cos a sin b + sin a cos b) = -e sin(b + a),  delta_r = -e (cos a sin b - sin a cos b) = -e sin(b - a)
+        delta_s = -e (cos a sin b + sin a cos b) = -e sin(b + a)
+        delta_r = -e (cos a sin b - sin a cos b) = -e sin(b - a)
 
     (Lin and Parker, "Analytical characterization of the unique properties of planetary gear free vibration", J. Vib.
     Acoust. 121, 1999, eq. 1). So both meshes have the same sign, 2 a apart in the planet's turn: the ring meets the
-    planet half a turn from where the sun does, but on its other flank. With the phase p of the sun's mesh and the planet's
-    turn t = -b against the carrier, these are e sin(t + p) and e sin(t + p + 2 a). The flanks are those that carry a
-    load forward; on the others the outward part would change its sign, which is left out.
+    planet half a turn from where the sun does, but on its other flank. With the phase p of the sun's mesh and the
+    planet's turn t = -b against the carrier, these are e sin(t + p) and e sin(t + p + 2 a). The flanks are those that
+    carry a load forward; on the others the outward part would change its sign, which is left out.
     """
     if train.runout[0] == 0.0 and train.runout[1] == 0.0 and train.runout[2] == 0.0:
         return
