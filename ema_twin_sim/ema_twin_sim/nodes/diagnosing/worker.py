@@ -14,7 +14,7 @@ import threading
 
 from .frames import receive_job, send
 
-_NICENESS = 10
+_NICENESS = 3
 
 
 def main() -> int:
