@@ -283,11 +283,13 @@ class LiveView:
 
 def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveView | None:
     """The rerun view that is wanted: a file, a viewer where there is a screen and one may, or none."""
-    from ..views.screen import display_available
+    from ..views.screen import why_not_shown
 
-    viewer = not headless and display_available()
-    if not headless and not viewer and rrd is None:
-        console.print("No display: the viewer stays closed (give --rrd FILE to look at the run later).", style="dim")
+    reason = why_not_shown()
+    viewer = not headless and not reason
+    if not headless and reason:
+        instead = "give --rrd FILE to look at the run later" if rrd is None else f"look at the run later: rerun {rrd}"
+        console.print(f"The viewer stays closed, {reason}; {instead}.", style="dim", markup=False)
     if rrd is None and not viewer:
         return None
     from ..views.rerun_view import RerunView
