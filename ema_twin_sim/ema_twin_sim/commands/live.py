@@ -87,7 +87,7 @@ def run(
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
     follower = Follower(found, recording, driving)
-    view = _view(rrd, headless, noise_floors(found))
+    view = _view(rrd, headless, noise_floors(found), found)
     if view is not None:
         follower.watchers.append(view.take)
     try:
@@ -281,7 +281,7 @@ class LiveView:
         self._view.close()
 
 
-def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveView | None:
+def _view(rrd: Path | None, headless: bool, floors: dict[str, float], model: Model) -> LiveView | None:
     """The rerun view that is wanted: a file, a viewer where there is a screen and one may, or none."""
     from ..views.screen import why_not_shown
 
@@ -294,4 +294,4 @@ def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveVie
         return None
     from ..views.rerun_view import RerunView
 
-    return LiveView(RerunView(rrd, "ema-twin", floors, viewer=viewer))
+    return LiveView(RerunView(rrd, "ema-twin live", floors, viewer=viewer, model=model))

@@ -12,6 +12,7 @@ from ..commands.error_cells import shown_signals
 from ..commands.wording import listed
 from ..comparison.compare import Comparison, compare, explained_signals
 from ..model import Model
+from ..simulation.simulate import DRIVING
 from .beside import Beside, beside
 from .findings import Findings
 
@@ -36,6 +37,12 @@ class Shown:
         headlines = (*explained_signals(self.comparisons[0].input), "motor_torque")
         telling = [name for name in self.signals if name in headlines]
         return sorted(telling or self.signals[:1], key=lambda name: name != "output_position")
+
+    @property
+    def input_of_all(self) -> str | None:
+        """The input that drove every twin; None where each recording's was its own."""
+        chosen = self.comparisons[0].input
+        return chosen if chosen in DRIVING else None
 
     @property
     def telling(self) -> int:

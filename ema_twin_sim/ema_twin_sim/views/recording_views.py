@@ -15,7 +15,9 @@ from ..report.where import failures, sentences
 from .before_and_after import after_tab, log_after
 from .beside_curves import curves_tab, log_curves
 from .failing import failing_tab, log_failures
+from .gear_train import log_train, send_motion, train_tab
 from .stream import TIMELINE, new_rrd
+from .train_motion import gearing_shown, train_motion
 from .why import log_why, why_tab
 
 
@@ -40,6 +42,13 @@ def write_views(
         tabs.append(why_tab(findings))
     if len(models) > 1:
         tabs.append(after_tab(given, names, findings))
+    gearing, motion = gearing_shown(models[-1]), None
+    if gearing is not None:
+        played = given.recordings[given.telling]
+        motion = train_motion(models[-1], gearing, played, given.input_of_all)
+        if motion is not None:
+            of = f"{names[-1]} beside {played.name}" if motion.simulated else f"as measured in {played.name}"
+            tabs.append(train_tab(of, motion.strongest, gearing, simulated=motion.simulated))
     with new_rrd(path, layout(tabs), force=force) as stream:
         log_curves(stream, given, names)
         log_failures(stream, found, sentences(given), names)
@@ -50,6 +59,9 @@ def write_views(
             log_why(stream, findings, verdict)
         if len(models) > 1:
             log_after(stream, given, names, findings)
+        if gearing is not None and motion is not None:
+            log_train(stream, gearing)
+            send_motion(stream, gearing, motion, motion.strongest)
     return [str(tab.name) for tab in tabs]
 
 
