@@ -67,7 +67,9 @@ def run(
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
+    from .rerun_file import check_rrd_name, tell_of_rrd
 
+    check_rrd_name(rrd)
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, record, bag)
@@ -104,6 +106,8 @@ def run(
         if view is not None:
             view.close()
     show(result, rate)
+    if rrd is not None:
+        tell_of_rrd(rrd, ("the live run",))
     write_json(json, as_json(result))
     for warning in result.warnings:
         warn(warning)
@@ -288,8 +292,8 @@ def _view(rrd: Path | None, headless: bool, floors: dict[str, float], model: Mod
     reason = why_not_shown()
     viewer = not headless and not reason
     if not headless and reason:
-        instead = "give --rrd FILE to look at the run later" if rrd is None else f"look at the run later: rerun {rrd}"
-        console.print(f"The viewer stays closed, {reason}; {instead}.", style="dim", markup=False)
+        instead = "give --rrd FILE to look at the run later" if rrd is None else f"{rrd} is written instead"
+        console.print(f"The viewer stays closed, {reason}: {instead}.", style="dim", markup=False)
     if rrd is None and not viewer:
         return None
     from ..views.rerun_view import RerunView

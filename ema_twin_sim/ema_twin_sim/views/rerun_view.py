@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -26,12 +27,16 @@ SHOWN = ("output_position", "current", "speed")
 """Signals drawn bench over twin, each above its residual."""
 ROOT = "live"
 _VIEWER_PORT = 9876
+_PAUSE = 0.25  # s from one sending to the next
 _WINDOW = 1.0  # s, of the RMSE that falls when an effect is added
 _LEVEL_COLOURS = {"current": AFTER, "speed": GOOD, "output_position": RIVAL}
 _MILLI = 1e3
 _LEAST_LEVEL = -30.0  # dB
 _PICTURE = 0.04  # s from one picture of the gear train to the next
 _FULL = 0.6  # N m of the motor at which the train's colours are full, as no later sample is known
+
+
+_Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], Mapping[str, np.ndarray]]
 
 
 class RerunView:
@@ -55,6 +60,8 @@ class RerunView:
         self._gearing = gearing_shown(model) if model is not None else None
         self._torque_constant = model.value("machine.torque_constant") if model is not None else 0.0
         self._pictured = -np.inf
+        self._held: list[_Batch] = []
+        self._sent = -np.inf
         self._stream = rr.RecordingStream(f"{APPLICATION}-live", send_properties=False)
         sinks: list[Any] = []
         if path is not None:
@@ -87,8 +94,30 @@ class RerunView:
         twin: Mapping[str, np.ndarray],
         residuals: Mapping[str, np.ndarray],
     ) -> None:
-        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units."""
-        index = np.asarray(time, np.float64)
+        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units. It is shown within moments."""
+        self._held.append((np.asarray(time, np.float64), bench, twin, residuals))
+        if clock.monotonic() - self._sent >= _PAUSE:
+            self._send_held()
+
+    def _send_held(self) -> None:
+        """Send the batches that are held as one: what a message costs is little beside what each message costs."""
+        held, self._held, self._sent = self._held, [], clock.monotonic()
+        while held:
+            alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
+            together, held = held[:alike], held[alike:]
+            signals = [
+                {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}  # type: ignore[call-overload, misc]
+                for side in (1, 2, 3)
+            ]
+            self._send(np.concatenate([batch[0] for batch in together]), *signals)
+
+    def _send(
+        self,
+        index: np.ndarray,
+        bench: Mapping[str, np.ndarray],
+        twin: Mapping[str, np.ndarray],
+        residuals: Mapping[str, np.ndarray],
+    ) -> None:
         for name in SHOWN:
             at = f"{ROOT}/{name}"
             if name in bench:
@@ -98,7 +127,8 @@ class RerunView:
             if name in residuals:
                 send(self._stream, f"{at}/residual/twin", index, np.asarray(residuals[name]) * _MILLI)
                 self._send_noise(at, index, self._noise[name] * _MILLI)
-                send(self._stream, f"error/{name}", index, self._levels(name, index, residuals[name]))
+                if self._noise[name] > 0.0:
+                    send(self._stream, f"error/{name}", index, self._levels(name, index, residuals[name]))
         if "unexplained_torque" in residuals:
             send(self._stream, "unexplained_torque", index, np.asarray(residuals["unexplained_torque"]) * _MILLI)
         if self._gearing is not None:
@@ -137,8 +167,13 @@ class RerunView:
 
     def close(self) -> None:
         """Write what is held back."""
+        self._send_held()
         self._stream.flush()
         self._stream.disconnect()
+
+
+def _names(batch: _Batch) -> list[list[str]]:
+    return [list(signals) for signals in batch[1:]]
 
 
 def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
