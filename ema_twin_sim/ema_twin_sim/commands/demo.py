@@ -87,7 +87,7 @@ def run(
         f"{played.name} at {rate:g} × real time; {changing}",
     )
     rrd = output / "live.rrd"
-    view = live.LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock)))
+    view = live.LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock), model=stock))
     view.tell(0.0, "the stock model beside the bench")
     follower = live.Follower(stock, played)
     follower.watchers.append(view.take)

@@ -67,7 +67,9 @@ def run(
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_inputs, write_json
+    from .rerun_file import check_rrd_name, tell_of_rrd
 
+    check_rrd_name(rrd)
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, record, bag)
@@ -87,7 +89,7 @@ def run(
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
     follower = Follower(found, recording, driving)
-    view = _view(rrd, headless, noise_floors(found))
+    view = _view(rrd, headless, noise_floors(found), found)
     if view is not None:
         follower.watchers.append(view.take)
     try:
@@ -104,6 +106,8 @@ def run(
         if view is not None:
             view.close()
     show(result, rate)
+    if rrd is not None:
+        tell_of_rrd(rrd, ("the live run",))
     write_json(json, as_json(result))
     for warning in result.warnings:
         warn(warning)
@@ -281,15 +285,17 @@ class LiveView:
         self._view.close()
 
 
-def _view(rrd: Path | None, headless: bool, floors: dict[str, float]) -> LiveView | None:
+def _view(rrd: Path | None, headless: bool, floors: dict[str, float], model: Model) -> LiveView | None:
     """The rerun view that is wanted: a file, a viewer where there is a screen and one may, or none."""
-    from ..views.screen import display_available
+    from ..views.screen import why_not_shown
 
-    viewer = not headless and display_available()
-    if not headless and not viewer and rrd is None:
-        console.print("No display: the viewer stays closed (give --rrd FILE to look at the run later).", style="dim")
+    reason = why_not_shown()
+    viewer = not headless and not reason
+    if not headless and reason:
+        instead = "give --rrd FILE to look at the run later" if rrd is None else f"{rrd} is written instead"
+        console.print(f"The viewer stays closed, {reason}: {instead}.", style="dim", markup=False)
     if rrd is None and not viewer:
         return None
     from ..views.rerun_view import RerunView
 
-    return LiveView(RerunView(rrd, "ema-twin", floors, viewer=viewer))
+    return LiveView(RerunView(rrd, "ema-twin live", floors, viewer=viewer, model=model))
