@@ -22,7 +22,7 @@ demo: setup ## a recorded actuator beside its twin; then the missing effects are
 test: setup ## style and type checks, then all tests
 	@$(RUN) -m ruff check .
 	@$(RUN) -m mypy
-	@$(RUN) -m pytest tests
+	@$(RUN) -m pytest tests -n auto --dist loadfile
 
 test-pictures: setup ## the report as a browser shows it; needs chromium
 	@for name in chromium chromium-browser google-chrome; do command -v $$name >/dev/null && exit; done; \

@@ -12,7 +12,7 @@ from rich.markup import escape
 from ..quantities import quantity
 from . import options
 from .error_cells import ALL, AT_NOISE, error_cell, noise_cell, shown_signals
-from .output import console, counted, say, sparkline
+from .output import console, counted, say, sparkline, status
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
@@ -28,6 +28,8 @@ ema-twin compare bench/*.CSV --model polito_bench
 
 ema-twin compare bench/*.CSV --model polito_bench --model better.yaml --json errors.json     (side by side)
 
+ema-twin compare run.mcap --model polito_bench --rrd run.rrd     (then: rerun run.rrd)
+
 ema-twin compare run.mcap --model mine.yaml --with position_friction.py"""
 
 
@@ -41,6 +43,8 @@ def run(
     end: options.To = None,
     step: options.Step = None,
     strict: options.Strict = False,
+    rrd: options.Rrd = None,
+    force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
     """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
@@ -48,10 +52,13 @@ def run(
     from ..comparison.compare import compare
     from ..model import load_model
     from ..own_effects import load_effects
-    from .inputs import input_files, load_runs, refuse_inputs, write_json
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
     from .judged import warn_of
+    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
-    refuse_inputs(input_files(runs, model, import_map, with_files), json)
+    refuse_inputs(input_files(runs, model, import_map, with_files), json, rrd)
+    check_rrd_name(rrd, len(model))
+    refuse_existing(force, rrd)
     load_effects(with_files or ())
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
@@ -64,6 +71,13 @@ def run(
     first, *others = comparisons
     beside = [{**other.as_json(), "times_closer": closer(first, other).as_json()} for other in others]
     write_json(json, [first.as_json(), *beside] if beside else first.as_json())
+    if rrd is not None:
+        with status() as progress:
+            progress("writing the views")
+            tabs = write_rrd(
+                rrd, recordings, models, model, source=input, step=step, comparisons=comparisons, force=force
+            )
+        tell_of_rrd(rrd, tabs)
 
 
 def _tell(done: Callable[[str], None], model: str, recording: str) -> None:

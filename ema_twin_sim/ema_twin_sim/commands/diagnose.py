@@ -38,6 +38,7 @@ def run(
     end: options.To = None,
     strict: options.Strict = False,
     evidence: options.Evidence = None,
+    rrd: options.Rrd = None,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
@@ -48,13 +49,16 @@ def run(
     """
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
+    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence)
+    refuse_inputs(input_files(runs, [model], import_map, with_files), json, evidence, rrd)
     refuse_evidence(evidence)
-    refuse_existing(force, evidence)
+    check_rrd_name(rrd)
+    refuse_existing(force, evidence, rrd)
 
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
+    from ..report.findings import findings_of
 
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
@@ -64,6 +68,11 @@ def run(
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
+        if rrd is not None:
+            progress("writing the views")
+            both = (given.model, found.model)
+            labels = (given.model.name, "with what was found")
+            tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
     sentence = verdict_sentence(
         found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without, diagnosis.groups
@@ -74,6 +83,8 @@ def run(
         say(text)
     warn_of(diagnosis.warnings, given.recordings)
     write_findings(json, diagnosis.as_json(), found)
+    if rrd is not None:
+        tell_of_rrd(rrd, tabs)
 
 
 def show(diagnosis: Diagnosis) -> None:

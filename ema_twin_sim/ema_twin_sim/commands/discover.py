@@ -55,6 +55,7 @@ def run(
     report: Annotated[
         Path | None, typer.Option("--report", metavar="FILE.html", help="Also write what report writes of it.")
     ] = None,
+    rrd: options.Rrd = None,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
@@ -68,14 +69,18 @@ def run(
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
     from .report import check_page_name, write_found
+    from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
-    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report)
+    refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report, rrd)
     check_model_name(output)
     refuse_evidence(evidence)
     check_page_name(report)
-    refuse_existing(force, output, evidence, report)
+    check_rrd_name(rrd)
+    refuse_existing(force, output, evidence, report, rrd)
 
+    from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
+    from ..report.findings import findings_of
 
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
@@ -87,6 +92,12 @@ def run(
         if report is not None:
             progress("writing the report")
             write_found(report, given.recordings, (given.model, found.model), (model, output), found, force=force)
+        if rrd is not None:
+            progress("writing the views")
+            both = (given.model, found.model)
+            tabs = write_rrd(
+                rrd, given.recordings, both, (model, output), findings_of(found, weigh(found)), force=force
+            )
     show(found, given.without)
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
@@ -102,6 +113,8 @@ def run(
         console.print(told, markup=False, soft_wrap=True)
     if report is not None:
         console.print(f"  {report}     (before and after, to be sent)", markup=False, soft_wrap=True)
+    if rrd is not None:
+        tell_of_rrd(rrd, tabs)
     write_findings(json, found.as_json(), found)
 
 

@@ -74,6 +74,10 @@ Evidence = Annotated[
         "--evidence", metavar="FILE.mcap", help="Also write what each step left over, for rerun, Foxglove, PlotJuggler."
     ),
 ]
+Rrd = Annotated[
+    Path | None,
+    typer.Option("--rrd", metavar="FILE.rrd", help="Also write views of it, to be looked at in rerun."),
+]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[
     float | None, typer.Option("--from", metavar="S", callback=finite, help="Leave out what is before, in seconds.")

@@ -129,11 +129,11 @@ def write_page(
 
     given = shown(recordings, models, source)
     apart = shown(held_out, models, source) if held_out else None
-    content = Content(models, _told_apart(models, labels), given, apart, findings, VERSION, story, undiagnosed)
+    content = Content(models, told_apart(models, labels), given, apart, findings, VERSION, story, undiagnosed)
     write_report(output, content, force=force)
 
 
-def _told_apart(models: tuple[Model, Model], labels: Sequence[str | Path]) -> tuple[str, str]:
+def told_apart(models: tuple[Model, Model], labels: Sequence[str | Path]) -> tuple[str, str]:
     """The models' names; where they are the same, those of their files."""
     for first, second in ([model.name for model in models], [Path(label).stem for label in labels]):
         if first != second:

@@ -43,17 +43,19 @@ class Beside:
     stretches: Mapping[str, Stretch]
 
 
-def beside(recordings: Sequence[Recording], model: Model, source: str | None = None) -> list[Beside]:
-    """Simulate a model beside each recording, as ``compare`` does; ``source`` is the input.
+def beside(
+    recordings: Sequence[Recording], model: Model, source: str | None = None, *, step: float | None = None
+) -> list[Beside]:
+    """Simulate a model beside each recording, as ``compare`` does; ``source`` is the input, ``step`` [s] as there.
 
     Raises InputError where a recording lacks the input's signal.
     """
     matched, model = as_rotary(recordings, model)
-    return [_beside(recording, model, choose_input(recording, source)) for recording in matched]
+    return [_beside(recording, model, choose_input(recording, source), step) for recording in matched]
 
 
-def _beside(recording: Recording, model: Model, source: str) -> Beside:
-    twin = simulate(model, recording, source)
+def _beside(recording: Recording, model: Model, source: str, step: float | None) -> Beside:
+    twin = simulate(model, recording, source, step=step)
     residuals = RunningComparison(model, source, period=recording.sample_period).add_rows(
         recording.signals, twin.signals
     )

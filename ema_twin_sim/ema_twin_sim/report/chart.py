@@ -24,7 +24,7 @@ BENCH, BEFORE, AFTER, RIVAL, FAINT, BAND = (
 
 @dataclass(frozen=True)
 class Chart:
-    """One chart: traces and layout as plotly takes them, or ``choices`` of both, one a recording.
+    """One chart: traces (of arrays) and layout as plotly takes them, or ``choices`` of both, one a recording.
 
     Charts of one ``link`` are zoomed together along their x axes.
     """
@@ -58,11 +58,12 @@ class Charts:
 
     def as_json(self) -> str:
         """All charts, for a script element: no ``<`` in it can end that."""
-        text = json.dumps([chart.as_json() for chart in self.all], allow_nan=False, separators=(",", ":"))
+        content = [chart.as_json() for chart in self.all]
+        text = json.dumps(content, allow_nan=False, separators=(",", ":"), default=_packed)
         return text.replace("<", "\\u003c")
 
 
-def packed(values: np.ndarray) -> dict[str, str]:
+def _packed(values: np.ndarray) -> dict[str, str]:
     """An array (n,) as plotly reads it, in single precision: seven digits are more than a screen shows."""
     return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()}
 
@@ -78,8 +79,8 @@ def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float =
     return {
         "type": "scatter",
         "mode": "lines",
-        "x": packed(x),
-        "y": packed(y),
+        "x": x,
+        "y": y,
         "name": label(name),
         "line": style,
         **more,

@@ -30,11 +30,11 @@ def compared(content: Content, charts: Charts) -> Markup:
     options = [
         tag("option", f"{name} (held out)" if k >= len(names) - held_out else name, value=str(k), **chosen)
         for k, name in enumerate(names)
-        for chosen in ([{"selected": ""}] if k == _telling(content.given) else [{}])
+        for chosen in ([{"selected": ""}] if k == content.given.telling else [{}])
     ]
     choice = tag("label", "Recording ", tag("select", *options, id="recording"), class_="choice")
     key = _key(content.names)
-    signals = _signals(content.given)
+    signals = signals_drawn(content.given)
     points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (6 * len(names) * max(1, len(signals)))))
     figures = [
         charts.add(_chart(name, parts, content.names, points, wide=place == 0 and len(signals) != 2))
@@ -52,18 +52,6 @@ def compared(content: Content, charts: Charts) -> Markup:
     )
 
 
-def _telling(given: Shown) -> int:
-    """The recording that the earlier model misses most."""
-    if not given.headlines:
-        return 0
-    name = given.headlines[-1]
-    errors = [
-        recording.signals[name]["rmse"] if name in recording.signals else 0.0
-        for recording in given.comparisons[0].recordings
-    ]
-    return errors.index(max(errors))
-
-
 def _key(names: tuple[str, str]) -> Markup:
     """What the colours mean; each entry hides and shows its curves."""
     entries = [
@@ -76,7 +64,7 @@ def _key(names: tuple[str, str]) -> Markup:
     return tag("div", *entries, band, class_="key")
 
 
-def _signals(given: Shown) -> list[str]:
+def signals_drawn(given: Shown) -> list[str]:
     """The signals that are drawn, the first of which tells most."""
     there = [name for name in SHOWN if name in given.signals and any(name in each.curves for each in given.curves[0])]
     return there[:MOST]
@@ -84,7 +72,7 @@ def _signals(given: Shown) -> list[str]:
 
 def _chart(name: str, parts: Sequence[Shown], names: tuple[str, str], points: int, *, wide: bool) -> Chart:
     errors: list[Signals] = [recording.signals for part in parts for recording in part.comparisons[0].recordings]
-    pairs = [pair for part in parts for pair in zip(*part.curves, strict=True)]
+    pairs = [pair for part in parts for pair in zip(part.curves[0], part.curves[1], strict=True)]
     choices = [_choice(name, *pair, error, names, points) for pair, error in zip(pairs, errors, strict=True)]
     title = signal_words(name)
     caption = f"{capitalised(title)}: measured and both twins; below, measured minus twin"
@@ -111,7 +99,7 @@ def _choice(
             "yref": "paper",
         }
         return {"traces": [], "layout": {"annotations": [{**lacks, "x": 0.5, "y": 0.5}]}}
-    values, order, along = _abscissa(before)
+    values, order, along = abscissa(before)
     first, second = before.curves[name], after.curves[name]
     rows = order[envelope_rows([curve[order] for curve in (first.measured, first.residual, second.residual)], points)]
     at = values[rows]
@@ -141,7 +129,7 @@ def _choice(
     return {"traces": traces, "layout": layout}
 
 
-def _abscissa(shown: Beside) -> tuple[np.ndarray, np.ndarray, str]:
+def abscissa(shown: Beside) -> tuple[np.ndarray, np.ndarray, str]:
     """What curves are drawn over (n,), the order (n,) of their samples along it, and its title."""
     if not shown.of_points:
         return shown.time, np.arange(len(shown.time)), "time [s]"

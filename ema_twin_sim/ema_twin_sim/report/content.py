@@ -12,23 +12,24 @@ from ..commands.error_cells import shown_signals
 from ..commands.wording import listed
 from ..comparison.compare import Comparison, compare, explained_signals
 from ..model import Model
+from ..simulation.simulate import DRIVING
 from .beside import Beside, beside
 from .findings import Findings
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """Recordings beside two models, before and after: the errors as ``compare`` gives them, and the curves."""
+    """Recordings beside models, before and after or one: the errors as ``compare`` gives them, and the curves."""
 
     recordings: Sequence[Recording]
-    comparisons: tuple[Comparison, Comparison]
-    curves: tuple[list[Beside], list[Beside]]
+    comparisons: tuple[Comparison, ...]
+    curves: tuple[list[Beside], ...]
 
     @property
     def signals(self) -> list[str]:
         """The signals whose errors tell something."""
         first = self.comparisons[0]
-        return [name for name in shown_signals(first.input, first.overall) if name in self.comparisons[1].overall]
+        return [name for name in shown_signals(first.input, first.overall) if name in self.comparisons[-1].overall]
 
     @property
     def headlines(self) -> list[str]:
@@ -37,12 +38,39 @@ class Shown:
         telling = [name for name in self.signals if name in headlines]
         return sorted(telling or self.signals[:1], key=lambda name: name != "output_position")
 
+    @property
+    def input_of_all(self) -> str | None:
+        """The input that drove every twin; None where each recording's was its own."""
+        chosen = self.comparisons[0].input
+        return chosen if chosen in DRIVING else None
 
-def shown(recordings: Sequence[Recording], models: tuple[Model, Model], source: str | None = None) -> Shown:
-    """Compare both models with the recordings. Raises InputError where a recording lacks the input's signal."""
-    first, second = (compare(recordings, model, source) for model in models)
-    before, after = (beside(recordings, model, source) for model in models)
-    return Shown(recordings, (first, second), (before, after))
+    @property
+    def telling(self) -> int:
+        """The recording that the earlier model misses most."""
+        if not self.headlines:
+            return 0
+        name = self.headlines[-1]
+        errors = [
+            recording.signals[name]["rmse"] if name in recording.signals else 0.0
+            for recording in self.comparisons[0].recordings
+        ]
+        return errors.index(max(errors))
+
+
+def shown(
+    recordings: Sequence[Recording],
+    models: Sequence[Model],
+    source: str | None = None,
+    *,
+    step: float | None = None,
+    comparisons: Sequence[Comparison] = (),
+) -> Shown:
+    """Compare models with the recordings, unless that was done (``comparisons``); ``step`` [s] is the integration's.
+
+    Raises InputError where a recording lacks the input's signal.
+    """
+    compared = comparisons or [compare(recordings, model, source, step=step) for model in models]
+    return Shown(recordings, tuple(compared), tuple(beside(recordings, model, source, step=step) for model in models))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..commands.wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
+from ..discovery.diagnose import Ranked
 from ..quantities import axis_unit, estimate
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
@@ -39,7 +40,7 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     if findings.groups:
         parts.append(tag("p", groups_sentence(findings.groups)))
     parts.append(_tried(findings))
-    figures = [charts.add(_signature(signature)) for signature in findings.signatures if signature.curves]
+    figures = [charts.add(signature_chart(signature)) for signature in findings.signatures if signature.curves]
     if figures:
         key = tag(
             "p",
@@ -53,11 +54,16 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     return section("diagnosis", title, *parts)
 
 
-def _ranking(findings: Findings) -> Markup:
+def worth_showing(findings: Findings) -> list[Ranked]:
+    """The ranking but for most of what has no probability."""
     likely = [entry for entry in findings.ranking if entry.found or entry.probability >= _LEAST]
     others = [entry for entry in findings.ranking if entry not in likely]
+    return likely + others[:_UNLIKELY]
+
+
+def _ranking(findings: Findings) -> Markup:
     rows = []
-    for entry in likely + others[:_UNLIKELY]:
+    for entry in worth_showing(findings):
         choices = options_words(entry.options)
         name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
         kind = "found" if entry.found else "refused"
@@ -136,7 +142,7 @@ def _named(trial: Mapping[str, Any]) -> str:
     return listed(effect_words(name) for name in trial["names"])
 
 
-def _signature(signature: Signature) -> Chart:
+def signature_chart(signature: Signature) -> Chart:
     """What is left over without an effect, with it, and with its runner-up, against the quantity that shows it best."""
     size = max((abs(v) for curve in signature.curves for v in curve["median"]), default=0.0)
     scale, unit = axis_unit(size, signature.unit)

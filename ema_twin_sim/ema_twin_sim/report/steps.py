@@ -8,7 +8,7 @@ import numpy as np
 
 from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, why_step
 from ..quantities import axis_unit, estimate, quantity
-from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis, packed
+from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
 from .content import Content, signal_words
 from .difference import moved_numbers, new_effects
 from .findings import Findings, UnseenErrors
@@ -44,25 +44,25 @@ def steps(content: Content, charts: Charts) -> Markup:
         )
         parts.append(table(head, rows, words=(0, 6)))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
-        parts.append(charts.add(_falling(findings, findings.unseen)))
+        parts.append(charts.add(falling(findings, findings.unseen)))
     return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))
 
 
-def _falling(findings: Findings, unseen: UnseenErrors) -> Chart:
+def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     """RMSE after each step, of all recordings together and of each by itself."""
     scale, unit = axis_unit(max(unseen.rmse), unseen.unit)
     places = _places(findings, len(unseen.rmse))
     at = list(range(len(places)))
     traces: list[Trace] = [
         {
-            "type": "scatter", "mode": "lines+markers", "x": at, "y": packed(np.array(values) / scale),
+            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(values) / scale,
             "name": label(name), "line": {"color": FAINT, "width": 1.2}, "marker": {"size": 5, "color": FAINT},
         }
         for name, values in unseen.recordings
     ]  # fmt: skip
     traces.append(
         {
-            "type": "scatter", "mode": "lines+markers", "x": at, "y": packed(np.array(unseen.rmse) / scale),
+            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(unseen.rmse) / scale,
             "name": "all recordings", "line": {"color": AFTER, "width": 3.5}, "marker": {"size": 10, "color": AFTER},
         }
     )  # fmt: skip

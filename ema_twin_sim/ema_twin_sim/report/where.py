@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, Stretch
 from ..model import Model
 from ..quantities import axis_unit, quantity
-from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, log_axis, noise_band, packed
+from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, log_axis, noise_band
 from .content import Content, Shown, signal_words, signals_listed
 from .markup import Markup, capitalised, items, joined, section, table, tag
 
@@ -27,22 +28,51 @@ _HEIGHT = 300  # pixels
 _ROLES = (BEFORE, AFTER)
 
 
-def where(content: Content, charts: Charts) -> Markup:
-    """The section with the residuals against what they may depend on."""
-    given = content.given
-    figures: list[Markup] = []
-    orders: dict[str, list[list[str]]] = {}
+@dataclass(frozen=True)
+class Orders:
+    """The order spectra of all models, and their amplitudes at each order that the machine's file names."""
+
+    chart: Chart
+    named: tuple[tuple[float, str, tuple[float, ...]], ...]  # order, its name, amplitudes by model
+    unit: str  # of the amplitudes
+    scale: float  # what they are divided by in the chart
+
+
+@dataclass(frozen=True)
+class Failures:
+    """One signal's residual: charts against speed, position and direction, and its orders where anything turns."""
+
+    signal: str
+    charts: tuple[Chart, ...]
+    orders: Orders | None
+
+
+def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]:
+    """Where models fail, a headline signal at a time; ``model`` names the orders, ``names`` are those of all models.
+
+    Empty where the recordings are too short to tell.
+    """
+    found = []
     for name in given.headlines:
         stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
         if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
             continue
-        shown = _Signal(name, given, content.names, stretches)
-        figures += [charts.add(chart) for chart in (shown.over_speed(), shown.over_position(), shown.over_direction())]
-        if content.models[0].motion == "rotary":
-            spectra = shown.over_order(content.models[0])
-            if spectra is not None:
-                figures.append(charts.add(spectra[0]))
-                orders[signal_words(name)] = spectra[1]
+        shown = _Signal(name, given, names, stretches)
+        orders = shown.over_order(model) if model.motion == "rotary" else None
+        found.append(Failures(name, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders))
+    return found
+
+
+def where(content: Content, charts: Charts) -> Markup:
+    """The section with the residuals against what they may depend on."""
+    figures: list[Markup] = []
+    orders: dict[str, list[list[str]]] = {}
+    for each in failures(content.given, content.models[0], content.names):
+        figures += [charts.add(chart) for chart in each.charts]
+        if each.orders is not None:
+            figures.append(charts.add(each.orders.chart))
+            unit = each.orders.unit
+            orders[signal_words(each.signal)] = [[quantity(a, unit) for a in peaks] for *_, peaks in each.orders.named]
     if not figures:
         takes = f"{FEWEST_SAMPLES} samples, the current, and the motor's position or speed"
         return section("where", "Where the models fail", tag("p", f"It cannot be told: that takes {takes}."))
@@ -52,10 +82,12 @@ def where(content: Content, charts: Charts) -> Markup:
         "Line: median; shaded: between the quartiles; grey: two standard deviations of the sensors' noise.",
         class_="key",
     )
-    told = [_orders_table(content, orders)] if orders else []
-    return section(
-        "where", "Where the models fail", _sentences(content), key, tag("div", *figures, class_="grid"), *told
-    )
+    named = [_orders_table(content, orders)] if orders else []
+    told = [
+        joined([tag("strong", name), f": {said}"])
+        for name, said in zip(content.names, sentences(content.given), strict=True)
+    ]
+    return section("where", "Where the models fail", items(*told), key, tag("div", *figures, class_="grid"), *named)
 
 
 def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -> Markup:
@@ -85,31 +117,27 @@ def _swatches(names: tuple[str, str]) -> list[Markup]:
     ]
 
 
-def _sentences(content: Content) -> Markup:
+def sentences(given: Shown) -> list[str]:
     """What the errors of each model depend on, in words."""
     lines = []
-    for name, comparison in zip(content.names, content.given.comparisons, strict=True):
-        poor = [
-            s
-            for s in content.given.headlines
-            if comparison.overall[s]["rmse"] > AT_NOISE * comparison.overall[s]["noise_floor"]
-        ]
+    for comparison in given.comparisons:
+        errors = comparison.overall
+        poor = [name for name in given.headlines if errors[name]["rmse"] > AT_NOISE * errors[name]["noise_floor"]]
         found = [next((d.sentence() for d in comparison.where if d.signal == signal), "") for signal in poor]
         said = " ".join(text for text in found if text)
         if not poor:
-            said = f"{capitalised(signals_listed(content.given.headlines))}: at the sensors' noise."
-        lines.append(joined([tag("strong", name), f": {said or 'where cannot be told.'}"]))
-    return items(*lines)
+            said = f"{capitalised(signals_listed(given.headlines))}: at the sensors' noise."
+        lines.append(said or "Where cannot be told.")
+    return lines
 
 
 class _Signal:
     """One signal's residuals of both models."""
 
-    def __init__(
-        self, name: str, given: Shown, models: tuple[str, str], stretches: Sequence[Sequence[Stretch]]
-    ) -> None:
+    def __init__(self, name: str, given: Shown, models: Sequence[str], stretches: Sequence[Sequence[Stretch]]) -> None:
         error, first = given.comparisons[0].overall[name], given.curves[0][0]
         self.words, self.models, self.base = signal_words(name), models, error["unit"]
+        self.roles = _ROLES[: len(models)]
         self.way, self.still = first.way, first.still
         self.stretches = stretches
         self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
@@ -124,7 +152,7 @@ class _Signal:
         """The residual over the motor's speed, both directions."""
         traces = [
             trace
-            for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True)
+            for role, model, speed, residual in zip(self.roles, self.models, self.speeds, self.residuals, strict=True)
             for trace in self._banded(speed, residual, role, model, narrow=True)
         ]
         return self._chart("the motor's speed", axis(f"speed of the motor [{self.way}/s]"), traces)
@@ -133,7 +161,7 @@ class _Signal:
         """The residual over the output's position, forward and backward apart."""
         traces: list[Trace] = []
         for role, model, parts, speed, residual in zip(
-            _ROLES, self.models, self.stretches, self.speeds, self.residuals, strict=True
+            self.roles, self.models, self.stretches, self.speeds, self.residuals, strict=True
         ):
             position = np.concatenate([part.output_position for part in parts])
             for sense, said, dash in ((1.0, "forward", "solid"), (-1.0, "backward", "dot")):
@@ -148,7 +176,7 @@ class _Signal:
     def over_direction(self) -> Chart:
         """The residual moving backward, near standstill, and moving forward."""
         traces: list[Trace] = []
-        for role, model, speed, residual in zip(_ROLES, self.models, self.speeds, self.residuals, strict=True):
+        for role, model, speed, residual in zip(self.roles, self.models, self.speeds, self.residuals, strict=True):
             groups = {
                 "backward": speed < -self.still,
                 "standstill": np.abs(speed) <= self.still,
@@ -163,8 +191,8 @@ class _Signal:
             spread = {
                 "type": "data",
                 "symmetric": False,
-                "array": packed(upper - median),
-                "arrayminus": packed(median - lower),
+                "array": upper - median,
+                "arrayminus": median - lower,
                 "color": role,
                 "thickness": 2,
                 "width": 7,
@@ -175,7 +203,7 @@ class _Signal:
                     "type": "scatter",
                     "mode": "markers",
                     "x": list(told),
-                    "y": packed(median),
+                    "y": median,
                     "name": label(model),
                     "error_y": spread,
                     "marker": {"color": role, "size": 10, "symbol": symbol},
@@ -183,8 +211,8 @@ class _Signal:
             )
         return self._chart("the direction of motion", axis("direction", type="category"), traces)
 
-    def over_order(self, model: Model) -> tuple[Chart, list[list[str]]] | None:
-        """The order spectra, and the amplitudes of both models at each named order; None where nothing turns enough."""
+    def over_order(self, model: Model) -> Orders | None:
+        """The order spectra; None where nothing turns enough."""
         first = find_order(_moving(self.stretches[0], self.still))
         if first is None:
             return None
@@ -201,7 +229,7 @@ class _Signal:
         at = [np.array([ORDERS[band[values[band].argmax()]] for band in bands]) for values in lines]
         traces = [
             line(x, values / scale, name, role, width=1.6)
-            for x, values, name, role in zip(at, peaks, self.models, _ROLES, strict=True)
+            for x, values, name, role in zip(at, peaks, self.models, self.roles, strict=True)
         ]
         named = _named_orders(model)
         marks, numbers = _marked([order for order, _ in named])
@@ -215,8 +243,11 @@ class _Signal:
         }
         said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
         chart = Chart(said, _HEIGHT, layout, traces)
-        peaks_of = [[float(values[np.abs(ORDERS - order) <= _NEAR].max()) for values in lines] for order, _ in named]
-        return chart, [[quantity(peak, self.base) for peak in pair] for pair in peaks_of]
+        peaks_of = [
+            (order, said, tuple(float(values[np.abs(ORDERS - order) <= _NEAR].max()) for values in lines))
+            for order, said in named
+        ]
+        return Orders(chart, tuple(peaks_of), self.base, scale)
 
     def _banded(
         self, x: np.ndarray, residual: np.ndarray, role: str, name: str, *, narrow: bool = False, dash: str = "solid"

@@ -1,9 +1,8 @@
-"""The rerun view: bench and twin over each other, their residuals, and the error against the sensors' noise."""
+"""The live view: bench and twin over each other, their residuals in the sensors' noise, the error, the gear train."""
 
 from __future__ import annotations
 
-import math
-from collections import deque
+import time as clock
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,59 +11,76 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ema_bench_replay.errors import InputError
-
 from ..comparison.running_comparison import UNITS
-from .screen import start_viewer
-
-TIMELINE = "t"
-BENCH_COLOUR = [225, 225, 225]
-TWIN_COLOUR = [245, 120, 30]
-_RESIDUAL_COLOUR = [80, 170, 240]
-_LEVEL_COLOURS = {"current": [80, 170, 240], "speed": [90, 200, 120], "output_position": [235, 90, 110]}
+from ..model import Model
+from ..plant.planetary.geometry import Gearing
+from .beside_curves import signal_column, style_noise
+from .gear_train import log_train, send_motion, train_tab
+from .palette import AFTER, BEFORE, BENCH, GOOD, RIVAL
+from .recording_views import layout
+from .rms_window import RmsWindow
+from .stream import APPLICATION, TIMELINE, open_for_writing, path_of, send, style
+from .train_motion import by_ratios, gearing_shown
 
 SHOWN = ("output_position", "current", "speed")
-"""Signals drawn bench over twin, each beside its residual."""
-_VIEWER_PORT = 9876
+"""Signals drawn bench over twin, each above its residual."""
+ROOT = "live"
+_PAUSE = 0.25  # s from one sending to the next
 _WINDOW = 1.0  # s, of the RMSE that falls when an effect is added
+_LEVEL_COLOURS = {"current": AFTER, "speed": GOOD, "output_position": RIVAL}
+_MILLI = 1e3
+_LEAST_LEVEL = -30.0  # dB
+_PICTURE = 0.04  # s from one picture of the gear train to the next
+_FULL = 0.6  # N m of the motor at which the train's colours are full, as no later sample is known
+
+
+_Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], Mapping[str, np.ndarray]]
 
 
 class RerunView:
-    """A rerun recording (``path``), shown in a viewer too where ``viewer``; takes samples in batches, live or whole."""
+    """A rerun recording, to a file (``path``) and to viewers (``sinks``); takes samples in batches, live or whole.
+
+    With a ``model`` whose gearbox is known, that turns too.
+    """
 
     def __init__(
-        self, path: Path | None, title: str, noise_floor: Mapping[str, float], *, viewer: bool = False
+        self,
+        path: Path | None,
+        title: str,
+        noise_floor: Mapping[str, float],
+        *,
+        sinks: Sequence[str] = (),
+        model: Model | None = None,
     ) -> None:
         """Raises InputError where the file cannot be written."""
         self._noise = noise_floor
-        self._window: dict[str, deque[tuple[float, float]]] = {name: deque() for name in SHOWN}
-        self._sums = dict.fromkeys(SHOWN, 0.0)
-        self._stream = rr.RecordingStream(title, send_properties=False)
-        sinks: list[Any] = []
+        self._windows = {name: RmsWindow(_WINDOW) for name in SHOWN}
+        self._gearing = gearing_shown(model) if model is not None else None
+        self._torque_constant = model.value("machine.torque_constant") if model is not None else 0.0
+        self._pictured = -np.inf
+        self._held: list[_Batch] = []
+        self._sent = -np.inf
+        self._stream = rr.RecordingStream(f"{APPLICATION}-live", send_properties=False)
+        into: list[Any] = [rr.GrpcSink(sink) for sink in sinks]
         if path is not None:
-            try:
-                path.open("wb").close()
-            except OSError as error:
-                raise InputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
-            sinks.append(rr.FileSink(str(path)))
-        if viewer:
-            start_viewer("--port", str(_VIEWER_PORT), "--bind", "127.0.0.1", "--hide-welcome-screen")
-            sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{_VIEWER_PORT}/proxy"))
-        if sinks:
-            self._stream.set_sinks(*sinks, default_blueprint=_blueprint())
+            into.append(open_for_writing(path))
+        if into:
+            self._stream.set_sinks(*into, default_blueprint=live_blueprint(self._gearing))
+        self._stream.send_recording_name(title)
         self._style()
 
     def _style(self) -> None:
         for name in SHOWN:
             unit = UNITS[name]
-            self._line(f"{name}/bench", BENCH_COLOUR, f"bench [{unit}]", 2.0)
-            self._line(f"{name}/twin", TWIN_COLOUR, f"twin [{unit}]", 1.5)
-            self._line(f"residual/{name}", _RESIDUAL_COLOUR, f"measured - twin [m{unit}]", 1.0)
-            self._line(f"error/{name}", _LEVEL_COLOURS[name], name.replace("_", " "), 2.0)
-        self._line("unexplained_torque", _RESIDUAL_COLOUR, "unexplained torque [mN m]", 1.0)
-
-    def _line(self, entity: str, colour: Sequence[int], label: str, width: float) -> None:
-        self._stream.log(entity, rr.SeriesLines(colors=[colour], names=[label], widths=[width]), static=True)
+            style(self._stream, f"{ROOT}/{name}/curves/bench", f"bench [{unit}]", BENCH, 2.5)
+            style(self._stream, f"{ROOT}/{name}/curves/twin", f"twin [{unit}]", BEFORE, 1.5)
+            style(self._stream, f"{ROOT}/{name}/residual/twin", f"measured − twin [m{unit}]", BEFORE, 1.2)
+            style(self._stream, f"error/{name}", f"{name.replace('_', ' ')} [dB]", _LEVEL_COLOURS[name], 2.0)
+            for side in ("above", "below"):
+                style_noise(self._stream, f"{ROOT}/{name}/residual/noise_{side}", f"m{unit}")
+        style(self._stream, "unexplained_torque", "unexplained torque [mN m]", AFTER, 1.2)
+        if self._gearing is not None:
+            log_train(self._stream, self._gearing)
 
     def add(
         self,
@@ -73,38 +89,70 @@ class RerunView:
         twin: Mapping[str, np.ndarray],
         residuals: Mapping[str, np.ndarray],
     ) -> None:
-        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units."""
-        index = np.asarray(time, np.float64)
+        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units. It is shown within moments."""
+        self._held.append((np.asarray(time, np.float64), bench, twin, residuals))
+        if clock.monotonic() - self._sent >= _PAUSE:
+            self._send_held()
+
+    def _send_held(self) -> None:
+        """Send the batches that are held as one: what a message costs is little beside what each message costs."""
+        held, self._held, self._sent = self._held, [], clock.monotonic()
+        while held:
+            alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
+            together, held = held[:alike], held[alike:]
+            signals = [
+                {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}  # type: ignore[call-overload, misc]
+                for side in (1, 2, 3)
+            ]
+            self._send(np.concatenate([batch[0] for batch in together]), *signals)
+
+    def _send(
+        self,
+        index: np.ndarray,
+        bench: Mapping[str, np.ndarray],
+        twin: Mapping[str, np.ndarray],
+        residuals: Mapping[str, np.ndarray],
+    ) -> None:
         for name in SHOWN:
+            at = f"{ROOT}/{name}"
             if name in bench:
-                self._send(f"{name}/bench", index, bench[name])
+                send(self._stream, f"{at}/curves/bench", index, bench[name])
             if name in twin:
-                self._send(f"{name}/twin", index, twin[name])
+                send(self._stream, f"{at}/curves/twin", index, twin[name])
             if name in residuals:
-                self._send(f"residual/{name}", index, np.asarray(residuals[name]) * 1e3)
-                self._send(f"error/{name}", index, self._noise_levels(name, index, residuals[name]))
+                send(self._stream, f"{at}/residual/twin", index, np.asarray(residuals[name]) * _MILLI)
+                self._send_noise(at, index, self._noise[name] * _MILLI)
+                if self._noise[name] > 0.0:
+                    send(self._stream, f"error/{name}", index, self._levels(name, index, residuals[name]))
         if "unexplained_torque" in residuals:
-            self._send("unexplained_torque", index, np.asarray(residuals["unexplained_torque"]) * 1e3)
+            send(self._stream, "unexplained_torque", index, np.asarray(residuals["unexplained_torque"]) * _MILLI)
+        if self._gearing is not None:
+            self._turn(self._gearing, index, bench, twin)
 
-    def _send(self, entity: str, index: np.ndarray, values: np.ndarray) -> None:
-        values = np.asarray(values, np.float64)
-        good = np.isfinite(values)
-        if good.any():
-            times = [rr.TimeColumn(TIMELINE, duration=index[good])]
-            self._stream.send_columns(entity, times, rr.Scalars.columns(scalars=values[good]))
+    def _send_noise(self, at: str, index: np.ndarray, floor: float) -> None:
+        """The band goes on to the batch's end."""
+        for side, level in (("above", floor), ("below", -floor)):
+            send(self._stream, f"{at}/residual/noise_{side}", index[[0, -1]], np.full(2, level))
 
-    def _noise_levels(self, name: str, index: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        """RMSE over the last second above the sensor's noise floor [dB], per sample."""
-        window, levels = self._window[name], np.empty(len(index))
-        for k, (time, value) in enumerate(zip(index.tolist(), np.asarray(residual, float).tolist(), strict=True)):
-            square = value * value if value == value else 0.0
-            window.append((time, square))
-            self._sums[name] += square
-            while window[0][0] < time - _WINDOW:
-                self._sums[name] -= window.popleft()[1]
-            power = max(self._sums[name], 0.0) / len(window) / self._noise[name] ** 2
-            levels[k] = 10.0 * math.log10(max(power, 1e-3))
-        return levels
+    def _levels(self, name: str, index: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """RMSE over the last second above the sensor's noise floor [dB] (n,)."""
+        power = self._windows[name].mean_squares(index, residual) / self._noise[name] ** 2
+        return 10.0 * np.log10(np.maximum(power, 10.0 ** (0.1 * _LEAST_LEVEL)))
+
+    def _turn(
+        self, gearing: Gearing, index: np.ndarray, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]
+    ) -> None:
+        """Turn the gear train by the measured angle of the motor (else the twin's), some pictures a second."""
+        angle, current = (bench.get(name, twin.get(name)) for name in ("motor_position", "current"))
+        if angle is None or current is None:
+            return
+        number = np.floor(index / _PICTURE)
+        rows = np.flatnonzero((np.diff(number, prepend=self._pictured) != 0.0) & np.isfinite(angle))
+        self._pictured = number[-1]
+        if len(rows):
+            torque = np.nan_to_num(np.asarray(current)[rows]) * self._torque_constant
+            motion = by_ratios(gearing, index[rows], np.asarray(angle)[rows], torque)
+            send_motion(self._stream, gearing, motion, _full_colours(gearing))
 
     def tell(self, time: float, text: str) -> None:
         """A line of the story at a time [s]."""
@@ -114,29 +162,33 @@ class RerunView:
 
     def close(self) -> None:
         """Write what is held back."""
+        self._send_held()
         self._stream.flush()
         self._stream.disconnect()
 
 
-def _blueprint() -> rrb.Blueprint:
-    titles = {
-        "output_position": "output position [rad, slow shaft]",
-        "current": "quadrature current [A]",
-        "speed": "speed [rad/s, motor shaft]",
-    }
-    left = [rrb.TimeSeriesView(origin=f"/{name}", name=titles[name]) for name in SHOWN]
-    right = [
-        rrb.TimeSeriesView(origin="/residual/output_position", name="output position, measured - twin [mrad]"),
-        rrb.TimeSeriesView(origin="/residual/current", name="current, measured - twin [mA]"),
-        rrb.TimeSeriesView(origin="/error", name="error of the last second above the sensors' noise [dB]"),
-    ]
-    story = rrb.TextLogView(origin="/story", name="story")
-    torque = rrb.TimeSeriesView(origin="/unexplained_torque", name="unexplained torque [mN m, motor shaft]")
-    return rrb.Blueprint(
-        rrb.Vertical(
-            rrb.Horizontal(rrb.Vertical(*left), rrb.Vertical(*right)),
-            rrb.Horizontal(torque, story),
-            row_shares=[4, 1],
+def _names(batch: _Batch) -> list[list[str]]:
+    return [list(signals) for signals in batch[1:]]
+
+
+def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
+    return by_ratios(gearing, np.zeros(1), np.zeros(1), np.full(1, _FULL)).strongest
+
+
+def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
+    """The tabs of a live view."""
+    columns = [signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}") for name in SHOWN]
+    told = [
+        rrb.TimeSeriesView(
+            origin="/error",
+            name="error of the last second above the sensors' noise [dB]: 0 is the best that can be",
+            plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         ),
-        collapse_panels=True,
-    )
+        rrb.TimeSeriesView(origin="/unexplained_torque", name="unexplained torque [mN m, motor shaft]"),
+        rrb.TextLogView(origin="/story", name="story"),
+    ]
+    compare = rrb.Vertical(rrb.Horizontal(*columns), rrb.Horizontal(*told), row_shares=[3, 1], name="compare")
+    if gearing is None:
+        return layout([compare])
+    train = train_tab("as measured", _full_colours(gearing), gearing, simulated=False)
+    return layout([compare, train])

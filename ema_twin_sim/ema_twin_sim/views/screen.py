@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+_VIEWER = Path(sys.executable).with_name("rerun")
+_GRAPHICS = (
+    ("/dev/dri", "*"),
+    ("/dev", "nvidia*"),
+    ("/dev", "dxg"),
+    ("/usr/share/vulkan/icd.d", "*.json"),
+    ("/etc/vulkan/icd.d", "*.json"),
+)
+"""Folders, and what in them stands for something to draw with."""
+_PORT = 9876
 
 
 def display_available() -> bool:
@@ -13,17 +25,45 @@ def display_available() -> bool:
     return sys.platform in ("darwin", "win32") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+def why_not_shown() -> str:
+    """Why rerun's viewer cannot open a window here, in words; empty where nothing speaks against it."""
+    if not display_available():
+        return "there is no display"
+    if not _VIEWER.is_file():
+        return "rerun's viewer is not installed"
+    if sys.platform == "linux" and not any(Path(place).glob(names) for place, names in _GRAPHICS):
+        return "there is no graphics driver (on Debian or Ubuntu: sudo apt install mesa-vulkan-drivers)"
+    return ""
+
+
 def open_viewer(path: Path) -> bool:
     """Open a rerun recording in its viewer, as a process of its own; whether there was a screen to do so."""
-    if not display_available():
+    if why_not_shown():
         return False
     start_viewer(str(path))
     return True
 
 
+def open_live_viewer() -> str:
+    """Open a viewer for what will be sent; returns where to."""
+    start_viewer("--port", str(_PORT), "--bind", "127.0.0.1", "--hide-welcome-screen")
+    return f"rerun+http://127.0.0.1:{_PORT}/proxy"
+
+
 def start_viewer(*arguments: str) -> None:
-    """Start rerun's viewer as a process of its own: without our ROS libraries, and reporting to nobody."""
+    """Start rerun's viewer as a process of its own, which stays when this one ends."""
+    subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
+
+
+def viewer_command() -> list[str]:
+    """How rerun's viewer is started: its binary itself, as the script of that name would leave it behind when ended."""
+    package = importlib.util.find_spec("rerun_cli")
+    places = [Path(place) / "rerun" for place in (package.submodule_search_locations or ())] if package else []
+    return [str(next((binary for binary in places if binary.is_file()), _VIEWER))]
+
+
+def viewer_environment() -> dict[str, str]:
+    """Its environment: without our ROS libraries, and reporting to nobody."""
     environment = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
     environment["CI"] = "true"  # what rerun takes as "no analytics", without touching the user's configuration
-    viewer = Path(sys.executable).with_name("rerun")
-    subprocess.Popen([str(viewer), *arguments], env=environment, start_new_session=True)
+    return environment

@@ -1,0 +1,67 @@
+"""What the commands share that write their views as a rerun file: its name, its content, how to open it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING
+
+from ema_bench_replay.errors import InputError
+
+from .output import say
+from .wording import listed
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..comparison.compare import Comparison
+    from ..model import Model
+    from ..report.findings import Findings
+
+MOST_MODELS = 2
+
+
+def check_rrd_name(path: Path | None, models: int = 1) -> None:
+    """Raise InputError where the name of a rerun file does not tell what it is, or too many models are to be in it."""
+    if path is None:
+        return
+    if path.suffix != ".rrd":
+        raise InputError(f"{path}: rerun opens files by their names; name it .rrd")
+    if models > MOST_MODELS:
+        raise InputError(f"--rrd {path}: shows one model, or two side by side; --model was given {models} times")
+
+
+def write_rrd(
+    path: Path,
+    recordings: Sequence[Recording],
+    models: Sequence[Model],
+    labels: Sequence[str | Path],
+    findings: Findings | None = None,
+    *,
+    source: str | None = None,
+    step: float | None = None,
+    comparisons: Sequence[Comparison] = (),
+    force: bool = False,
+) -> list[str]:
+    """Write the views of recordings beside models; returns the tabs. ``labels`` tell models of one name apart.
+
+    ``comparisons`` are these, where they were made already. Raises InputError where the file cannot be written.
+    """
+    from ..report.content import shown
+    from ..views.recording_views import write_views
+    from .report import told_apart
+
+    given = shown(recordings, models, source, step=step, comparisons=comparisons)
+    names = told_apart((models[0], models[1]), labels) if len(models) > 1 else (models[0].name,)
+    return write_views(path, given, models, names, findings, force=force)
+
+
+def tell_of_rrd(path: Path, tabs: Sequence[str]) -> None:
+    """Say what is in the file, and how to look at it."""
+    from ..views.screen import why_not_shown
+
+    reason = why_not_shown()
+    where = f" where it can be shown (here {reason})" if reason else ""
+    say(f"\n{path} shows {listed(tabs)}. Look at it{where}:")
+    say(f"  rerun {quote(str(path))}")

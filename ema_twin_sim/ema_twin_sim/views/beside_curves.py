@@ -1,0 +1,102 @@
+"""Measured and twin over each other, and below what is left between them with the band of the sensors' noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from ..quantities import axis_unit
+from ..report.beside import Beside, Curves
+from ..report.compared import abscissa, signals_drawn
+from ..report.content import Shown, signal_words
+from .palette import AFTER, BEFORE, BENCH, QUIET, Colour
+from .stream import path_of, send, send_level, style
+
+ROOT = "compare"
+_MODELS = (BEFORE, AFTER)
+_TYPICAL = 0.98  # the quantile of a residual whose size its axis's unit fits
+
+
+def log_curves(stream: rr.RecordingStream, given: Shown, names: Sequence[str]) -> None:
+    """The curves of every recording; ``names`` are the models'."""
+    for number, recording in enumerate(given.comparisons[0].recordings):
+        besides = [curves[number] for curves in given.curves]
+        for name in signals_drawn(given):
+            if all(name in beside.curves for beside in besides):
+                at = path_of(ROOT, recording.name, name)
+                _log_signal(stream, at, besides, name, names, recording.signals[name]["noise_floor"])
+
+
+def _log_signal(
+    stream: rr.RecordingStream, at: str, besides: Sequence[Beside], name: str, models: Sequence[str], floor: float
+) -> None:
+    along, order, _ = abscissa(besides[0])
+    time = (along - along.min() if besides[0].of_points else along)[order]
+    curves = [beside.curves[name] for beside in besides]
+    scale, unit = residual_unit(curves)
+    style(stream, f"{at}/curves/measured", f"measured [{curves[0].unit}]", BENCH, 2.5)
+    send(stream, f"{at}/curves/measured", time, curves[0].measured[order])
+    for model, curve, colour in zip(models, curves, _MODELS, strict=False):
+        twin = path_of(f"twin {model}")
+        style(stream, f"{at}/curves{twin}", f"twin {model}", colour, 1.5)
+        send(stream, f"{at}/curves{twin}", time, (curve.measured - curve.residual)[order])
+        style(stream, f"{at}/residual{twin}", f"− twin {model}", colour, 1.2)
+        send(stream, f"{at}/residual{twin}", time, curve.residual[order] / scale)
+    log_noise(stream, f"{at}/residual", time, floor / scale, unit)
+
+
+def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
+    """What to divide residuals by so that an axis reads well, and their unit then."""
+    sizes = [float(np.nanquantile(np.abs(c.residual), _TYPICAL)) for c in curves if np.isfinite(c.residual).any()]
+    return axis_unit(max(sizes, default=0.0), curves[0].unit)
+
+
+def log_noise(stream: rr.RecordingStream, at: str, time: Sequence[float] | np.ndarray, floor: float, unit: str) -> None:
+    """The band of the sensors' noise, one standard deviation to either side, as two lines below ``at``."""
+    for name, level in (("noise_above", floor), ("noise_below", -floor)):
+        entity = f"{at}/{name}"
+        style_noise(stream, entity, unit)
+        send_level(stream, entity, time, level)
+
+
+def style_noise(stream: rr.RecordingStream, entity: str, unit: str) -> None:
+    """How an edge of the noise's band is drawn."""
+    style(stream, entity, f"± sensors' noise [{unit}]", QUIET, 1.5)
+
+
+def curves_tab(given: Shown) -> rrb.Container:
+    """A tab a recording, that which the earlier model misses most in front; a column a signal."""
+    tabs = []
+    for number, recording in enumerate(given.comparisons[0].recordings):
+        besides = [curves[number] for curves in given.curves]
+        along = abscissa(besides[0])[2] if besides[0].of_points else ""
+        columns = []
+        for name in signals_drawn(given):
+            if all(name in beside.curves for beside in besides):
+                unit = besides[0].curves[name].unit
+                small = residual_unit([beside.curves[name] for beside in besides])[1]
+                columns.append(signal_column(path_of(ROOT, recording.name, name), name, unit, small, along))
+        tabs.append(rrb.Horizontal(*columns, name=recording.name))
+    return rrb.Tabs(*tabs, active_tab=given.telling, name="compare")
+
+
+def signal_column(at: str, name: str, unit: str, residual_unit: str, along: str = "") -> rrb.Container:
+    """One signal above, its residual below; ``along`` says what stands for the time."""
+    over = f" over {along}, a second for each unit" if along else ""
+    words = signal_words(name)
+    above = f"{words} [{unit}]: measured and twin{over}"
+    below = f"{words}: measured − twin [{residual_unit}]"
+    together = rrb.TimeAxis(link="LinkToGlobal")
+    legend = rrb.PlotLegend(rrb.Corner2D.RightTop)
+    return rrb.Vertical(
+        rrb.TimeSeriesView(origin=f"{at}/curves", name=above, axis_x=together, plot_legend=legend),
+        rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, plot_legend=legend),
+    )
+
+
+def colour_of(model: int) -> Colour:
+    """The colour of a model, the earlier 0."""
+    return _MODELS[model]

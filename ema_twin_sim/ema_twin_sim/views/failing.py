@@ -1,0 +1,111 @@
+"""Where it fails: residuals against speed, position, direction and order, with the orders named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
+
+from ..quantities import quantity
+from ..report.content import signal_words
+from ..report.where import Failures
+from .drawn_chart import draw
+from .palette import TEXT
+from .sheet import HIGH, RIGHT, TOP, WIDE
+
+ROOT = "where_it_fails"
+_PLACES = ("speed", "output_position", "direction")
+_STANDS_OUT = 2.0  # times the usual amplitude of the orders about it: from there on an order is a peak
+_ABOUT = 0.25  # of the order, to either side
+
+
+def log_failures(
+    stream: rr.RecordingStream, found: Sequence[Failures], said: Sequence[str], names: Sequence[str]
+) -> None:
+    """Draw each signal's charts, and write what they say."""
+    for each in found:
+        at = f"{ROOT}/{each.signal}"
+        for place, chart in zip(_PLACES, each.charts, strict=True):
+            draw(stream, f"{at}/{place}", chart).done()
+        if each.orders is not None:
+            _log_orders(stream, f"{at}/order", each)
+        text = rr.TextDocument(_told(each, said, names), media_type=rr.MediaType.MARKDOWN)
+        stream.log(f"{at}/told", text, static=True)
+
+
+def _log_orders(stream: rr.RecordingStream, at: str, each: Failures) -> None:
+    """The spectrum, with the name of the highest order that stands out of those about it, at its peak."""
+    orders = each.orders
+    assert orders is not None
+    sheet = draw(stream, at, orders.chart)
+    first = orders.chart.traces[0]
+    clear = [
+        (peaks[0] / orders.scale, order, name)
+        for order, name, peaks in orders.named
+        if peaks[0] / orders.scale > _STANDS_OUT * _usual(first["x"], first["y"], order)
+    ]
+    for peak, order, name in sorted(clear)[-1:]:
+        x, y = sheet.place(np.array([order]), np.array([peak]))[0]
+        sheet.write(min(x, RIGHT - len(name)), max(y - 3.0, TOP + 8.0), f"{name} ({order:g})", TEXT)
+    sheet.done()
+
+
+def _usual(orders: np.ndarray, amplitudes: np.ndarray, order: float) -> float:
+    """The usual amplitude about an order; infinite where the spectrum has none there."""
+    about = amplitudes[np.abs(np.log(orders / order)) < _ABOUT]
+    return float(np.median(about)) if len(about) else np.inf
+
+
+def _told(each: Failures, said: Sequence[str], names: Sequence[str]) -> str:
+    """In words and one table: what the error depends on, and the machine's own orders."""
+    lines = ["## Where it fails", ""]
+    lines += [f"**{name}**: {text}\n" for name, text in zip(names, said, strict=True)]
+    lines += ["Line: median. Shaded: between the quartiles. Dots: moving backward.", ""]
+    if each.orders is not None and each.orders.named:
+        lines += [
+            "### The machine's own orders",
+            "",
+            f"Cycles per turn of the motor; the numbers stand above the spectrum. Amplitude: {' → '.join(names)}.",
+            "",
+            "| order | cycles | amplitude |",
+            "|---|---|---|",
+        ]
+        for number, (order, name, peaks) in enumerate(each.orders.named, 1):
+            sizes = " → ".join(quantity(peak, each.orders.unit) for peak in peaks)
+            lines.append(f"| {number}: {name} | {order:g} | {sizes} |")
+    return "\n".join(lines)
+
+
+def failing_tab(found: Sequence[Failures]) -> rrb.Container:
+    """A tab a signal: four charts, and beside them what they say."""
+    tabs = []
+    for each in found:
+        at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)
+        views = [
+            sheet_view(f"{at}/{place}", f"residual of the {words} against {against}")
+            for place, against in (
+                ("speed", "the motor's speed"),
+                ("output_position", "the output's position"),
+                ("direction", "the direction of motion"),
+            )
+        ]
+        if each.orders is not None:
+            views.append(sheet_view(f"{at}/order", f"residual of the {words} against order, cycles per turn"))
+        told = rrb.TextDocumentView(origin=f"{at}/told", name="in words")
+        tabs.append(
+            rrb.Horizontal(
+                rrb.Grid(*views, grid_columns=2),
+                told,
+                column_shares=[2, 1],
+                name=words,
+            )
+        )
+    return rrb.Tabs(*tabs, name="where it fails")
+
+
+def sheet_view(at: str, name: str, high: float = HIGH) -> rrb.Spatial2DView:
+    """A view of a sheet as a whole."""
+    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[0.0, high])
+    return rrb.Spatial2DView(origin=at, name=name, visual_bounds=bounds)

@@ -1,0 +1,35 @@
+"""The colours of the views: those of the report on dark ground, which rerun's viewer has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+Colour = tuple[int, int, int]
+
+GROUND: Colour = (13, 16, 17)
+TEXT: Colour = (230, 233, 236)
+QUIET: Colour = (163, 173, 183)
+RULE: Colour = (58, 66, 75)
+GRID: Colour = (34, 39, 45)
+BENCH: Colour = (240, 242, 244)
+BEFORE: Colour = (255, 154, 77)
+AFTER: Colour = (93, 184, 245)
+RIVAL: Colour = (199, 155, 230)
+FAINT: Colour = (125, 135, 145)
+GOOD: Colour = (90, 208, 122)
+
+NAMED = {"bench": BENCH, "before": BEFORE, "after": AFTER, "rival": RIVAL, "faint": FAINT, "band": FAINT}
+"""The colours that the report's charts name."""
+_DIM = 0.28  # of a colour that lies behind others
+
+
+def dimmed(colour: Sequence[int], share: float = _DIM) -> Colour:
+    """A colour as it shows through on the ground."""
+    red, green, blue = (round(g + share * (c - g)) for c, g in zip(colour, GROUND, strict=True))
+    return red, green, blue
+
+
+def named(role: str) -> Colour:
+    """The colour of a role in the report's charts: ``@before``, ``@before-faint``."""
+    name, _, faint = role.removeprefix("@").partition("-")
+    return dimmed(NAMED[name]) if faint else NAMED[name]

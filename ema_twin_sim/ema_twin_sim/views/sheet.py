@@ -1,0 +1,171 @@
+"""A sheet to draw on in a 2D view: a frame with ticks and titles, lines, bars, points and words.
+
+Rerun plots scalars over time and nothing else, so what stands against speed or order is drawn. A sheet is ``WIDE``
+units wide; words keep their size on the screen, whatever the view's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from .palette import QUIET, RULE, TEXT, Colour
+
+WIDE, HIGH = 160.0, 91.0
+"""The size of a sheet, unless it is made another height."""
+LEFT, RIGHT, TOP = 19.0, 156.0, 14.0
+"""The frame's edges."""
+_BELOW = 16.0  # units below the frame
+_LETTER = 1.25  # units that a letter is wide in a view of a quarter of a screen
+_LETTER_OF_KEY = 1.9  # in a view of a sixth, where words must not cover each other
+_ABOVE = 2.4  # units that words stand below the point that they are given
+_TICKS = 6  # about so many
+
+
+@dataclass(frozen=True)
+class Axis:
+    """From values to places between two edges of the frame; ``ticks`` and their words, in values."""
+
+    low: float
+    high: float
+    ticks: tuple[float, ...]
+    words: tuple[str, ...]
+    title: str
+    log: bool = False
+
+    def share(self, values: np.ndarray | float) -> np.ndarray:
+        """Where values lie between the low end (0) and the high end (1)."""
+        along = np.asarray(values, np.float64)
+        if self.log:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                along = np.log10(along)
+            return (along - math.log10(self.low)) / (math.log10(self.high) - math.log10(self.low))
+        return (along - self.low) / (self.high - self.low)
+
+
+def linear_axis(low: float, high: float, title: str) -> Axis:
+    """An axis with round ticks."""
+    if not high > low:
+        low, high = low - 0.5, high + 0.5
+    raw = (high - low) / _TICKS
+    power = 10.0 ** math.floor(math.log10(raw))
+    step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= raw)
+    ticks = tuple(step * k for k in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1))
+    return Axis(low, high, ticks, tuple(f"{tick:.6g}".replace("-", "−") for tick in ticks), title)
+
+
+def log_axis(low: float, high: float, title: str) -> Axis:
+    """A logarithmic axis, ticks at 1, 2 and 5 of each decade, or at decades alone where these are many."""
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    factors = (1.0, 2.0, 5.0) if len(decades) <= 4 else (1.0,)
+    ticks = tuple(f * 10.0**d for d in decades for f in factors if low <= f * 10.0**d <= high)
+    return Axis(low, high, ticks, tuple(f"{tick:g}" for tick in ticks), title, log=True)
+
+
+def named_axis(names: Sequence[str], title: str) -> Axis:
+    """An axis of names, which stand at 0, 1, 2 …"""
+    places = tuple(float(k) for k in range(len(names)))
+    return Axis(-0.5, len(names) - 0.5, places, tuple(names), title)
+
+
+class Sheet:
+    """Draws below the entity ``at`` of a stream, on a sheet ``high`` units high; everything is static."""
+
+    def __init__(self, stream: rr.RecordingStream, at: str, x: Axis, y: Axis, high: float = HIGH) -> None:
+        self._stream, self._at, self._x, self._y = stream, at, x, y
+        self.bottom = high - _BELOW
+        self._words: list[tuple[float, float, str, Colour]] = []
+        self._frame()
+
+    def _frame(self) -> None:
+        corners = [[LEFT, TOP], [RIGHT, TOP], [RIGHT, self.bottom], [LEFT, self.bottom], [LEFT, TOP]]
+        at_x = [float(v) for v in LEFT + (RIGHT - LEFT) * self._x.share(np.array(self._x.ticks))]
+        at_y = [float(v) for v in self.bottom - (self.bottom - TOP) * self._y.share(np.array(self._y.ticks))]
+        grid = [[[x, TOP], [x, self.bottom]] for x in at_x] + [[[LEFT, y], [RIGHT, y]] for y in at_y]
+        self._log("grid", rr.LineStrips2D(grid, colors=[RULE], radii=[-0.4], draw_order=0.0))
+        self._log("frame", rr.LineStrips2D([corners], colors=[QUIET], radii=[-0.7], draw_order=1.0))
+        for x, word in zip(at_x, self._x.words, strict=True):
+            self.write(x, self.bottom + _ABOVE + 1.0, word, QUIET)
+        for y, word in zip(at_y, self._y.words, strict=True):
+            self.write(LEFT - 2.0 - 0.5 * _LETTER * (len(word) + 1), y, word, QUIET)
+        self.write(0.5 * (LEFT + RIGHT), self.bottom + 10.5, self._x.title, TEXT)
+        self.write_from(LEFT, 3.0, self._y.title, TEXT)
+
+    def place(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Values (n,) as points (n, 2) of the sheet, held within the frame."""
+        across = LEFT + (RIGHT - LEFT) * np.clip(self._x.share(x), 0.0, 1.0)
+        up = self.bottom - (self.bottom - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
+        return np.column_stack(np.broadcast_arrays(across, up))
+
+    def line(
+        self, name: str, x: np.ndarray, y: np.ndarray, colour: Colour, width: float, *, dots: bool = False
+    ) -> None:
+        """A curve through the values (n,) that are finite, ``width`` in pixels; ``dots`` parts it into short pieces."""
+        good = np.isfinite(x) & np.isfinite(y)
+        points = self.place(x[good], y[good])
+        if len(points) < 2:
+            return
+        strips = _pieces(points) if dots else [points]
+        self._log(name, rr.LineStrips2D(strips, colors=[colour], radii=[-0.5 * width], draw_order=20.0))
+
+    def band(self, name: str, x: np.ndarray, low: np.ndarray, high: np.ndarray, colour: Colour) -> None:
+        """What lies between two curves (n,), filled."""
+        good = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
+        below, above = self.place(x[good], low[good]), self.place(x[good], high[good])
+        if len(below) < 2:
+            return
+        across = np.linspace(below[0, 0], below[-1, 0], 240)
+        bottom, top = (np.interp(across, points[:, 0], points[:, 1]) for points in (below, above))
+        strips = np.stack([np.column_stack([across, bottom]), np.column_stack([across, top])], axis=1)
+        half = 0.7 * (across[1] - across[0])
+        self._log(name, rr.LineStrips2D(strips, colors=[colour], radii=[half], draw_order=10.0))
+
+    def bar(self, name: str, ends: Sequence[tuple[float, float]], half: float, colour: Colour, order: float) -> None:
+        """A thick line between two points of the sheet, ``half`` units to either side; a higher ``order`` is above."""
+        self._log(name, rr.LineStrips2D([ends], colors=[colour], radii=[half], draw_order=order))
+
+    def dots(self, name: str, x: np.ndarray, y: np.ndarray, colour: Colour, size: float) -> None:
+        """Points, ``size`` pixels across."""
+        good = np.isfinite(x) & np.isfinite(y)
+        points = self.place(x[good], y[good])
+        self._log(name, rr.Points2D(points, colors=[colour], radii=[-0.5 * size], draw_order=30.0))
+
+    def write(self, x: float, y: float, text: str, colour: Colour) -> None:
+        """Words whose middle is at a point of the sheet."""
+        if text:
+            self._words.append((x, y - _ABOVE, text, colour))
+
+    def write_from(self, x: float, y: float, text: str, colour: Colour, letter: float = _LETTER) -> None:
+        """Words that begin at a point of the sheet, if a ``letter`` is so many units wide."""
+        self.write(x + 0.5 * letter * (len(text) + 1), y, text, colour)
+
+    def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
+        """What the colours mean, in a row above the frame that ends at its right edge."""
+        x = RIGHT
+        for text, colour in reversed(entries):
+            half = 0.5 * _LETTER_OF_KEY * (len(text) + 1)
+            self.write(x - half, 10.0, text, colour)
+            x -= 2.0 * half
+
+    def done(self) -> None:
+        """Write all words."""
+        places = [[x, y] for x, y, *_ in self._words]
+        texts, colours = [text for _, _, text, _ in self._words], [colour for *_, colour in self._words]
+        words = rr.Points2D(places, labels=texts, colors=colours, radii=[0.0], show_labels=True, draw_order=40.0)
+        self._log("words", words)
+
+    def _log(self, name: str, content: rr.AsComponents) -> None:
+        self._stream.log(f"{self._at}/{rr.escape_entity_path_part(name)}", content, static=True)
+
+
+def _pieces(points: np.ndarray, length: float = 1.2) -> list[np.ndarray]:
+    """A curve's points (n, 2) as short pieces with as much space between them."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    at = np.arange(0.0, along[-1], 0.5 * length)
+    x, y = (np.interp(at, along, points[:, k]) for k in (0, 1))
+    fine = np.column_stack([x, y])
+    return [fine[k : k + 3] for k in range(0, len(fine) - 1, 4)]

@@ -1,0 +1,82 @@
+"""Why: the effects that may be missing, ranked, how well their numbers are known, and the signature of each."""
+
+from __future__ import annotations
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from ..commands.wording import effect_words, options_words
+from ..quantities import estimate
+from ..report.findings import Findings
+from ..report.ranking import signature_chart, worth_showing
+from .drawn_bars import Bar, draw_bars, sheet_height
+from .drawn_chart import draw
+from .failing import sheet_view
+from .palette import AFTER, FAINT
+from .sheet import linear_axis
+
+ROOT = "why"
+
+
+def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> None:
+    """Draw the ranking, the errors of the numbers and each signature; write the verdict."""
+    if findings.ranking:
+        draw_bars(stream, f"{ROOT}/ranking", _ranking(findings), linear_axis(0.0, 100.0, "probability [%]"),
+                  "Which effect is missing?  blue: found;  grey: refused").done()  # fmt: skip
+    sizes = _sizes(findings)
+    if sizes:
+        draw_bars(stream, f"{ROOT}/sizes", sizes, linear_axis(0.0, 200.0, "% of the value that was found"),
+                  "How well are the numbers known?  white: ± one standard error").done()  # fmt: skip
+    for number, signature in enumerate(findings.signatures):
+        if signature.curves:
+            draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
+    stream.log(f"{ROOT}/verdict", rr.TextDocument(f"# {verdict}", media_type=rr.MediaType.MARKDOWN), static=True)
+
+
+def _ranking(findings: Findings) -> list[Bar]:
+    bars = []
+    for entry in worth_showing(findings):
+        choices = options_words(entry.options)
+        name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
+        text = f"{100.0 * entry.probability:.0f} %"
+        if entry.error_removed is not None:
+            text += f", takes {round(100.0 * entry.error_removed, 1) + 0.0:.1f} % of the error away"
+        bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
+    for name, share in (("nothing is missing", findings.none), ("something else", findings.unknown)):
+        bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))
+    return bars
+
+
+def _sizes(findings: Findings) -> list[Bar]:
+    """The numbers of the effects that were found, each as a hundred percent of itself."""
+    bars = []
+    for name, entry in (findings.parameters or {}).items():
+        for parameter, held in entry.items():
+            if parameter in ("effect", "options") or held["std"] is None or not held["value"]:
+                continue
+            text = estimate(held["value"], held["std"], held["unit"])
+            relative = 100.0 * held["std"] / abs(held["value"])
+            title = f"{effect_words(name)}, {parameter.replace('_', ' ')}"
+            bars.append(Bar(title, 100.0, f"{text} ({relative:.1f} %)", AFTER, relative))
+    return bars
+
+
+def why_tab(findings: Findings) -> rrb.Container:
+    """The verdict on top, the bars below it, and below them the signatures."""
+    bars = []
+    if findings.ranking:
+        high = sheet_height(len(_ranking(findings)))
+        bars.append(sheet_view(f"{ROOT}/ranking", "which effect is missing: probabilities", high))
+    if _sizes(findings):
+        high = sheet_height(len(_sizes(findings)))
+        bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors", high))
+    signatures = [
+        sheet_view(f"{ROOT}/signature_{number}", signature_chart(signature).caption)
+        for number, signature in enumerate(findings.signatures)
+        if signature.curves
+    ]
+    rows: list[rrb.Container] = [rrb.Horizontal(*bars)] if bars else []
+    if signatures:
+        rows.append(rrb.Grid(*signatures, grid_columns=min(3, len(signatures))))
+    verdict = rrb.TextDocumentView(origin=f"{ROOT}/verdict", name="verdict")
+    return rrb.Vertical(verdict, *rows, row_shares=[1, *[4] * len(rows)], name="why")

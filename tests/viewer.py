@@ -1,0 +1,88 @@
+"""A headless rerun viewer that tests look through: drawn by the processor (lavapipe), and on loopback only."""
+
+import os
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+LAVAPIPE = next(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"), None)
+REASON = "lavapipe, which draws rerun's views without a graphics card, is missing: sudo apt install mesa-vulkan-drivers"
+SIZE = (1600, 1000)  # pixels
+
+
+class Viewer:
+    """One viewer with the files that it opened."""
+
+    def __init__(self, *files, patience=60.0):
+        import rerun_cli
+        from rerun.experimental import ViewerClient
+
+        self._home, self._patience = tempfile.mkdtemp(), patience
+        with socket.socket() as taken:
+            taken.bind(("127.0.0.1", 0))
+            port = taken.getsockname()[1]
+        kept = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
+        homes = dict.fromkeys(("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_RUNTIME_DIR"), self._home)
+        environment = kept | homes | {"CI": "true", "RUST_LOG": "off", "VK_ICD_FILENAMES": str(LAVAPIPE)}
+        size = f"{SIZE[0]}x{SIZE[1]}"
+        options = ["--headless", "--bind", "127.0.0.1", "--port", str(port), "--window-size", size]
+        viewer = Path(rerun_cli.__file__).with_name("rerun")
+        self._process = subprocess.Popen(
+            [viewer, *options, "--hide-welcome-screen", *map(str, files)],
+            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        self._client = self._wait(lambda: ViewerClient.connect(f"rerun+http://127.0.0.1:{port}/proxy"))
+        self._wait(self._loaded)
+
+    def close(self):
+        self._process.terminate()
+        self._process.wait(timeout=20)
+        shutil.rmtree(self._home, ignore_errors=True)
+
+    def _loaded(self):
+        state = self._client.get_state()
+        return bool(state.active_recording and not state.loading and state.views)
+
+    def _wait(self, call):
+        """What a call gives, once it neither fails nor gives nothing."""
+        end = time.monotonic() + self._patience
+        while True:
+            try:
+                if found := call():
+                    return found
+            except (ConnectionError, RuntimeError, ValueError):
+                pass  # the viewer is not up yet
+            assert time.monotonic() < end and self._process.poll() is None, "the viewer does not answer"
+            time.sleep(0.1)
+
+    def show(self, *tabs):
+        """Bring the tabs of these names to the front, one inside the other."""
+        blueprint = dict(self._client.get_blueprint().blueprint)
+        kind = "ContainerBlueprint"
+        containers = {path: parts[kind] for path, parts in blueprint.items() if kind in parts}
+        for name in tabs:
+            (inner,) = (path for path, parts in containers.items() if parts.get("display_name") == name)
+            for path, parts in containers.items():
+                if parts["container_kind"] == "Tabs" and inner.lstrip("/") in parts["contents"]:
+                    blueprint[path] = {kind: {**parts, "active_tab": inner.lstrip("/")}}
+        self._client.set_blueprint(blueprint, "recording")
+
+    def at(self, seconds):
+        """Stop at a time [s] of the recording."""
+        self._client.set_time("t", duration=float(seconds), play_state="paused")
+
+    def troubles(self):
+        """What the views in sight complain of."""
+        return [f"{view.name}: {report}" for view in self._client.get_state().views for report in view.reports]
+
+    def views(self):
+        """The names of the views in sight."""
+        return [view.name for view in self._client.get_state().views]
+
+    def picture(self, path, settled=1.5):
+        """Save what the window shows, when it has had ``settled`` seconds to draw it."""
+        time.sleep(settled)
+        self._client.save_screenshot(str(Path(path).resolve()))
