@@ -96,7 +96,7 @@ def send_motion(
     """Turn the wheels; colours are full at the ``strongest`` torques [N m] of sun, fixed ring and output ring."""
     times = [rr.TimeColumn(TIMELINE, duration=motion.time)]
     stage = -_APART * gearing.face_width
-    sun, planets, seconds, ring, output = _starts(gearing)
+    sun, planets, seconds, ring, output = starting_angles(gearing)
     on_sun, on_ring, on_output = (
         _colours(torque / most if most else torque)
         for torque, most in zip((motion.on_sun, motion.on_ring, motion.on_output), strongest, strict=True)
@@ -132,7 +132,7 @@ def _places(carrier: float) -> list[float]:
     return [carrier + _TURN * k / PLANETS for k in range(PLANETS)]
 
 
-def _starts(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
+def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
     """Angles [rad] at which all teeth stand in gaps: sun, planets, second planets, fixed ring, output ring.
 
     A wheel's phase in a direction is how many teeth it has from there to its own x axis. Wheels that turn opposite ways

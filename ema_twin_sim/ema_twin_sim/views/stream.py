@@ -16,7 +16,9 @@ from ema_bench_replay.outputs import new_file
 from .palette import Colour
 
 APPLICATION = "ema-twin"
-"""What rerun keeps layouts under: that of one recording is used for the next."""
+"""What rerun keeps layouts under: that of one file serves the next."""
+LIVE_APPLICATION = "ema-twin-live"
+"""The same for live views, which have other tabs."""
 TIMELINE = "t"
 """Seconds since a recording's first sample."""
 _ROWS = 1 << 16  # of a chunk, so that a viewer draws what is in sight and no more
