@@ -79,7 +79,7 @@ def _log_words(stream: rr.RecordingStream, gearing: Gearing, meshes: dict[str, W
     below = np.array([0.0, 0.0, -stage])
     words = [
         (f"fixed ring, {g.ring_teeth} teeth", aside),
-        (f"output ring, {g.output_ring_teeth} teeth: 1 turn in {abs(g.ratio):.4g} of the sun", 1.1 * aside + below),
+        (f"output ring, {g.output_ring_teeth} teeth: 1 turn in {abs(g.ratio):.4g} of the sun", 1.45 * aside + below),
         (f"sun, {g.sun_teeth} teeth: on the motor's shaft", np.array([0.0, 0.0, 3.0 * g.face_width])),
         (f"planets, {g.planet_teeth} teeth, on the carrier", -aside),
         (f"their second teeth, {g.second_planet_teeth}", below - 1.25 * aside),

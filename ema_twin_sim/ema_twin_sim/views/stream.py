@@ -32,11 +32,12 @@ def new_rrd(path: Path, blueprint: rrb.Blueprint, *, force: bool = False) -> Ite
     """
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     with new_file(path, force=force) as file:
-        taken = rr.binary_stream(stream)
-        stream.send_blueprint(blueprint)
-        yield stream
-        file.write(taken.read() or b"")
-        stream.disconnect()
+        stream.set_sinks(rr.FileSink(str(file.name)), default_blueprint=blueprint)
+        try:
+            yield stream
+        finally:
+            stream.flush()
+            stream.disconnect()
 
 
 def open_for_writing(path: Path) -> rr.FileSink:
