@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-pictures bench accuracy figures lock clean
+.PHONY: help setup demo test test-pictures bench accuracy figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -24,10 +24,9 @@ test: setup ## style and type checks, then all tests
 	@$(RUN) -m mypy
 	@$(RUN) -m pytest tests -n auto --dist loadfile
 
-test-pictures: setup ## the report as a browser shows it; needs chromium
-	@for name in chromium chromium-browser google-chrome; do command -v $$name >/dev/null && exit; done; \
-		echo "test-pictures: chromium is missing; on Debian or Ubuntu: sudo apt install chromium" >&2; exit 2
-	@$(RUN) -m pytest tests/test_report_in_browser.py
+test-pictures: setup ## the report in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
+	@.ci/drawing_tools
+	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_views_in_rerun.py
 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q
@@ -37,6 +36,12 @@ accuracy: setup ## how well missing effects are named on another bench; ARGS="--
 
 figures: setup ## the figures and numbers of docs/physics.md; ARGS="--speed" measures what a step costs too
 	@$(RUN) -m docs.figures $(ARGS)
+
+pictures: setup ## the pictures of rerun's views in docs/pictures; needs mesa-vulkan-drivers
+	@$(RUN) -m docs.pictures
+
+blueprints: setup ## the layouts for rerun in config/blueprints
+	@$(RUN) -m ema_twin_sim.views.bag_blueprint config/blueprints
 
 lock: ## refresh requirements.lock
 	@$(PYTHON) -m venv --clear .venv-lock && .venv-lock/bin/python -m pip install --quiet uv

@@ -12,7 +12,7 @@ from .palette import GRID, TEXT, Colour
 from .sheet import HIGH, LEFT, RIGHT, TOP, Axis, Sheet
 
 _HALF = 1.6  # units
-_ROW = 11.0
+_ROW = 12.5
 _LETTER = 1.6  # units that a letter is wide where many bars make a view small
 
 
@@ -43,7 +43,7 @@ def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Ax
         sheet.bar(f"room {number}", [(first, middle), (RIGHT - _HALF, middle)], _HALF, GRID, 5.0)
         if end > first + _HALF:
             sheet.bar(bar.name, [(first, middle), (end - _HALF, middle)], _HALF, bar.colour, 15.0)
-        sheet.write_from(LEFT, middle - _HALF - 2.8, f"{bar.name}: {bar.text}", bar.colour, _LETTER)
+        sheet.write_from(LEFT, middle - _HALF - 3.4, f"{bar.name}: {bar.text}", bar.colour, _LETTER)
         if bar.deviation is not None:
             ends = [bar.value - bar.deviation, bar.value + bar.deviation]
             low, high = LEFT + (RIGHT - LEFT) * np.clip(axis.share(np.array(ends)), 0.0, 1.0)

@@ -79,7 +79,7 @@ def _log_words(stream: rr.RecordingStream, gearing: Gearing, meshes: dict[str, W
     below = np.array([0.0, 0.0, -stage])
     words = [
         (f"fixed ring, {g.ring_teeth} teeth", aside),
-        (f"output ring, {g.output_ring_teeth} teeth: 1 turn in {abs(g.ratio):.4g} of the sun", 1.1 * aside + below),
+        (f"output ring, {g.output_ring_teeth} teeth: 1 turn in {abs(g.ratio):.4g} of the sun", 1.45 * aside + below),
         (f"sun, {g.sun_teeth} teeth: on the motor's shaft", np.array([0.0, 0.0, 3.0 * g.face_width])),
         (f"planets, {g.planet_teeth} teeth, on the carrier", -aside),
         (f"their second teeth, {g.second_planet_teeth}", below - 1.25 * aside),
@@ -96,7 +96,7 @@ def send_motion(
     """Turn the wheels; colours are full at the ``strongest`` torques [N m] of sun, fixed ring and output ring."""
     times = [rr.TimeColumn(TIMELINE, duration=motion.time)]
     stage = -_APART * gearing.face_width
-    sun, planets, seconds, ring, output = _starts(gearing)
+    sun, planets, seconds, ring, output = starting_angles(gearing)
     on_sun, on_ring, on_output = (
         _colours(torque / most if most else torque)
         for torque, most in zip((motion.on_sun, motion.on_ring, motion.on_output), strongest, strict=True)
@@ -132,7 +132,7 @@ def _places(carrier: float) -> list[float]:
     return [carrier + _TURN * k / PLANETS for k in range(PLANETS)]
 
 
-def _starts(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
+def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
     """Angles [rad] at which all teeth stand in gaps: sun, planets, second planets, fixed ring, output ring.
 
     A wheel's phase in a direction is how many teeth it has from there to its own x axis. Wheels that turn opposite ways

@@ -19,7 +19,7 @@ from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, BENCH, GOOD, RIVAL
 from .recording_views import layout
 from .rms_window import RmsWindow
-from .stream import APPLICATION, TIMELINE, open_for_writing, path_of, send, style
+from .stream import LIVE_APPLICATION, TIMELINE, open_for_writing, path_of, send, style
 from .train_motion import by_ratios, gearing_shown
 
 SHOWN = ("output_position", "current", "speed")
@@ -60,7 +60,7 @@ class RerunView:
         self._pictured = -np.inf
         self._held: list[_Batch] = []
         self._sent = -np.inf
-        self._stream = rr.RecordingStream(f"{APPLICATION}-live", send_properties=False)
+        self._stream = rr.RecordingStream(LIVE_APPLICATION, send_properties=False)
         into: list[Any] = [rr.GrpcSink(sink) for sink in sinks]
         if path is not None:
             into.append(open_for_writing(path))
@@ -181,11 +181,15 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
     told = [
         rrb.TimeSeriesView(
             origin="/error",
-            name="error of the last second above the sensors' noise [dB]: 0 is the best that can be",
+            name="error of the last second above the noise [dB]",
             plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),
         ),
         rrb.TimeSeriesView(origin="/unexplained_torque", name="unexplained torque [mN m, motor shaft]"),
-        rrb.TextLogView(origin="/story", name="story"),
+        rrb.TextLogView(
+            origin="/story",
+            name="story",
+            columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["Body"]),
+        ),
     ]
     compare = rrb.Vertical(rrb.Horizontal(*columns), rrb.Horizontal(*told), row_shares=[3, 1], name="compare")
     if gearing is None:

@@ -16,7 +16,9 @@ from ema_bench_replay.outputs import new_file
 from .palette import Colour
 
 APPLICATION = "ema-twin"
-"""What rerun keeps layouts under: that of one recording is used for the next."""
+"""What rerun keeps layouts under: that of one file serves the next."""
+LIVE_APPLICATION = "ema-twin-live"
+"""The same for live views, which have other tabs."""
 TIMELINE = "t"
 """Seconds since a recording's first sample."""
 _ROWS = 1 << 16  # of a chunk, so that a viewer draws what is in sight and no more
@@ -30,11 +32,12 @@ def new_rrd(path: Path, blueprint: rrb.Blueprint, *, force: bool = False) -> Ite
     """
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     with new_file(path, force=force) as file:
-        taken = rr.binary_stream(stream)
-        stream.send_blueprint(blueprint)
-        yield stream
-        file.write(taken.read() or b"")
-        stream.disconnect()
+        stream.set_sinks(rr.FileSink(str(file.name)), default_blueprint=blueprint)
+        try:
+            yield stream
+        finally:
+            stream.flush()
+            stream.disconnect()
 
 
 def open_for_writing(path: Path) -> rr.FileSink:

@@ -54,16 +54,22 @@ def outline(teeth: int, base: float, pressure_angle: float, root: float, tip: fl
     ``pressure_angle`` in rad; of an ``inner`` toothing the tips lie inside the roots.
     """
     radii = np.linspace(root, tip, _FLANK)
-    # tooth's half angle at each radius: pi / 2 z at the pitch circle, and narrower or wider by the involute
-    bent = np.arccos(np.clip(base / np.maximum(radii, base), -1.0, 1.0))
-    involute = np.tan(bent) - bent
-    at_pitch = math.tan(pressure_angle) - pressure_angle
-    half = math.pi / (2 * teeth) + (involute - at_pitch if inner else at_pitch - involute)
-    half = np.clip(half, 0.05 * math.pi / teeth, 0.95 * math.pi / teeth)
+    half = half_thickness(radii, teeth, base, pressure_angle, inner=inner)
     middles = 2.0 * math.pi * np.arange(teeth)[:, None] / teeth
     angles = np.concatenate([middles - half, middles + half[::-1]], axis=1).ravel()
     all_radii = np.tile(np.concatenate([radii, radii[::-1]]), teeth)
     return np.column_stack([all_radii * np.cos(angles), all_radii * np.sin(angles)])
+
+
+def half_thickness(
+    radii: np.ndarray, teeth: int, base: float, pressure_angle: float, *, inner: bool
+) -> np.ndarray:
+    """The half angle [rad] (n,) of a tooth at radii [m] (n,): pi / 2 z at the pitch circle, else by the involute."""
+    bent = np.arccos(np.clip(base / np.maximum(radii, base), -1.0, 1.0))
+    involute = np.tan(bent) - bent
+    at_pitch = math.tan(pressure_angle) - pressure_angle
+    half = math.pi / (2 * teeth) + (involute - at_pitch if inner else at_pitch - involute)
+    return np.clip(half, 0.05 * math.pi / teeth, 0.95 * math.pi / teeth)
 
 
 def _extruded(toothing: np.ndarray, rim: float, width: float) -> WheelMesh:

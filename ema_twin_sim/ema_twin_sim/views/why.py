@@ -7,7 +7,7 @@ import rerun.blueprint as rrb
 
 from ..commands.wording import effect_words, options_words
 from ..quantities import estimate
-from ..report.findings import Findings
+from ..report.findings import Findings, Signature
 from ..report.ranking import signature_chart, worth_showing
 from .drawn_bars import Bar, draw_bars, sheet_height
 from .drawn_chart import draw
@@ -16,6 +16,7 @@ from .palette import AFTER, FAINT
 from .sheet import linear_axis
 
 ROOT = "why"
+_EXPLAINED = {"torque": "torque", "encoder_difference": "difference of the encoders"}
 
 
 def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> None:
@@ -61,6 +62,12 @@ def _sizes(findings: Findings) -> list[Bar]:
     return bars
 
 
+def _title(signature: Signature) -> str:
+    effects = effect_words(signature.title)
+    refused = "" if signature.taken else " (tried last, refused)"
+    return f"{effects}{refused}: the {_EXPLAINED.get(signature.left_over, signature.left_over)} that it explains"
+
+
 def why_tab(findings: Findings) -> rrb.Container:
     """The verdict on top, the bars below it, and below them the signatures."""
     bars = []
@@ -71,7 +78,7 @@ def why_tab(findings: Findings) -> rrb.Container:
         high = sheet_height(len(_sizes(findings)))
         bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors", high))
     signatures = [
-        sheet_view(f"{ROOT}/signature_{number}", signature_chart(signature).caption)
+        sheet_view(f"{ROOT}/signature_{number}", _title(signature))
         for number, signature in enumerate(findings.signatures)
         if signature.curves
     ]
