@@ -69,10 +69,10 @@ def run(
     from .inputs import input_files, load_runs, refuse_inputs, write_json
     from .rerun_file import check_rrd_name, tell_of_rrd
 
-    check_rrd_name(rrd)
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, record, bag)
+    check_rrd_name(rrd)
     load_effects(with_files or ())
     found = live_model(model)
     recording = None
