@@ -82,7 +82,14 @@ class Viewer:
         """The names of the views in sight."""
         return [view.name for view in self._client.get_state().views]
 
-    def picture(self, path, settled=1.5):
-        """Save what the window shows, when it has had ``settled`` seconds to draw it."""
-        time.sleep(settled)
-        self._client.save_screenshot(str(Path(path).resolve()))
+    def picture(self, path):
+        """Save what the window shows, when it shows the same twice."""
+        end, before = time.monotonic() + self._patience, b""
+        while True:
+            time.sleep(1.0)
+            now = self._client.take_screenshot()
+            if now == before:
+                Path(path).write_bytes(now)
+                return
+            assert time.monotonic() < end, "the window does not come to rest"
+            before = now

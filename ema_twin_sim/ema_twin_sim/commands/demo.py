@@ -17,6 +17,7 @@ from . import discover as discover_verb
 from .live_error import Follower
 from .live_view import LiveView
 from .output import console, status
+from .rerun_file import write_rrd
 from .wording import effect_words, listed
 
 if TYPE_CHECKING:
@@ -125,12 +126,15 @@ def run(
         f"A twin of the Politecnico di Torino bench beside {len(recordings)} recordings of a virtual bench (another "
         "program's simulation of it, sensors and noise included) that hides two effects. Nobody told the search which."
     )
+    views = output / "found.rrd"
     with status() as progress:
-        progress("writing the report")
-        models, labels = (stock, better), ("polito_bench", better_file)
-        report.write_found(page, recordings, models, labels, found, story=story, force=True)
+        progress("writing the report and the views")
+        models, labels, findings = (stock, better), ("polito_bench", better_file), report.weighed(found)
+        report.write_page(page, recordings, models, labels, findings, story=story, force=True)
+        write_rrd(views, recordings, models, labels, findings, comparisons=(before, after), force=True)
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
     console.print(f"  {page}   the report: before and after, in any browser")
+    console.print(f"  {views}   the same as views, and the gear train turning: .venv/bin/rerun {views}")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
     console.print(f"  {better_file}   the better model")

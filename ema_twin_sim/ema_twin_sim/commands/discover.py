@@ -68,7 +68,7 @@ def run(
     from ..model.model_file import check_model_name
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
-    from .report import check_page_name, write_found
+    from .report import check_page_name, weighed, write_page
     from .rerun_file import check_rrd_name, tell_of_rrd, write_rrd
 
     refuse_inputs(input_files(runs, [model], import_map, with_files), output, json, evidence, report, rrd)
@@ -78,9 +78,7 @@ def run(
     check_rrd_name(rrd)
     refuse_existing(force, output, evidence, report, rrd)
 
-    from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
-    from ..report.findings import findings_of
 
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
@@ -89,15 +87,16 @@ def run(
         if evidence is not None:
             progress("writing the evidence")
             write_evidence_bag(found, given.recordings, evidence, force=force)
+        both, labels, findings = (given.model, found.model), (model, output), None
+        if report is not None or rrd is not None:
+            progress("weighing what was found")
+            findings = weighed(found)
         if report is not None:
             progress("writing the report")
-            write_found(report, given.recordings, (given.model, found.model), (model, output), found, force=force)
+            write_page(report, given.recordings, both, labels, findings, force=force)
         if rrd is not None:
             progress("writing the views")
-            both = (given.model, found.model)
-            tabs = write_rrd(
-                rrd, given.recordings, both, (model, output), findings_of(found, weigh(found)), force=force
-            )
+            tabs = write_rrd(rrd, given.recordings, both, labels, findings, force=force)
     show(found, given.without)
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")

@@ -81,10 +81,10 @@ def run(
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
     from .rerun_file import check_rrd_name, tell_of_rrd
 
-    check_rrd_name(rrd)
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
     refuse_inputs(inputs, json, rrd, record, bag, output)
+    check_rrd_name(rrd)
     if output is not None:
         check_model_name(output)
         refuse_existing(force, output)

@@ -142,35 +142,23 @@ def told_apart(models: tuple[Model, Model], labels: Sequence[str | Path]) -> tup
     return first, second
 
 
-def write_found(
-    output: Path,
-    recordings: Sequence[Recording],
-    models: tuple[Model, Model],
-    labels: Sequence[str | Path],
-    found: Discovery,
-    *,
-    story: str = "",
-    force: bool = False,
-) -> None:
-    """Write the page of a search that was made, with what its diagnosis weighs."""
+def weighed(found: Discovery) -> Findings:
+    """The findings of a search that was made, with what its diagnosis weighs."""
     from ..discovery.diagnose import weigh
     from ..report.findings import findings_of
 
-    findings = findings_of(found, weigh(found))
-    write_page(output, recordings, models, labels, findings, story=story, force=force)
+    return findings_of(found, weigh(found))
 
 
 def _searched(
     recordings: Sequence[Recording], model: Model, progress: Callable[[str], None]
 ) -> tuple[Findings | None, str]:
     """What a search beside the recordings finds; or nothing, and why they cannot be judged."""
-    from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
-    from ..report.findings import findings_of
 
     try:
         found = discover(recordings, model, progress=progress)
     except InputError as refused:
         return None, f"no diagnosis: {refused}"
     progress("weighing what was found")
-    return findings_of(found, weigh(found)), ""
+    return weighed(found), ""

@@ -27,7 +27,7 @@ def check_rrd_name(path: Path | None, models: int = 1) -> None:
     if path is None:
         return
     if path.suffix != ".rrd":
-        raise InputError(f"{path}: rerun opens files by their names; name it .rrd")
+        raise InputError(f"--rrd {path}: rerun opens files by their names; name it .rrd")
     if models > MOST_MODELS:
         raise InputError(f"--rrd {path}: shows one model, or two side by side; --model was given {models} times")
 

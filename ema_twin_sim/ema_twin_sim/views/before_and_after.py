@@ -16,7 +16,7 @@ from ..report.content import Shown, signal_words
 from ..report.findings import Findings
 from ..report.steps import falling
 from .beside_curves import colour_of
-from .drawn_bars import Bar, draw_bars, sheet_height
+from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
 from .failing import sheet_view
 from .palette import AFTER
@@ -30,7 +30,7 @@ def log_after(stream: rr.RecordingStream, given: Shown, names: Sequence[str], fi
     bars = _errors(given, names)
     highest = max([10.0, *(bar.value for bar in bars)])
     axis = log_axis(0.5, 1.2 * highest, "RMSE over the sensors' noise: 1 is the best that can be")
-    draw_bars(stream, f"{ROOT}/errors", bars, axis, f"{names[0]} (orange) and {names[-1]} (blue)").done()
+    draw_bars(stream, f"{ROOT}/errors", bars, axis, f"{names[0]} (orange) and {names[-1]} (blue)")
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         draw(stream, f"{ROOT}/falling", falling(findings, findings.unseen)).done()
     if findings is not None and len(outputs := _outputs(findings)) > 1:
@@ -79,7 +79,7 @@ def _log_outputs(stream: rr.RecordingStream, outputs: Sequence[tuple[str, float]
     sheet.done()
 
 
-def after_tab(given: Shown, names: Sequence[str], findings: Findings | None) -> rrb.Container:
+def after_tab(findings: Findings | None) -> rrb.Container:
     """Both models' errors on the left, how they fell on the right."""
     steps = []
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
@@ -87,7 +87,5 @@ def after_tab(given: Shown, names: Sequence[str], findings: Findings | None) -> 
         steps.append(sheet_view(f"{ROOT}/falling", f"RMSE of the {words} after each step, on unseen recordings"))
     if findings is not None and len(_outputs(findings)) > 1:
         steps.append(sheet_view(f"{ROOT}/output", "RMSE of the output's position after each step"))
-    errors = sheet_view(
-        f"{ROOT}/errors", "errors before and after, all recordings", sheet_height(len(_errors(given, names)))
-    )
+    errors = sheet_view(f"{ROOT}/errors", "errors before and after, all recordings")
     return rrb.Horizontal(errors, *([rrb.Vertical(*steps)] if steps else []), name="after")

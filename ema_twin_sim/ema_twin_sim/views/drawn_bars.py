@@ -9,11 +9,14 @@ import numpy as np
 import rerun as rr
 
 from .palette import GRID, TEXT, Colour
-from .sheet import HIGH, LEFT, RIGHT, TOP, Axis, Sheet
+from .sheet import BOTTOM, LEFT, TOP, Axis, Sheet
 
-_HALF = 1.6  # units
-_ROW = 12.5
-_LETTER = 1.6  # units that a letter is wide where many bars make a view small
+START, END = 62.0, 112.0
+"""Where an axis of bars begins and ends on its sheet: names stand before it, numbers behind."""
+THICKEST = 1.6
+"""Units to either side of a bar's middle, which also round its end."""
+_THICK = 0.3  # of a row
+_HIGHEST = 9.0  # units, a row
 
 
 @dataclass(frozen=True)
@@ -27,28 +30,26 @@ class Bar:
     deviation: float | None = None
 
 
-def sheet_height(count: int) -> float:
-    """The height of a sheet that has room for so many bars."""
-    return max(HIGH, 32.0 + _ROW * count)
-
-
-def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Axis, heading: str) -> Sheet:
-    """Draw bars from the axis's low end on below the entity ``at``; names stand above their bars."""
-    sheet = Sheet(stream, at, axis, Axis(0.0, 1.0, (), (), heading), sheet_height(len(bars)))
-    row = min(1.4 * _ROW, (sheet.bottom - TOP) / max(len(bars), 1))
+def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Axis, heading: str) -> None:
+    """Draw bars from the axis's low end on below the entity ``at``."""
+    sheet = Sheet(stream, at, axis, Axis(0.0, 1.0, (), (), ""), left=START, right=END)
+    sheet.write_from(LEFT, 6.0, heading, TEXT)
+    row = min(_HIGHEST, (BOTTOM - TOP) / max(len(bars), 1))
+    half = min(THICKEST, _THICK * row)
     for number, bar in enumerate(bars):
-        middle = TOP + (number + 0.75) * row
-        end = LEFT + (RIGHT - LEFT) * float(np.clip(axis.share(bar.value), 0.0, 1.0))
-        first = LEFT + _HALF  # the ends of thick lines are round
-        sheet.bar(f"room {number}", [(first, middle), (RIGHT - _HALF, middle)], _HALF, GRID, 5.0)
-        if end > first + _HALF:
-            sheet.bar(bar.name, [(first, middle), (end - _HALF, middle)], _HALF, bar.colour, 15.0)
-        sheet.write_from(LEFT, middle - _HALF - 3.4, f"{bar.name}: {bar.text}", bar.colour, _LETTER)
+        middle = TOP + (number + 0.5) * row
+        end = START + (END - START) * float(np.clip(axis.share(bar.value), 0.0, 1.0))
+        first = START + half  # the ends of thick lines are round
+        sheet.bar(f"room {number}", [(first, middle), (END - half, middle)], half, GRID, 5.0)
+        if end > first + half:
+            sheet.bar(bar.name, [(first, middle), (end - half, middle)], half, bar.colour, 15.0)
+        sheet.write_to(START - 3.0, middle, bar.name, bar.colour)
+        sheet.write_from(END + 4.0, middle, bar.text, bar.colour)
         if bar.deviation is not None:
             ends = [bar.value - bar.deviation, bar.value + bar.deviation]
-            low, high = LEFT + (RIGHT - LEFT) * np.clip(axis.share(np.array(ends)), 0.0, 1.0)
+            low, high = START + (END - START) * np.clip(axis.share(np.array(ends)), 0.0, 1.0)
             sheet.bar(f"{bar.name}, standard error", [(low, middle), (high, middle)], 0.3, TEXT, 20.0)
-            for x in (low, high):
-                cap = [(x, middle - 2.0), (x, middle + 2.0)]
-                sheet.bar(f"{bar.name}, standard error to {x:.1f}", cap, 0.3, TEXT, 20.0)
-    return sheet
+            for name, x in (("from", low), ("to", high)):
+                cap = [(x, middle - 1.3 * half), (x, middle + 1.3 * half)]
+                sheet.bar(f"{bar.name}, standard error, {name}", cap, 0.3, TEXT, 20.0)
+    sheet.done()

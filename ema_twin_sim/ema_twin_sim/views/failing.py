@@ -105,7 +105,7 @@ def failing_tab(found: Sequence[Failures]) -> rrb.Container:
     return rrb.Tabs(*tabs, name="where it fails")
 
 
-def sheet_view(at: str, name: str, high: float = HIGH) -> rrb.Spatial2DView:
+def sheet_view(at: str, name: str) -> rrb.Spatial2DView:
     """A view of a sheet as a whole."""
-    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[0.0, high])
+    bounds = rrb.VisualBounds2D(x_range=[0.0, WIDE], y_range=[0.0, HIGH])
     return rrb.Spatial2DView(origin=at, name=name, visual_bounds=bounds)

@@ -1,7 +1,7 @@
 """A sheet to draw on in a 2D view: a frame with ticks and titles, lines, bars, points and words.
 
-Rerun plots scalars over time and nothing else, so what stands against speed or order is drawn. A sheet is ``WIDE``
-units wide; words keep their size on the screen, whatever the view's.
+Rerun plots scalars over time and nothing else, so what stands against speed or order is drawn. A sheet is ``WIDE`` by
+``HIGH`` units; words keep their size on the screen, whatever the view's.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ import rerun as rr
 from .palette import QUIET, RULE, TEXT, Colour
 
 WIDE, HIGH = 160.0, 91.0
-"""The size of a sheet, unless it is made another height."""
-LEFT, RIGHT, TOP = 19.0, 156.0, 14.0
-"""The frame's edges."""
-_BELOW = 16.0  # units below the frame
+"""The size of a sheet."""
+LEFT, RIGHT, TOP, BOTTOM = 19.0, 156.0, 14.0, 75.0
+"""The frame's edges, unless it is made narrower."""
 _LETTER = 1.25  # units that a letter is wide in a view of a quarter of a screen
 _LETTER_OF_KEY = 1.9  # in a view of a sixth, where words must not cover each other
 _ABOVE = 2.4  # units that words stand below the point that they are given
@@ -73,32 +72,40 @@ def named_axis(names: Sequence[str], title: str) -> Axis:
 
 
 class Sheet:
-    """Draws below the entity ``at`` of a stream, on a sheet ``high`` units high; everything is static."""
+    """Draws below the entity ``at`` of a stream; everything is static. The frame reaches from ``left`` to ``right``."""
 
-    def __init__(self, stream: rr.RecordingStream, at: str, x: Axis, y: Axis, high: float = HIGH) -> None:
+    def __init__(
+        self, stream: rr.RecordingStream, at: str, x: Axis, y: Axis, *, left: float = LEFT, right: float = RIGHT
+    ) -> None:
         self._stream, self._at, self._x, self._y = stream, at, x, y
-        self.bottom = high - _BELOW
+        self._left, self._right = left, right
         self._words: list[tuple[float, float, str, Colour]] = []
         self._frame()
 
     def _frame(self) -> None:
-        corners = [[LEFT, TOP], [RIGHT, TOP], [RIGHT, self.bottom], [LEFT, self.bottom], [LEFT, TOP]]
-        at_x = [float(v) for v in LEFT + (RIGHT - LEFT) * self._x.share(np.array(self._x.ticks))]
-        at_y = [float(v) for v in self.bottom - (self.bottom - TOP) * self._y.share(np.array(self._y.ticks))]
-        grid = [[[x, TOP], [x, self.bottom]] for x in at_x] + [[[LEFT, y], [RIGHT, y]] for y in at_y]
+        corners = [
+            [self._left, TOP],
+            [self._right, TOP],
+            [self._right, BOTTOM],
+            [self._left, BOTTOM],
+            [self._left, TOP],
+        ]
+        at_x = [float(v) for v in self._left + (self._right - self._left) * self._x.share(np.array(self._x.ticks))]
+        at_y = [float(v) for v in BOTTOM - (BOTTOM - TOP) * self._y.share(np.array(self._y.ticks))]
+        grid = [[[x, TOP], [x, BOTTOM]] for x in at_x] + [[[self._left, y], [self._right, y]] for y in at_y]
         self._log("grid", rr.LineStrips2D(grid, colors=[RULE], radii=[-0.4], draw_order=0.0))
         self._log("frame", rr.LineStrips2D([corners], colors=[QUIET], radii=[-0.7], draw_order=1.0))
         for x, word in zip(at_x, self._x.words, strict=True):
-            self.write(x, self.bottom + _ABOVE + 1.0, word, QUIET)
+            self.write(x, BOTTOM + _ABOVE + 1.0, word, QUIET)
         for y, word in zip(at_y, self._y.words, strict=True):
-            self.write(LEFT - 2.0 - 0.5 * _LETTER * (len(word) + 1), y, word, QUIET)
-        self.write(0.5 * (LEFT + RIGHT), self.bottom + 10.5, self._x.title, TEXT)
-        self.write_from(LEFT, 3.0, self._y.title, TEXT)
+            self.write(self._left - 2.0 - 0.5 * _LETTER * (len(word) + 1), y, word, QUIET)
+        self.write(0.5 * (self._left + self._right), BOTTOM + 10.5, self._x.title, TEXT)
+        self.write_from(self._left, 3.0, self._y.title, TEXT)
 
     def place(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Values (n,) as points (n, 2) of the sheet, held within the frame."""
-        across = LEFT + (RIGHT - LEFT) * np.clip(self._x.share(x), 0.0, 1.0)
-        up = self.bottom - (self.bottom - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
+        across = self._left + (self._right - self._left) * np.clip(self._x.share(x), 0.0, 1.0)
+        up = BOTTOM - (BOTTOM - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
         return np.column_stack(np.broadcast_arrays(across, up))
 
     def line(
@@ -139,13 +146,17 @@ class Sheet:
         if text:
             self._words.append((x, y - _ABOVE, text, colour))
 
-    def write_from(self, x: float, y: float, text: str, colour: Colour, letter: float = _LETTER) -> None:
-        """Words that begin at a point of the sheet, if a ``letter`` is so many units wide."""
-        self.write(x + 0.5 * letter * (len(text) + 1), y, text, colour)
+    def write_from(self, x: float, y: float, text: str, colour: Colour) -> None:
+        """Words that begin at a point of the sheet."""
+        self.write(x + 0.5 * _LETTER * (len(text) + 1), y, text, colour)
+
+    def write_to(self, x: float, y: float, text: str, colour: Colour) -> None:
+        """Words that end at a point of the sheet."""
+        self.write(x - 0.5 * _LETTER * (len(text) + 1), y, text, colour)
 
     def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
         """What the colours mean, in a row above the frame that ends at its right edge."""
-        x = RIGHT
+        x = self._right
         for text, colour in reversed(entries):
             half = 0.5 * _LETTER_OF_KEY * (len(text) + 1)
             self.write(x - half, 10.0, text, colour)

@@ -61,9 +61,7 @@ def outline(teeth: int, base: float, pressure_angle: float, root: float, tip: fl
     return np.column_stack([all_radii * np.cos(angles), all_radii * np.sin(angles)])
 
 
-def half_thickness(
-    radii: np.ndarray, teeth: int, base: float, pressure_angle: float, *, inner: bool
-) -> np.ndarray:
+def half_thickness(radii: np.ndarray, teeth: int, base: float, pressure_angle: float, *, inner: bool) -> np.ndarray:
     """The half angle [rad] (n,) of a tooth at radii [m] (n,): pi / 2 z at the pitch circle, else by the involute."""
     bent = np.arccos(np.clip(base / np.maximum(radii, base), -1.0, 1.0))
     involute = np.tan(bent) - bent

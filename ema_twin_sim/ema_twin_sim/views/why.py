@@ -9,13 +9,15 @@ from ..commands.wording import effect_words, options_words
 from ..quantities import estimate
 from ..report.findings import Findings, Signature
 from ..report.ranking import signature_chart, worth_showing
-from .drawn_bars import Bar, draw_bars, sheet_height
+from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
 from .failing import sheet_view
 from .palette import AFTER, FAINT
 from .sheet import linear_axis
 
 ROOT = "why"
+_LONG = 90  # letters of a verdict, from which on it takes a second line
+_IN_A_ROW = 3  # signatures
 _EXPLAINED = {"torque": "torque", "encoder_difference": "difference of the encoders"}
 
 
@@ -23,15 +25,18 @@ def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> Non
     """Draw the ranking, the errors of the numbers and each signature; write the verdict."""
     if findings.ranking:
         draw_bars(stream, f"{ROOT}/ranking", _ranking(findings), linear_axis(0.0, 100.0, "probability [%]"),
-                  "Which effect is missing?  blue: found;  grey: refused").done()  # fmt: skip
+                  "Which effect is missing?  blue: found;  grey: refused")  # fmt: skip
     sizes = _sizes(findings)
     if sizes:
         draw_bars(stream, f"{ROOT}/sizes", sizes, linear_axis(0.0, 200.0, "% of the value that was found"),
-                  "How well are the numbers known?  white: ± one standard error").done()  # fmt: skip
+                  "How well are the numbers known?  white: ± one standard error")  # fmt: skip
     for number, signature in enumerate(findings.signatures):
         if signature.curves:
             draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
-    stream.log(f"{ROOT}/verdict", rr.TextDocument(f"# {verdict}", media_type=rr.MediaType.MARKDOWN), static=True)
+    heading = "#" if len(verdict) < _LONG else "###"
+    stream.log(
+        f"{ROOT}/verdict", rr.TextDocument(f"{heading} {verdict}", media_type=rr.MediaType.MARKDOWN), static=True
+    )
 
 
 def _ranking(findings: Findings) -> list[Bar]:
@@ -41,7 +46,7 @@ def _ranking(findings: Findings) -> list[Bar]:
         name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
         text = f"{100.0 * entry.probability:.0f} %"
         if entry.error_removed is not None:
-            text += f", takes {round(100.0 * entry.error_removed, 1) + 0.0:.1f} % of the error away"
+            text += f", removes {round(100.0 * entry.error_removed, 1) + 0.0:.1f} % of the error"
         bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
     for name, share in (("nothing is missing", findings.none), ("something else", findings.unknown)):
         bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))
@@ -72,18 +77,20 @@ def why_tab(findings: Findings) -> rrb.Container:
     """The verdict on top, the bars below it, and below them the signatures."""
     bars = []
     if findings.ranking:
-        high = sheet_height(len(_ranking(findings)))
-        bars.append(sheet_view(f"{ROOT}/ranking", "which effect is missing: probabilities", high))
+        bars.append(sheet_view(f"{ROOT}/ranking", "which effect is missing: probabilities"))
     if _sizes(findings):
-        high = sheet_height(len(_sizes(findings)))
-        bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors", high))
+        bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors"))
     signatures = [
         sheet_view(f"{ROOT}/signature_{number}", _title(signature))
         for number, signature in enumerate(findings.signatures)
         if signature.curves
     ]
     rows: list[rrb.Container] = [rrb.Horizontal(*bars)] if bars else []
-    if signatures:
-        rows.append(rrb.Grid(*signatures, grid_columns=min(3, len(signatures))))
+    pages = [
+        rrb.Horizontal(*signatures[k : k + _IN_A_ROW], name=f"signatures from {k + 1}")
+        for k in range(0, len(signatures), _IN_A_ROW)
+    ]
+    if pages:
+        rows.append(rrb.Tabs(*pages, active_tab=0) if len(pages) > 1 else pages[0])
     verdict = rrb.TextDocumentView(origin=f"{ROOT}/verdict", name="verdict")
     return rrb.Vertical(verdict, *rows, row_shares=[1, *[4] * len(rows)], name="why")
