@@ -264,13 +264,19 @@ def setup() -> None:
         check_python()
         check_prerequisites()
         print("Setting up .venv, once; a later run does only what changed", flush=True)
+        lock = LOCK.read_bytes()
         install_libraries()
+        if LOCK.read_bytes() != lock:
+            raise SetupError(
+                f"{LOCK.name} changed while it was being installed; set up again to install what it says now"
+            )
         stamp("libraries", library_key())
-    outdated = [name for name in PACKAGES if not is_current(name, package_key(name))]
+    keys = {name: package_key(name) for name in PACKAGES}  # of what is built now, whatever is edited meanwhile
+    outdated = [name for name in PACKAGES if not is_current(name, keys[name])]
     if outdated:
         build_packages(outdated)
         for name in outdated:
-            stamp(name, package_key(name))
+            stamp(name, keys[name])
         print(f"  .venv is ready after {time.monotonic() - begin:.0f} s", flush=True)
 
 

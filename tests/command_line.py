@@ -32,6 +32,13 @@ def done(*arguments, **options):
     return result
 
 
+def done_here(*arguments):
+    """The same verbs in this process, where many follow each other: each process of its own imports for two seconds."""
+    from ema_twin_sim.commands.main import app
+
+    assert not app([*map(str, arguments)], standalone_mode=False, prog_name="ema-twin")
+
+
 def refused(*arguments, naming=(), **options):
     """The one line that a refusal is."""
     result = twin(*arguments, **options)

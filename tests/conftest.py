@@ -7,9 +7,10 @@ import pytest
 from hypothesis import settings
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the package does where it is imported first
-# a graph of its own for each process of tests that runs beside others, as pytest -n starts them
-if "ROS_DOMAIN_ID" not in os.environ or "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
+# each process of tests that runs beside others (pytest -n) has a graph of its own
+os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 80))
+if worker := os.environ.get("PYTEST_XDIST_WORKER"):
+    os.environ["ROS_DOMAIN_ID"] = str((int(os.environ["ROS_DOMAIN_ID"]) + 1 + int(worker.removeprefix("gw"))) % 101)
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
 # the same examples at every run; HYPOTHESIS_PROFILE=explore looks for new ones

@@ -26,6 +26,20 @@ def test_switching_and_averaged_drive_agree_in_the_mean(command):
     assert settled(switching, "speed").mean() == pytest.approx(settled(averaged, "speed").mean(), rel=1e-3)
 
 
+def test_the_drives_voltages_differ_by_a_third_of_the_resistance():
+    """The averaged drive has two phases in series carry its ampere; sinusoidal phases carry peaks of 4/3 of it."""
+    averaged, switching = (
+        # under load, and every control cycle, since a trace of 2 ms folds down the ripple of 380 V
+        load_model(name).with_effect("constant_load", {"torque": 2.0}).with_value("sensors.sample_period", 1.25e-4)
+        for name in ("polito_bench", "polito_hf")
+    )
+    runs = [virtual_bench(model, parse_command("ramp:0.1"), 2.0, seed=None) for model in (averaged, switching)]
+    means = [settled(run, "voltage").mean() for run in runs]
+    of_phase = switching.value("machine.phase_resistance")
+    more = 4.0 / 3.0 * (of_phase + switching.value("drive.switch_resistance")) - of_phase
+    assert means[1] - means[0] == pytest.approx(more * settled(runs[1], "current").mean(), rel=0.05)
+
+
 def test_phase_currents_are_three_of_a_star():
     recording = virtual_bench(load_model("polito_hf"), parse_command("ramp:0.1"), 1.0, seed=None)
     phases = np.array([recording.signals[f"phase_current_{phase}"] for phase in "uvw"])

@@ -54,7 +54,7 @@ def test_equilibrium_under_load(tmp_path):
     assert wheels.sun_angle - 124.0 * wheels.output_angle == pytest.approx(load * softness, rel=1e-3)
 
 
-@pytest.mark.parametrize("speed", [10.0, 150.0])
+@pytest.mark.parametrize("speed", [2.0, 150.0])  # near 10 rad/s the mesh cycle meets a resonance
 @pytest.mark.parametrize("load", [0.5, -0.5])
 def test_efficiency_is_that_of_the_balance_in_every_position(tmp_path, load, speed):
     model = teeth_alone(planetary_model(tmp_path))
@@ -68,7 +68,7 @@ def test_efficiency_is_that_of_the_balance_in_every_position(tmp_path, load, spe
     current = (balance.sun_torque.mean() + 2.0) / KT
     twin, _ = run(model, current, speed, 0.3)
     before = twin.energies().booked
-    for _ in range(700):
+    for _ in range(round(1e3 * max(0.7, 7.0 / speed))):
         twin.advance(1_000_000, {"current": current})
     booked = {name: value - before[name] for name, value in twin.energies().booked.items()}
     rubbed = np.array([booked[f"{mesh}_mesh_friction"] for mesh in ("sun", "ring", "output")])

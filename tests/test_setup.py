@@ -70,6 +70,42 @@ def test_first_setup_does_everything_and_a_second_nothing(checkout):
     assert bootstrap.steps == []
 
 
+def test_a_lock_edited_while_it_is_installed_does_not_count_as_installed(checkout):
+    bootstrap = load_bootstrap(checkout)
+    note = bootstrap.run
+
+    def edit(title, log, *command):
+        note(title, log, *command)
+        if log == "pip.log":
+            bootstrap.LOCK.write_text(bootstrap.LOCK.read_text() + "# edited\n")
+
+    bootstrap.run = edit
+    with pytest.raises(bootstrap.SetupError, match=r"requirements\.lock changed while"):
+        bootstrap.setup()
+    bootstrap.run = note
+    bootstrap.steps.clear()
+    bootstrap.setup()
+    assert bootstrap.steps == ["venv", "pip", "rerun", ALL]
+
+
+def test_a_message_edited_while_it_is_built_is_built_again(checkout):
+    bootstrap = load_bootstrap(checkout)
+    note = bootstrap.run
+    message = checkout / "ema_twin_msgs/msg/Signals.msg"
+
+    def edit(title, log, *command):
+        note(title, log, *command)
+        if log == "colcon.log":
+            message.write_text(message.read_text() + "# edited\n")
+
+    bootstrap.run = edit
+    bootstrap.setup()
+    bootstrap.run = note
+    bootstrap.steps.clear()
+    bootstrap.setup()
+    assert bootstrap.steps == [("colcon", "ema_twin_msgs")]
+
+
 @pytest.mark.parametrize(
     ("changed", "steps"),
     [

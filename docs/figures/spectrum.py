@@ -131,7 +131,7 @@ def draw_damages() -> Figure:
         _line(axis, "healthy", 3.4, GREY, 1.0, "healthy")
         _line(axis, condition, 3.4, BLUE, 1.2, "damaged")
         axis.set_title(f"{words}: order {order:.3g}", fontsize=10.5)
-    axes[0].set_ylim(1.2 * FLOOR, 60.0)
+    axes[0].set_ylim(1.2 * FLOOR, 200.0)
     axes[0].set_yticks([1e-3, 0.1, 10.0])
     axes[0].set_xlim(0.1, 3.4)
     axes[0].set_xticks([0.25, 0.75, 1.0, 1.5, 2.25, 3.0], ["0.25", "0.75", "1", "1.5", "2.25", "3"])

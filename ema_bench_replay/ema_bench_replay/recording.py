@@ -136,8 +136,7 @@ class Recording:
     def between(self, start: float | None = None, end: float | None = None) -> Recording:
         """The samples from `start` to `end` (s since the first sample, both included; None: no limit on that side).
 
-        Stamps begin at 0 again, and so do both positions: what is taken from them moves into their angle origins, and
-        into output_command, which is measured from the same zero as output_position.
+        Stamps begin at 0 again, and so do both positions (see `from_zero`).
         """
         first = 0 if start is None else np.searchsorted(self.stamps, self._stamp(start))
         last = len(self) if end is None else np.searchsorted(self.stamps, self._stamp(end), side="right")
@@ -146,16 +145,27 @@ class Recording:
             raise InputError(f"{self.name}: no sample from {span}; it lasts from 0 s to {self.duration:g} s")
         if last - first == len(self):
             return self
-        signals = {name: values[first:last] for name, values in self.signals.items()}
+        part = replace(
+            self,
+            stamps=self.stamps[first:last] - self.stamps[first],
+            signals={name: values[first:last] for name, values in self.signals.items()},
+            start=self.start + int(self.stamps[first]),
+        )
+        return part.from_zero()
+
+    def from_zero(self) -> Recording:
+        """The same with both positions beginning at 0: what is taken from them moves into their angle origins.
+
+        And into output_command, which is measured from the same zero as output_position.
+        """
+        signals = dict(self.signals)
         shift = {name: float(signals[name][0]) for name in ("motor_position", "output_position") if name in signals}
         for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
             if name in signals and origin in shift:
                 signals[name] = signals[name] - shift[origin]
         return replace(
             self,
-            stamps=self.stamps[first:last] - self.stamps[first],
             signals=signals,
-            start=self.start + int(self.stamps[first]),
             motor_angle_origin=self.motor_angle_origin + shift.get("motor_position", 0.0),
             output_angle_origin=self.output_angle_origin + shift.get("output_position", 0.0),
         )

@@ -87,13 +87,12 @@ def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> T
 
 
 def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
-    """Run one node in this process until it says `finished` or has a `failure`, or SIGINT or SIGTERM arrives.
+    """Run one node in this process until it says `finished`, or SIGINT or SIGTERM arrives.
 
     `arguments` are the command line's, program name included, where they are not the process's own.
 
     Returns:
-        The process's exit status: 0, or 2 where the node refused its arguments or failed, with one line on standard
-        error.
+        The process's exit status: 0, or 2 where the node refused its arguments, with one line on standard error.
     """
     with signals_end_the_loop():
         node = None
@@ -101,11 +100,8 @@ def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -
             _initialise(list(sys.argv if arguments is None else arguments))
             node = make_node()
             executor = make_executor([node])
-            spin(executor, until=lambda: getattr(node, "finished", False) or getattr(node, "failure", None) is not None)
+            spin(executor, until=lambda: getattr(node, "finished", False))
             executor.shutdown()
-            failure = getattr(node, "failure", None)
-            if failure is not None:
-                raise failure
         except InputError as error:
             print(f"error: {error}", file=sys.stderr)
             return 2

@@ -12,8 +12,10 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
-from . import compare, live, options, report
+from . import compare, options, report
 from . import discover as discover_verb
+from .live_error import Follower
+from .live_view import LiveView
 from .output import console, status
 from .rerun_file import write_rrd
 from .wording import effect_words, listed
@@ -88,9 +90,9 @@ def run(
         f"{played.name} at {rate:g} × real time; {changing}",
     )
     rrd = output / "live.rrd"
-    view = live.LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock), model=stock))
+    view = LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock), model=stock))
     view.tell(0.0, "the stock model beside the bench")
-    follower = live.Follower(stock, played)
+    follower = Follower(stock, played)
     follower.watchers.append(view.take)
     for name, moment in moments.items():
         view.tell(moment, f"{effect_words(name)} switched on")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import threading
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,19 +14,21 @@ from ema_bench_replay.errors import InputError
 from ..quantities import quantity
 from . import options
 from .error_cells import shown_signals
+from .live_error import Follower
+from .live_keys import Keys
+from .live_view import open_view
 from .output import console, say, warn
 
 if TYPE_CHECKING:
-    from ema_bench_replay.recording import Recording
-
-    from ..model import Model
-    from ..nodes.live import LiveResult, Pair
+    from ..nodes.live import LiveResult
 
 EXAMPLES = """Examples:
 
 ema-twin live recordings/BancoEMA_sine_0.02_1Hz --model polito_bench
 
 ema-twin live run.mcap --model better.yaml --rate 5 --headless --json live.json
+
+ema-twin live run.mcap --model polito_bench --loop --web -o better.yaml     (d: missing?  a: add  q: end)
 
 ema-twin live --model polito_bench     (attaches to a running /bench/state: the real bench)"""
 
@@ -39,10 +42,16 @@ def run(
     rate: Annotated[
         float, typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed; 0: as fast as it goes.")
     ] = 1.0,
+    loop: Annotated[bool, typer.Option("--loop", help="Begin again after the last sample, until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
+    web: Annotated[bool, typer.Option("--web", help="The viewer in a browser, served on this machine only.")] = False,
     rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
     record: Annotated[
         Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="MODEL", help="Write the model that the twin ends with."),
     ] = None,
     with_files: options.WithFiles = None,
     import_map: options.ImportMap = "siemens",
@@ -55,24 +64,30 @@ def run(
     """Replay a recording beside the twin and the monitor as ROS 2 nodes, in real time, until every sample is compared.
 
     The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
-    compare gives for the same recording and model.
+    compare gives for the same recording and model. On a terminal, d asks which effect the model lacks beside what was
+    played so far, a adds what was found to the running twin, q ends.
     """
     from ema_bench_replay.recording import refuse_points
 
     from ..comparison.noise import noise_floors
+    from ..model import save_model
     from ..model.matching import matched
+    from ..model.model_file import check_model_name
     from ..nodes.live import run_live
     from ..nodes.live_model import live_model
     from ..own_effects import load_effects
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.simulate import choose_input
-    from .inputs import input_files, load_runs, refuse_inputs, write_json
+    from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
     from .rerun_file import check_rrd_name, tell_of_rrd
 
     bag = None if record is None else record / f"{record.name}.mcap"
     inputs = input_files([run] if run is not None else [], [model], import_map, with_files)
-    refuse_inputs(inputs, json, rrd, record, bag)
+    refuse_inputs(inputs, json, rrd, record, bag, output)
     check_rrd_name(rrd)
+    if output is not None:
+        check_model_name(output)
+        refuse_existing(force, output)
     load_effects(with_files or ())
     found = live_model(model)
     recording = None
@@ -89,31 +104,46 @@ def run(
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
     follower = Follower(found, recording, driving)
-    view = _view(rrd, headless, noise_floors(found), found)
-    if view is not None:
-        follower.watchers.append(view.take)
-    try:
+    stop = threading.Event()
+    with ExitStack() as held:
+        browser = None
+        if web:
+            from ..views.web_viewer import WebViewer
+
+            browser = WebViewer()
+            held.callback(browser.close)
+            say(f"Open {browser.page}")
+        view = open_view(rrd, headless, browser, noise_floors(found), found)
+        if view is not None:
+            held.callback(view.close)
+            follower.watchers.append(view.take)
+        keys = held.enter_context(Keys(stop, view))
         result = run_live(
             recording,
             found,
             input=input or "auto",
             rate=rate,
+            loop=loop,
             on_pairs=follower.take,
             notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
+            on_start=keys.begin,
             record_to=record,
+            stop=stop,
         )
-    finally:
-        if view is not None:
-            view.close()
-    show(result, rate)
+    show(result, 0.0 if loop or stop.is_set() else rate)
     if rrd is not None:
         tell_of_rrd(rrd, ("the live run",))
     write_json(json, as_json(result))
+    if output is not None and result.twin is not None:
+        save_model(result.twin, output, force=force)
+        say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
     for warning in result.warnings:
         warn(warning)
-    if result.interrupted and recording is not None:
+    if loop or recording is None or stop.is_set():  # it lasts until it is ended
+        return
+    if result.interrupted:
         raise KeyboardInterrupt
-    if recording is not None and not result.complete:
+    if not result.complete:
         counts = ", ".join(f"{name} {count}" for name, count in result.counts.items())
         raise InputError(f"{result.name}: not every sample was compared ({counts}); play it slower (--rate)")
 
@@ -200,102 +230,3 @@ _LATE = 1.05
 """Times the time that playing should take, from which on it was late, and by more than the next."""
 _LATE_BY = 0.5
 """s."""
-
-
-class Follower:
-    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
-
-    Under the input ``current`` it is the unexplained torque that tells; else the output's position, current and speed.
-    """
-
-    def __init__(
-        self, model: Model, recording: Recording | None, source: str | None = None, window: float = 1.0
-    ) -> None:
-        from ..comparison.noise import noise_floors
-
-        self.watchers: list = []
-        self._floors = noise_floors(model)
-        self._duration = recording.duration if recording is not None else None
-        self._shown = ("unexplained_torque",) if source == "current" else ("output_position", "current", "speed")
-        self._window = window
-        self._first: int | None = None
-        self._next = 0.0
-        self._sums: dict[str, list[float]] = {}
-
-    def take(self, pairs: Sequence[Pair]) -> None:
-        """A batch of pairs from the running monitor."""
-        for pair in pairs:
-            if self._first is None or pair.stamp < self._first:
-                self._first, self._next = pair.stamp, self._window
-            for name in self._shown:
-                residual = pair.residuals.get(name, float("nan"))
-                if residual == residual:
-                    held = self._sums.setdefault(name, [0.0, 0.0])
-                    held[0] += residual * residual
-                    held[1] += 1.0
-            elapsed = (pair.stamp - self._first) * 1e-9
-            if elapsed >= self._next:
-                self._print(elapsed)
-                self._next = elapsed + self._window
-        for watcher in self.watchers:
-            watcher(pairs)
-
-    def _print(self, elapsed: float) -> None:
-        from ..comparison.running_comparison import UNITS
-
-        of = f" of {self._duration:.0f}" if self._duration else ""
-        parts = []
-        for name, (square, count) in self._sums.items():
-            rmse = (square / count) ** 0.5
-            label = name.replace("_", " ")
-            floor = self._floors[name]  # 0 where the sensor's noise is not known
-            times = f" {rmse / floor:5.0f}×" if floor > 0.0 else ""
-            parts.append(f"{label} {quantity(rmse, UNITS[name]):>10}{times}")
-        console.print(f"  {elapsed:5.1f}{of} s   error " + "   ".join(parts), highlight=False)
-        self._sums.clear()
-
-
-class LiveView:
-    """The rerun view of a live run; takes batches of pairs."""
-
-    def __init__(self, view) -> None:
-        self._view = view
-        self._first: int | None = None
-
-    def take(self, pairs: Sequence[Pair]) -> None:
-        """A batch of pairs from the running monitor."""
-        import numpy as np
-
-        if self._first is None:
-            self._first = pairs[0].stamp
-        time = [(pair.stamp - self._first) * 1e-9 for pair in pairs]
-
-        def columns(side: str) -> dict[str, np.ndarray]:
-            names = getattr(pairs[0], side).keys()
-            return {name: np.array([getattr(pair, side)[name] for pair in pairs], float) for name in names}
-
-        self._view.add(time, columns("bench"), columns("twin"), columns("residuals"))
-
-    def tell(self, time: float, text: str) -> None:
-        """A line of the story."""
-        self._view.tell(time, text)
-
-    def close(self) -> None:
-        """Write what is held back."""
-        self._view.close()
-
-
-def _view(rrd: Path | None, headless: bool, floors: dict[str, float], model: Model) -> LiveView | None:
-    """The rerun view that is wanted: a file, a viewer where there is a screen and one may, or none."""
-    from ..views.screen import why_not_shown
-
-    reason = why_not_shown()
-    viewer = not headless and not reason
-    if not headless and reason:
-        instead = "give --rrd FILE to look at the run later" if rrd is None else f"{rrd} is written instead"
-        console.print(f"The viewer stays closed, {reason}: {instead}.", style="dim", markup=False)
-    if rrd is None and not viewer:
-        return None
-    from ..views.rerun_view import RerunView
-
-    return LiveView(RerunView(rrd, "ema-twin live", floors, viewer=viewer, model=model))

@@ -28,6 +28,7 @@ from .search import ROUNDS, less, search, significant
 from .shown_by_points import at_rest, not_shown, woken
 from .split import with_best_split
 from .suggestion import suggest
+from .switching_ripple import with_switching_ripple
 from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
@@ -112,7 +113,7 @@ def discover(
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
-    eq = Equation(observe_all(list(recordings), model))
+    eq = Equation([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
     null = null_hypothesis(model)
     barred = frozenset(without) | _impossible(model) | not_shown(recordings)
     found, known = _searched(eq, null, barred, progress)

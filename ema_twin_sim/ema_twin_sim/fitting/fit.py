@@ -20,6 +20,7 @@ from ..discovery.equation import Equation
 from ..discovery.halves import halves
 from ..discovery.observation import observe_all
 from ..discovery.shown_by_points import at_rest, woken
+from ..discovery.switching_ripple import with_switching_ripple
 from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -170,7 +171,7 @@ def _solution(
     A simulation begins where the equation ends, which is fast and sees further.
     """
     progress("reading the motion")
-    observations = observe_all(list(recordings), freedom.model)
+    observations = [with_switching_ripple(o, freedom.model) for o in observe_all(list(recordings), freedom.model)]
     if method == "equation" and freedom.model.is_open and not _parts_encoders(freedom.model):
         # no number of it moves them: of an unknown machine they would only say how bad the whole is
         observations = [o.without_encoders() for o in observations]

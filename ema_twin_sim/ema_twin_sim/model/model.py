@@ -35,6 +35,10 @@ class ConstantValue:
     source: str = ""
 
 
+ENABLED = "enabled"
+"""Last word of the path of an effect's switch."""
+
+
 @dataclass(frozen=True)
 class EffectInstance:
     """One effect in a model: options and parameters by name, all of them given.
@@ -210,6 +214,29 @@ class Model:
         if name not in self.effects:
             raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
         return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
+
+    def with_option(self, name: str, option: str, choice: str) -> Model:
+        """A model with one effect's option chosen. Raises InputError with the choices where there is no such one."""
+        if name not in self.effects:
+            raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
+        held = self.effects[name]
+        effect, options = find_effect(held.effect, name), {**held.options, option: choice}
+        changed = checked_instance(effect, held.parameters, options, name, complete=True, motion=self.motion)
+        return replace(self, effects={**self.effects, name: replace(changed, enabled=held.enabled, open=held.open)})
+
+    def with_setting(self, path: str, value: bool | float | str) -> Model:
+        """A model with one thing changed, as a running twin's parameters name it.
+
+        ``effects.NAME.enabled`` (bool), ``effects.NAME.OPTION`` (str), ``effects.NAME.PARAMETER`` or a constant's path
+        (float). Raises InputError where there is no such thing, or the value is out of range.
+        """
+        part, _, rest = path.partition(".")
+        name, _, word = rest.partition(".")
+        if part == "effects" and word == ENABLED:
+            return self.with_enabled(name, bool(value))
+        if part == "effects" and isinstance(value, str):
+            return self.with_option(name, word, value)
+        return self.with_value(path, value)  # type: ignore[arg-type]
 
 
 def _electrical(name: str, order: float) -> str:

@@ -7,7 +7,11 @@ equations: ``plant/planetary``.
 from .constant import Constant
 
 DAMAGED_WHEELS = {"sun": "sun", "planet": "first planet", "ring": "fixed ring", "output_ring": "output ring"}
-RUNOUT_WHEELS = {"sun": "sun", "planet": "first planet", "output_ring": "output ring"}
+RUNOUT_WHEELS = {
+    "sun": "sun",
+    "planet": "first planet's first toothing, against its second",
+    "output_ring": "output ring",
+}
 _MESHES = {"sun": "sun-planet", "ring": "planet-ring", "output": "planet-output ring"}
 
 
@@ -66,8 +70,8 @@ PLANETARY_CONSTANTS = (
         row
         for key, name in RUNOUT_WHEELS.items()
         for row in (
-            _row(f"{key}_runout", "m", 0.0, 1e-2, f"run-out of the {name}, amplitude", 0.0),
-            _row(f"{key}_runout_phase", "rad", -6.284, 6.284, f"phase of the {name}'s run-out", 0.0),
+            _row(f"{key}_runout", "m", 0.0, 1e-2, f"amplitude of the run-out of the {name}", 0.0),
+            _row(f"{key}_runout_phase", "rad", -6.284, 6.284, f"phase of the run-out of the {name}", 0.0),
         )
     ),
 )

@@ -23,13 +23,14 @@ class BesideBench:
 
     Attributes:
         follower: the twin and what it counts.
-        failure: why the twin cannot go on; None while it can.
+        failure: why the twin does not answer this run any more; None where it does. It starts again with the next one.
     """
 
     def __init__(self, node: Node, model: Model, output: TwinOutput, wanted: str, from_start: bool) -> None:
         """`wanted` drives the twin, see `Follower`; `from_start`: answer also what was sent before this node came."""
         self._output = output
         self.failure: InputError | None = None
+        self._failed_run = 0
         self.follower = Follower(model, wanted, from_start)
         node.create_subscription(EmaState, "bench/state", self._on_sample, qos.state(from_start), raw=True)
 
@@ -45,13 +46,14 @@ class BesideBench:
 
     def _on_sample(self, message: bytes) -> None:
         run, sequence, stamp, sample = read_state(message)
-        if self.failure is not None:
+        if self.failure is not None and run == self._failed_run:
             return
         try:
             answer = self.follower.answer(run, sequence, stamp, sample)
         except InputError as error:  # raised here, it would be told with its whole stack
-            self.failure = error
+            self.failure, self._failed_run = error, run
             return
+        self.failure = None
         if answer is not None:
             for name in _ORIGINS:
                 answer[name] = sample[name]
@@ -60,7 +62,9 @@ class BesideBench:
     def report(self) -> diagnostics.Report:
         """Counts of the bench's samples, and what is wrong with them."""
         stream = self.follower.stream
-        if self.follower.problem:
+        if self.failure is not None:
+            level, message = diagnostics.ERROR, f"{self.failure}; the twin starts again with the next run"
+        elif self.follower.problem:
             level, message = diagnostics.ERROR, self.follower.problem
         elif stream.run is None:
             level, message = diagnostics.WARN, "no sample on bench/state yet"

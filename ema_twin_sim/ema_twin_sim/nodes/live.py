@@ -59,7 +59,7 @@ class LiveResult:
     `signals` is the monitor's, per compared signal, as in `RunningComparison.result`. `complete` tells whether every
     sample of the run was compared: only then is it what `compare` gives. `counts`: sent, compared, missing, expected.
     `pace` is the time that the twin simulated over the time that it computed; `elapsed` [s] from the first pair to the
-    last.
+    last. `twin` is the model that the twin ended with, the effects that were switched on among its own.
     """
 
     name: str
@@ -74,6 +74,7 @@ class LiveResult:
     warnings: tuple[str, ...] = ()
     pace: float | None = None
     elapsed: float = 0.0
+    twin: Model | None = None
 
 
 @dataclass
@@ -167,6 +168,7 @@ class _Session:
             warnings=(*(recording.warnings if recording else ()), *self.warnings),
             pace=self.twin.mode.pace.overall,
             elapsed=self.ended - self.began,
+            twin=self.twin.model_as_it_stands(self.monitor.model),
         )
 
 
@@ -176,9 +178,11 @@ def run_live(
     *,
     input: str = "auto",
     rate: float = 1.0,
+    loop: bool = False,
     changes: Iterable[Change] = (),
     on_pairs: Callable[[Sequence[Pair]], None] | None = None,
     notify: Callable[[str], None] = lambda text: None,
+    on_start: Callable[[MonitorNode], None] = lambda monitor: None,
     record_to: Path | None = None,
     stop: threading.Event | None = None,
 ) -> LiveResult:
@@ -189,9 +193,11 @@ def run_live(
         model: what the twin is made of.
         input: what drives the twin: `setpoint`, `current`, or `auto`: the setpoint where the bench has one.
         rate: speed of playing, 1 is real time, 0 as fast as it goes.
+        loop: begin again after the last sample, until `stop`.
         changes: parameters to set on the running twin, and when.
         on_pairs: called about 20 times a second with the pairs compared since.
         notify: called with one line of text when something happens.
+        on_start: called once with the monitor, whose diagnosis_services may be asked from another thread.
         record_to: a folder that is made, with an MCAP of all topics.
         stop: set it to end early, from another thread or from a callback.
 
@@ -216,7 +222,7 @@ def run_live(
                 nodes.append(RecordNode(parameters=[Parameter("output", value=str(record_to))], context=context))
             replay = None
             if recording is not None:
-                given = {"rate": float(rate), "on_end": "wait", "subscribers": len(nodes)}
+                given = {"rate": float(rate), "loop": loop, "on_end": "wait", "subscribers": len(nodes)}
                 replay = ReplayNode(
                     recording, parameters=[Parameter(k, value=v) for k, v in given.items()], context=context
                 )
@@ -225,6 +231,7 @@ def run_live(
             monitor.on_pair = session.take_pair
             steady_timer(monitor, _TICK, session.tick)
             executor = make_executor(nodes, context)
+            on_start(monitor)
             spin(executor, session.over, context)
             session.tick()
             if record_to is not None:  # the recorder may be a few messages behind the monitor

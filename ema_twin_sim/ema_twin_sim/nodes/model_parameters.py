@@ -1,4 +1,4 @@
-"""Every number of a running twin's model, and every effect's switch, as ROS parameters of the node that runs it."""
+"""Every number of a running twin's model, every effect's switch and options, as ROS parameters of its node."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare
 
 from ..effects import catalogue
+from ..model.model import ENABLED
 from ..simulation.twin import Twin
-
-_SWITCH = ".enabled"
 
 
 class ModelParameters:
@@ -29,36 +29,42 @@ class ModelParameters:
         self._declarations = _declarations(twin())
         before = {declaration.name: declaration.default for declaration in self._declarations}
         given = declare(node, self._declarations)
-        self._set({name: value for name, value in given.items() if value != before[name]})
+        twin().change({name: value for name, value in given.items() if value != before[name]})
         node.add_on_set_parameters_callback(self._on_set)
 
     def _on_set(self, parameters: Iterable[Parameter]) -> SetParametersResult:
         result = check_all(self._declarations, parameters)
         if result.successful:
             own = {declaration.name for declaration in self._declarations}
-            self._set({parameter.name: parameter.value for parameter in parameters if parameter.name in own})
+            try:
+                self._twin().change({p.name: _plain(p.value) for p in parameters if p.name in own})
+            except InputError as error:  # each is possible, but not all together
+                return SetParametersResult(successful=False, reason=str(error))
         return result
 
-    def _set(self, values: dict[str, Any]) -> None:
-        twin = self._twin()
-        for name, value in values.items():
-            if name.endswith(_SWITCH):
-                twin.set_enabled(name.removeprefix("effects.").removesuffix(_SWITCH), value)
-            else:
-                twin.set_parameter(name, float(value))
+
+def _plain(value: Any) -> bool | float | str:
+    return float(value) if type(value) is int else value
 
 
 def _declarations(twin: Twin) -> list[Declaration]:
     numbers = [
         Declaration(p.path, p.value, p.description, p.unit, p.lower, p.upper, fixed=False) for p in twin.parameters()
     ]
+    effects = {name: (instance, catalogue()[instance.effect]) for name, instance in twin.effects.items()}
     switches = [
+        Declaration(f"effects.{name}.{ENABLED}", instance.enabled, f"switch on: {effect.summary}", fixed=False)
+        for name, (instance, effect) in effects.items()
+    ]
+    options = [
         Declaration(
-            f"effects.{name}{_SWITCH}",
-            instance.enabled,
-            f"switch on: {catalogue()[instance.effect].summary}",
+            f"effects.{name}.{option}",
+            instance.options[option],
+            f"which {option} of {name} it is",
+            choices=choices,
             fixed=False,
         )
-        for name, instance in twin.effects.items()
+        for name, (instance, effect) in effects.items()
+        for option, choices in effect.options.items()
     ]
-    return numbers + switches
+    return numbers + switches + options

@@ -21,9 +21,12 @@ from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 from ..comparison.running_comparison import DRIVEN, RunningComparison
 from ..model import Model
 from ..own_effects import load_effects
+from .diagnosing.history import History
+from .diagnosing.node import DiagnosisNode, Watched
 from .follower import input_for
 from .live_model import live_model
 from .pairing import Pairing
+from .trend import Trend
 from .verdict import Level, judge
 from .warm_up import warm_up_comparison
 
@@ -38,11 +41,15 @@ PARAMETERS = (
     Declaration("warn_at", 3.0, "RMSE over noise floor at which health is WARN", "1", 1.0, 1e6, fixed=False),
     Declaration("error_at", 10.0, "RMSE over noise floor at which health is ERROR", "1", 1.0, 1e6, fixed=False),
     Declaration("stale_after", 1.0, "time without a sample after which health is STALE", "s", 0.1, 60.0, fixed=False),
+    Declaration("services", True, "serve monitor/diagnose and monitor/apply"),
+    Declaration("history", 150_000, "samples kept for a diagnosis: 5 minutes at 500 Hz", "1", 1000, 5_000_000),
     Declaration("capacity", 10_000, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
 )
 
 _HEALTH_PERIOD = 0.1
 """s."""
+_SETTLED = 2.0
+"""s of comparing after which the process that diagnoses is started: what ends sooner is not diagnosed."""
 
 PairListener = Callable[[int, Mapping[str, float], Mapping[str, float], Mapping[str, float]], None]
 """Called with a pair's stamp [ns since the epoch], bench signals, twin signals and residuals (SI)."""
@@ -57,6 +64,7 @@ class MonitorNode(Node):
     Attributes:
         pairing: counts of what arrived, and of what is missing.
         comparison: the statistics of the present run.
+        diagnosis_services: diagnoses and applies; None where they are switched off.
         announced: what `bench/run` last told; None before.
         on_pair: called for every pair, where given.
     """
@@ -83,7 +91,11 @@ class MonitorNode(Node):
         self.on_pair = on_pair
         self.announced: Run | None = None
         self._stamp = 0
+        self._first_stamp = 0
         self._arrival = -math.inf
+        self._first_arrival = math.inf
+        self._history = History(given["history"])
+        self._trend = Trend(self._window)
 
         self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
         self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
@@ -93,6 +105,8 @@ class MonitorNode(Node):
         self.create_subscription(EmaState, "twin/state", self._on_twin, states, raw=True)
         self.create_subscription(Run, "bench/run", self._on_run, qos.LATEST)
         self.add_on_set_parameters_callback(self._on_parameters)
+        watched = Watched(self.model, self._history, self._place, self._trend.clear)
+        self.diagnosis_services = DiagnosisNode(watched, self.get_namespace(), context) if given["services"] else None
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
     @property
@@ -116,6 +130,7 @@ class MonitorNode(Node):
         answer = self.pairing.add_bench(sample)
         if self.pairing.passes != passes:
             self.comparison = self._new_comparison(input_for(self._input, sample.signals))
+            self._stamp = self._first_stamp = sample.stamp
         if answer is not None:
             self._compare(sample, answer)
 
@@ -131,7 +146,9 @@ class MonitorNode(Node):
 
     def _compare(self, bench: State, twin: State) -> None:
         residuals = self.comparison.add(bench.signals, twin.signals)
+        self._history.add(self.pairing.passes, bench)
         self._stamp = bench.stamp
+        self._first_arrival = min(self._first_arrival, self._arrival)
         self._residual_publisher.publish(write_residual(bench.stamp, bench.run, bench.sequence, residuals))
         if self.on_pair is not None:
             self.on_pair(bench.stamp, bench.signals, twin.signals, residuals)
@@ -147,9 +164,15 @@ class MonitorNode(Node):
         limits = self._limits["warn_at"], self._limits["error_at"]
         return judge(rmse_window, comparison.noise_floor, driven, *limits)
 
+    def _place(self) -> tuple[str, int]:
+        return self.announced.recording if self.announced is not None else "bench", self.pairing.run or 0
+
     def _publish_health(self) -> None:
         comparison, pairing = self.comparison, self.pairing
         rmse_window = comparison.rmse_window
+        self._trend.add((self._stamp - self._first_stamp) * 1e-9, rmse_window)
+        if self.diagnosis_services is not None and time.monotonic() - self._first_arrival > _SETTLED:
+            self.diagnosis_services.prepare()
         self._health_publisher.publish(
             Health(
                 header=header(self._stamp),
@@ -163,6 +186,7 @@ class MonitorNode(Node):
                 rmse=signals_message(comparison.rmse),
                 rmse_window=signals_message(rmse_window),
                 noise_floor=signals_message(comparison.noise_floor),
+                rmse_trend=signals_message(self._trend.slopes()),
             )
         )
 
@@ -171,6 +195,8 @@ class MonitorNode(Node):
         level, words = self._level(self.comparison.rmse_window)
         if pairing.missing:
             words = f"{words}; {pairing.missing} samples of this run are missing"
+        if growing := self._trend.growing():
+            words = f"{words}; {growing[0]}: its RMSE grows by {100.0 * growing[1]:.0f} % an hour"
         figures = {"run": pairing.run, "compared": pairing.compared, "missing": pairing.missing}
         figures |= {"expected": self.expected, "complete": self.complete, "waiting for a partner": pairing.waiting}
         figures |= {"twin samples of a run that was left": pairing.outdated}
@@ -180,6 +206,13 @@ class MonitorNode(Node):
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
         )
+
+    def destroy_node(self) -> None:
+        """End the services, then the node."""
+        if self.diagnosis_services is not None:
+            self.diagnosis_services.close()
+            self.diagnosis_services = None
+        super().destroy_node()
 
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
         result = check_all(PARAMETERS, parameters)

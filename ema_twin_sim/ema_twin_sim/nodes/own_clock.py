@@ -74,6 +74,8 @@ class OwnClock:
             "longest delay [ms]": self.deadlines.worst * 1e-6,
             "computes at times real time": self.pace.now,
         }
+        if self.failure is not None:
+            return diagnostics.Report(diagnostics.ERROR, f"{self.failure}; start the node again", figures)
         if self.pace.complaint:
             return diagnostics.Report(diagnostics.WARN, self.pace.complaint, figures)
         if missed:

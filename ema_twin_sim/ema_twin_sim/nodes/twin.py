@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 
 from rclpy.context import Context
 from rclpy.node import Node
@@ -70,6 +71,12 @@ class TwinNode(Node):
     def failure(self) -> InputError | None:
         """Why the twin cannot go on; None while it can."""
         return self.mode.failure
+
+    def model_as_it_stands(self, begun: Model) -> Model:
+        """What runs: the model that it began with, as it was changed, and what was switched on since."""
+        present = self.mode.twin.model
+        kept = {name: held for name, held in present.effects.items() if held.enabled or name in begun.effects}
+        return replace(present, effects=kept)
 
     def _report(self) -> diagnostics.Report:
         report = self.mode.report()

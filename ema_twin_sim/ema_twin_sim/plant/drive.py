@@ -40,5 +40,9 @@ def speed_controller(plant, error, integral, integrate):
 
 @njit(error_model="numpy")
 def quadrature_voltage(plant, speed, current, current_rate):
-    """Quadrature voltage [V] that the winding needs: back-EMF, resistance and inductance of one phase."""
+    """Quadrature voltage [V] that the winding needs: back-EMF, resistance and inductance of one phase.
+
+    Of two phases in series that carry the drive's ampere, as Kt = 2 Ke has it. Sinusoidal phases that make the same
+    torque carry peaks of 4/3 of it, and the switching drive's voltage is that of their resistance.
+    """
     return plant.back_emf_constant * speed + plant.phase_resistance * current + plant.phase_inductance * current_rate

@@ -124,6 +124,16 @@ class Twin:
         """Switch an effect from the next sample on."""
         self._take(self._model.with_enabled(name, enabled))
 
+    def change(self, settings: Mapping[str, bool | float | str]) -> None:
+        """Make several changes at once from the next sample on (see ``Model.with_setting``); none where one is refused.
+
+        Raises InputError with the reason.
+        """
+        model = self._model
+        for path, value in settings.items():
+            model = model.with_setting(path, value)
+        self._take(model)
+
     def start(
         self,
         sample: Mapping[str, float],

@@ -19,14 +19,12 @@ from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, BENCH, GOOD, RIVAL
 from .recording_views import layout
 from .rms_window import RmsWindow
-from .screen import start_viewer
 from .stream import LIVE_APPLICATION, TIMELINE, open_for_writing, path_of, send, style
 from .train_motion import by_ratios, gearing_shown
 
 SHOWN = ("output_position", "current", "speed")
 """Signals drawn bench over twin, each above its residual."""
 ROOT = "live"
-_VIEWER_PORT = 9876
 _PAUSE = 0.25  # s from one sending to the next
 _WINDOW = 1.0  # s, of the RMSE that falls when an effect is added
 _LEVEL_COLOURS = {"current": AFTER, "speed": GOOD, "output_position": RIVAL}
@@ -40,7 +38,7 @@ _Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], M
 
 
 class RerunView:
-    """A rerun recording (``path``), shown in a viewer too where ``viewer``; takes samples in batches, live or whole.
+    """A rerun recording, to a file (``path``) and to viewers (``sinks``); takes samples in batches, live or whole.
 
     With a ``model`` whose gearbox is known, that turns too.
     """
@@ -51,7 +49,7 @@ class RerunView:
         title: str,
         noise_floor: Mapping[str, float],
         *,
-        viewer: bool = False,
+        sinks: Sequence[str] = (),
         model: Model | None = None,
     ) -> None:
         """Raises InputError where the file cannot be written."""
@@ -63,14 +61,11 @@ class RerunView:
         self._held: list[_Batch] = []
         self._sent = -np.inf
         self._stream = rr.RecordingStream(LIVE_APPLICATION, send_properties=False)
-        sinks: list[Any] = []
+        into: list[Any] = [rr.GrpcSink(sink) for sink in sinks]
         if path is not None:
-            sinks.append(open_for_writing(path))
-        if viewer:
-            start_viewer("--port", str(_VIEWER_PORT), "--bind", "127.0.0.1", "--hide-welcome-screen")
-            sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{_VIEWER_PORT}/proxy"))
-        if sinks:
-            self._stream.set_sinks(*sinks, default_blueprint=live_blueprint(self._gearing))
+            into.append(open_for_writing(path))
+        if into:
+            self._stream.set_sinks(*into, default_blueprint=live_blueprint(self._gearing))
         self._stream.send_recording_name(title)
         self._style()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -16,6 +17,7 @@ _GRAPHICS = (
     ("/etc/vulkan/icd.d", "*.json"),
 )
 """Folders, and what in them stands for something to draw with."""
+_PORT = 9876
 
 
 def display_available() -> bool:
@@ -42,8 +44,26 @@ def open_viewer(path: Path) -> bool:
     return True
 
 
+def open_live_viewer() -> str:
+    """Open a viewer for what will be sent; returns where to."""
+    start_viewer("--port", str(_PORT), "--bind", "127.0.0.1", "--hide-welcome-screen")
+    return f"rerun+http://127.0.0.1:{_PORT}/proxy"
+
+
 def start_viewer(*arguments: str) -> None:
-    """Start rerun's viewer as a process of its own: without our ROS libraries, and reporting to nobody."""
+    """Start rerun's viewer as a process of its own, which stays when this one ends."""
+    subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
+
+
+def viewer_command() -> list[str]:
+    """How rerun's viewer is started: its binary itself, as the script of that name would leave it behind when ended."""
+    package = importlib.util.find_spec("rerun_cli")
+    places = [Path(place) / "rerun" for place in (package.submodule_search_locations or ())] if package else []
+    return [str(next((binary for binary in places if binary.is_file()), _VIEWER))]
+
+
+def viewer_environment() -> dict[str, str]:
+    """Its environment: without our ROS libraries, and reporting to nobody."""
     environment = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
     environment["CI"] = "true"  # what rerun takes as "no analytics", without touching the user's configuration
-    subprocess.Popen([str(_VIEWER), *arguments], env=environment, start_new_session=True)
+    return environment

@@ -18,8 +18,9 @@ BOUNDARY_LUBRICATION = 0.2
 """The most that a standard's coefficient may be.
 
 Both grow without bound as the speed falls, since they know no end of the film that thins with it. Where the film is
-gone, boundary lubrication is left: about 0.1 to 0.2 of oiled surfaces, whatever the speed. On the bench this bounds
-nothing but standstill: ISO/TR 14179-2 gets there below a few micrometres per second.
+gone, boundary lubrication is left: about 0.1 to 0.2 of oiled surfaces, whatever the speed. In the bench's ring
+mesh (0.3 N m, roughness 5 um, the script's thin oil) ISO/TR 14179-2 comes to it below 1.3 mm/s of rolling, which no
+ramp of the thesis is, ISO/TS 6336-4 below 111 mm/s, as the slower ramps are. ``docs/physics.md`` measures both.
 """
 
 KELVIN = 273.15  # of 0 degrees Celsius

@@ -116,7 +116,21 @@ def read_meshes(train, moving, lanes, table, cycles):
 
 @njit(error_model="numpy")
 def _read_runout(train, lanes, cycles):
-    """Run-out [m] of each mesh: what an eccentric wheel's teeth stand out towards a planet."""
+    """Run-out [m] of each mesh: how far an eccentric wheel's teeth stand out along the line of action.
+
+    A planet whose pitch circle lies off its axis by e, at the angle b from the carrier's radius on, moves by e sin b
+    along the carrier's way and by e cos b outwards. Along the carrier's way it goes away from the sun's teeth and from
+    the ring's, outwards away from the sun's and into the ring's: with a pressure angle a
+
+        delta_s = -e (cos a sin b + sin a cos b) = -e sin(b + a)
+        delta_r = -e (cos a sin b - sin a cos b) = -e sin(b - a)
+
+    (Lin and Parker, "Analytical characterization of the unique properties of planetary gear free vibration", J. Vib.
+    Acoust. 121, 1999, eq. 1). So both meshes have the same sign, 2 a apart in the planet's turn: the ring meets the
+    planet half a turn from where the sun does, but on its other flank. With the phase p of the sun's mesh and the
+    planet's turn t = -b against the carrier, these are e sin(t + p) and e sin(t + p + 2 a). The flanks are those that
+    carry a load forward; on the others the outward part would change its sign, which is left out.
+    """
     if train.runout[0] == 0.0 and train.runout[1] == 0.0 and train.runout[2] == 0.0:
         return
     carrier = TURN * (cycles[1] - train.mesh_phase[1]) / train.ring_teeth
@@ -125,9 +139,11 @@ def _read_runout(train, lanes, cycles):
     planet_turn = carrier * (train.ring_radius / train.planet_radius) + train.runout_phase[1]
     for planet in range(PLANETS):
         place = planet * _THIRD * TURN
-        of_planet = train.runout[1] * math.sin(planet_turn) if planet == 0 else 0.0
-        lanes[_RUNOUT + planet] = train.runout[0] * math.sin(sun_to_carrier - place + train.runout_phase[0]) + of_planet
-        lanes[_RUNOUT + LANE + planet] = -of_planet
+        of_planet = train.runout[1] if planet == 0 else 0.0
+        lanes[_RUNOUT + planet] = train.runout[0] * math.sin(
+            sun_to_carrier - place + train.runout_phase[0]
+        ) + of_planet * math.sin(planet_turn)
+        lanes[_RUNOUT + LANE + planet] = of_planet * math.sin(planet_turn + 2.0 * train.pressure_angle)
         lanes[_RUNOUT + 2 * LANE + planet] = train.runout[2] * math.sin(
             carrier_to_output + place + train.runout_phase[2]
         )

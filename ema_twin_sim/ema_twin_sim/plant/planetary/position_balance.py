@@ -3,7 +3,8 @@
 The balance of mean forces (``quasi_static.py``) has every planet carry a third. In truth the ring meshes' friction
 pulls at a planet now before, now behind the pitch point, and stiffer planets take more than their share: little beside
 ring forces, but several times the sun's, which are a forty-first of them. A third of the time a sun mesh pushes the
-wrong way, and its losses grow threefold. The running train (``train.py``) loses what this balance says.
+wrong way, and its losses are 2.6 times those by mean forces, 5.5 times where the load drives (mu = 0.1). The running
+train (``train.py``) loses what this balance says.
 """
 
 from __future__ import annotations

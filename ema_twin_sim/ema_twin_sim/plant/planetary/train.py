@@ -19,6 +19,11 @@ across as it does along, with a stiffness of its own (Mindlin, "Compliance of el
 0.8 of the normal one), until f reaches mu |F|, where it slides. So teeth hold still without creeping, what a load locks
 stays locked, and planets so light that one step of mu |F| would turn their sliding round do not chatter.
 
+A spring k(theta) that its wheels make stiffer as they turn also holds them back, by 1/2 delta^2 dk/dtheta. Like the
+thesis, this leaves it out, so a tooth that comes into contact under load brings its energy 1/2 k delta^2 with it, and
+one that goes takes it along: that is booked as ``stiffness_change`` where the stiffness is read anew (``energy.py``),
+and with it the energies balance. It is under 2 % of what passes through the bench's train (docs/physics.md).
+
 Step: drift, kick, drift as in ``transmission.py``.
 """
 

@@ -1,0 +1,72 @@
+"""The error of a live run, line by line while it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..quantities import quantity
+from .output import console
+from .tables import is_narrow
+
+if TYPE_CHECKING:
+    from ema_bench_replay.recording import Recording
+
+    from ..model import Model
+    from ..nodes.live import Pair
+
+
+class Follower:
+    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
+
+    Under the input ``current`` it is the unexplained torque that tells; else the output's position, current and speed.
+    """
+
+    def __init__(
+        self, model: Model, recording: Recording | None, source: str | None = None, window: float = 1.0
+    ) -> None:
+        from ..comparison.noise import noise_floors
+
+        self.watchers: list = []
+        self._floors = noise_floors(model)
+        self._duration = recording.duration if recording is not None else None
+        self._shown = ("unexplained_torque",) if source == "current" else ("output_position", "current", "speed")
+        self._window = window
+        self._first: int | None = None
+        self._last = 0
+        self._next = 0.0
+        self._sums: dict[str, list[float]] = {}
+
+    def take(self, pairs: Sequence[Pair]) -> None:
+        """A batch of pairs from the running monitor."""
+        for pair in pairs:
+            if self._first is None or pair.stamp <= self._last:  # another run
+                self._first, self._next = pair.stamp, self._window
+            self._last = pair.stamp
+            for name in self._shown:
+                residual = pair.residuals.get(name, float("nan"))
+                if residual == residual:
+                    held = self._sums.setdefault(name, [0.0, 0.0])
+                    held[0] += residual * residual
+                    held[1] += 1.0
+            elapsed = (pair.stamp - self._first) * 1e-9
+            if elapsed >= self._next:
+                self._print(elapsed)
+                self._next = elapsed + self._window
+        for watcher in self.watchers:
+            watcher(pairs)
+
+    def _print(self, elapsed: float) -> None:
+        from ..comparison.running_comparison import UNITS
+
+        of = f" of {self._duration:.0f}" if self._duration else ""
+        parts = []
+        for name, (square, count) in self._sums.items():
+            rmse = (square / count) ** 0.5
+            label = name.removeprefix("output_") if is_narrow() else name.replace("_", " ")
+            floor = self._floors[name]  # 0 where the sensor's noise is not known
+            times = f" {rmse / floor:5.0f}×" if floor > 0.0 else ""
+            parts.append(f"{label} {quantity(rmse, UNITS[name]):>9}{times}")
+        line = f" {elapsed:5.1f}{of} s  error  " + "  ".join(parts)
+        console.print(line, highlight=False, soft_wrap=True)
+        self._sums.clear()

@@ -1,0 +1,138 @@
+"""What a person at the terminal may ask of a live run: d, a, q."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import threading
+from typing import TYPE_CHECKING, Any
+
+from ema_bench_replay.errors import InputError
+
+from ..quantities import estimate
+from .output import console, say
+from .wording import effect_words
+
+if TYPE_CHECKING:
+    from ema_twin_msgs.msg import Diagnosis, Effect
+
+    from ..nodes.monitor import MonitorNode
+    from .live_view import LiveView
+
+_HINT = "Keys: d which effect is missing?   a add what was found   q end"
+_SHOWN = 3
+"""Effects of a diagnosis that are told."""
+_LOOK = 0.2
+"""s between two looks whether to end."""
+
+
+class Keys:
+    """Reads keys while a live run lasts, where standard input and output are a terminal; else does nothing."""
+
+    def __init__(self, stop: threading.Event, view: LiveView | None = None) -> None:
+        """``stop`` is set by q; ``view`` is told what was found and added."""
+        self._stop = stop
+        self._view = view
+        self._monitor: MonitorNode | None = None
+        self._over = threading.Event()
+        self._before: list[Any] | None = None
+        self._threads: list[threading.Thread] = []
+
+    def __enter__(self) -> Keys:
+        if not (sys.stdin.isatty() and sys.stdout.isatty()):
+            return self
+        import termios
+        import tty
+
+        self._before = termios.tcgetattr(0)
+        tty.setcbreak(0)
+        console.print(_HINT, style="bold")
+        return self
+
+    def begin(self, monitor: MonitorNode) -> None:
+        """From now on keys are answered."""
+        self._monitor = monitor
+        if self._before is not None:
+            self._in_a_thread(self._read)
+
+    def press(self, key: str) -> None:
+        """Do what a key stands for; others do nothing."""
+        if key == "d":
+            self._in_a_thread(self._diagnose)
+        elif key == "a":
+            self._in_a_thread(self._apply)
+        elif key == "q":
+            self._stop.set()
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        for thread in self._threads:
+            thread.join(2.0 * _LOOK)
+        if self._before is not None:
+            import termios
+
+            termios.tcsetattr(0, termios.TCSADRAIN, self._before)
+
+    def _in_a_thread(self, action: Any) -> None:
+        thread = threading.Thread(target=action, daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+    def _read(self) -> None:
+        while not self._over.is_set():
+            ready, _, _ = select.select([0], [], [], _LOOK)
+            if ready:
+                self.press(os.read(0, 1).decode(errors="replace"))
+
+    def _diagnose(self) -> None:
+        assert self._monitor is not None and self._monitor.diagnosis_services is not None
+        say("Looking for what the model lacks …", style="cyan")
+        try:
+            found = self._monitor.diagnosis_services.diagnose()
+        except InputError as error:
+            say(f"No diagnosis: {error}", style="yellow")
+            return
+        for line in told(found):
+            say(line, style="bold green")
+        self._tell(told(found)[0])
+
+    def _apply(self) -> None:
+        assert self._monitor is not None and self._monitor.diagnosis_services is not None
+        try:
+            words = self._monitor.diagnosis_services.apply([])
+        except InputError as error:
+            say(f"Nothing added: {error}", style="yellow")
+            return
+        say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
+        self._tell(f"added: {words}")
+
+    def _tell(self, text: str) -> None:
+        if self._view is not None:
+            self._view.tell_now(text)
+
+
+def told(found: Diagnosis) -> list[str]:
+    """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next."""
+    effects = [entry for entry in found.ranking if entry.found]
+    names = " and ".join(effect_words(entry.id) for entry in effects)
+    if found.verdict == "none":
+        first = "Nothing is missing: the twin follows the bench to its sensors' noise."
+    elif found.verdict == "unknown":
+        first = "Something is missing that no effect of the catalogue explains."
+    else:
+        first = f"Missing: {names}."
+    lines = [f"{first} (judged from {found.window:.0f} s)"]
+    lines += [f"  {_line(entry)}" for entry in found.ranking[:_SHOWN] if entry.found or entry.probability > 0.0]
+    if effects:
+        lines.append("Press a to add it to the running twin.")
+    if found.next_recording:
+        lines.append(f"To be surer, record {found.next_recording}")
+    return [*lines, *found.warnings]
+
+
+def _line(entry: Effect) -> str:
+    numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
+    words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
+    removed = "" if entry.error_removed != entry.error_removed else f", takes away {100 * entry.error_removed:.0f} %"
+    return f"{effect_words(entry.id)}: {100.0 * entry.probability:.0f} % likely{removed} ({words})"

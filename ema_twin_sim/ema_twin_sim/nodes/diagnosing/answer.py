@@ -1,0 +1,53 @@
+"""A diagnosis as the message that the monitor answers with."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from ema_bench_replay.nodes.messages import header
+from ema_twin_msgs.msg import Diagnosis, Effect
+
+
+def diagnosis_message(diagnosis: Mapping[str, Any], stamp: int, run: int, window: float) -> Diagnosis:
+    """The message of what `diagnose --json` writes.
+
+    Args:
+        diagnosis: as `Diagnosis.as_json` gives it; numbers that it lacks become NaN.
+        stamp: of the last sample that was judged, ns since the epoch.
+        run: that it was in.
+        window: s that were judged.
+    """
+    return Diagnosis(
+        header=header(stamp),
+        run=run,
+        window=window,
+        verdict=diagnosis["verdict"],
+        ranking=[_effect(entry) for entry in diagnosis["ranking"]],
+        none=diagnosis["none"],
+        unknown=diagnosis["unknown"],
+        groups=[",".join(group) for group in diagnosis["groups"]],
+        depends_on=diagnosis["depends_on"],
+        next_recording=diagnosis["next_recording"],
+        warnings=diagnosis["warnings"],
+    )
+
+
+def _effect(entry: Mapping[str, Any]) -> Effect:
+    parameters = entry["parameters"]
+    return Effect(
+        id=entry["effect"],
+        probability=entry["probability"],
+        error_removed=_number(entry["error_removed"]),
+        found=entry["found"],
+        option=[f"{name}={choice}" for name, choice in entry["options"].items()],
+        parameter=list(parameters),
+        value=[_number(held["value"]) for held in parameters.values()],
+        std=[_number(held["std"]) for held in parameters.values()],
+        unit=[held["unit"] for held in parameters.values()],
+    )
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else float(value)

@@ -1,0 +1,58 @@
+"""What to set on a running twin so that it has the effects of a diagnosis. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ema_bench_replay.errors import InputError
+
+from ...model.model import ENABLED, nearest
+from ...quantities import estimate
+from .frames import Answer
+
+Setting = bool | float | str
+
+
+def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Setting], str]:
+    """The twin's parameters by path, and what they are in words.
+
+    Effects that the complete explanation holds are set as it has them; others, each as it would be alone. Without
+    `effects`, the whole explanation is set, and what it changed of the machine's own constants.
+
+    Raises InputError where the diagnosis found nothing, or does not know one of the effects.
+    """
+    assert answer.diagnosis is not None
+    found, ranking = answer.explanation, answer.diagnosis["ranking"]
+    if not effects:
+        if not answer.settings:
+            raise InputError(f"the last diagnosis found nothing to add (its verdict: {answer.diagnosis['verdict']})")
+        return dict(answer.settings), _words(found)
+    settings: dict[str, Setting] = {}
+    chosen = []
+    for id in dict.fromkeys(effects):
+        entry = next((entry for entry in [*found, *ranking] if entry["effect"] == id), None)
+        if entry is None:
+            known = tuple(dict.fromkeys(entry["effect"] for entry in ranking))
+            hint = nearest(id, known) if known else "it is empty"
+            raise InputError(f"the last diagnosis does not hold '{id}'; {hint}")
+        held = {path: value for path, value in answer.settings.items() if path.startswith(f"effects.{id}.")}
+        settings |= held or _alone(entry)
+        chosen.append(entry)
+    return settings, _words(chosen)
+
+
+def _alone(entry: Mapping[str, Any]) -> dict[str, Setting]:
+    values = {name: held["value"] for name, held in entry["parameters"].items() if held["value"] is not None}
+    held = {**entry["options"], **values, ENABLED: True}
+    return {f"effects.{entry['effect']}.{word}": value for word, value in held.items()}
+
+
+def _words(entries: Sequence[Mapping[str, Any]]) -> str:
+    return "; ".join(" ".join(_word(entry)) for entry in entries)
+
+
+def _word(entry: Mapping[str, Any]) -> list[str]:
+    options = [f"{name} {choice}" for name, choice in entry["options"].items()]
+    numbers = [f"{name} {estimate(p['value'], p['std'], p['unit'])}" for name, p in entry["parameters"].items()]
+    return [entry["effect"], *options, *numbers]

@@ -1,0 +1,89 @@
+"""A job judged: what is missing still, and what makes of the given model the one that has it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from ema_bench_replay.errors import InputError
+
+from ...discovery.diagnose import weigh
+from ...discovery.discover import discover
+from ...effects.catalogue import own_files
+from ...model import Model, load_model
+from ...model.model import ENABLED
+from ...own_effects import load_effects
+from .frames import Answer, Job
+
+
+def judge(job: Job) -> Answer:
+    """The answer to a job; a refusal where its recordings cannot be judged.
+
+    Effects that were applied before are looked for again, their numbers free: those came from a short window, and what
+    they are off by would else look like something that is missing.
+    """
+    try:
+        load_effects(file for file in job.effect_files if Path(file) not in own_files())
+        present, base = load_model(job.model), load_model(job.base)
+        found = discover(job.recordings, base)
+    except InputError as error:
+        return Answer(None, refusal=str(error))
+    diagnosis: dict[str, Any] = weigh(found).as_json()
+    explanation = [entry for entry in diagnosis["ranking"] if entry["found"]]
+    applied = [instance.effect for name, instance in present.active.items() if name not in base.active]
+    settings = settings_between(present, found.model) if explanation else {}
+    return Answer(still_missing(diagnosis, applied), explanation, settings)
+
+
+def still_missing(diagnosis: Mapping[str, Any], applied: Collection[str]) -> dict[str, Any]:
+    """The diagnosis of a model that has the effects `applied`, from one of the model without them (both as JSON).
+
+    What explains the recordings and is there already is missing no more; where they do not show it, a warning says so.
+    """
+    if not applied:
+        return dict(diagnosis)
+    found = [entry["effect"] for entry in diagnosis["ranking"] if entry["found"]]
+    ranking = [entry for entry in diagnosis["ranking"] if entry["effect"] not in applied]
+    more = [entry for entry in ranking if entry["found"]]
+    unseen = [id for id in applied if id not in found]
+    warnings = [
+        *diagnosis["warnings"],
+        *(f"{id} was applied before, but these samples do not show it" for id in unseen if found),
+    ]
+    rest = diagnosis["unknown"] + sum(entry["probability"] for entry in ranking)
+    if diagnosis["verdict"] == "unknown":
+        verdict, none = "unknown", 0.0
+    elif more:
+        verdict, none = more[0]["effect"], 0.0
+    else:
+        verdict, none = "none", max(1.0 - rest, 0.0)
+    total = rest + none
+    if total <= 0.0:  # nothing but what was applied has any weight
+        total, none = 1.0, float(verdict == "none")
+    return {
+        **diagnosis,
+        "verdict": verdict,
+        "ranking": [{**entry, "probability": entry["probability"] / total} for entry in ranking],
+        "none": none / total,
+        "unknown": diagnosis["unknown"] / total if rest else float(verdict == "unknown"),
+        "warnings": warnings,
+    }
+
+
+def settings_between(before: Model, after: Model) -> dict[str, bool | float | str]:
+    """What changed from one model to the other, as a running twin's parameters (`Model.with_setting`).
+
+    Effects that `after` has, and `before` lacks or has with other numbers, are switched on with all their options and
+    parameters. None is switched off: that a window does not show it does not mean that it is not there.
+    """
+    settings: dict[str, bool | float | str] = {
+        path: held.value
+        for path, held in after.constants.items()
+        if path in before.constants and held.value != before.value(path)
+    }
+    for name, instance in after.active.items():
+        if before.active.get(name) != instance:
+            held: dict[str, bool | float | str] = {**instance.options, **instance.parameters, ENABLED: True}
+            settings |= {f"effects.{name}.{word}": value for word, value in held.items()}
+    return settings

@@ -1,0 +1,43 @@
+"""The process that diagnoses for a monitor, one job after another: `python -m ema_twin_sim.nodes.diagnosing.worker`.
+
+Jobs come on standard input, answers go to standard output (see `frames`). It gives way to the nodes, and ends when they
+do.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+import threading
+
+from .frames import receive_job, send
+
+_NICENESS = 3
+
+
+def main() -> int:
+    """Serve until standard input ends; returns the exit status."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the nodes' to answer; they close our input
+    os.nice(_NICENESS)
+    from .judge import judge  # reading its libraries takes seconds: give way in these already
+
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what a library prints must not get among the answers
+    threading.Thread(target=_end_with_the_nodes, daemon=True).start()
+    while (job := receive_job(sys.stdin.buffer)) is not None:
+        send(answers, judge(job))
+    return 0
+
+
+def _end_with_the_nodes() -> None:
+    """End at once, in the middle of a job too, when the other end of standard input is closed."""
+    waiting = select.poll()
+    waiting.register(0, 0)  # nothing but that it was hung up
+    waiting.poll()
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,85 @@
+"""The monitor's side of the process that diagnoses for it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ...effects.catalogue import own_files
+from ...model import Model
+from ...model.model_file import save_model
+from .frames import Answer, Job, receive_answer, send
+
+_MODULE = f"{__package__}.worker"
+_ENDING = 2.0
+"""s that the process has to end in."""
+
+
+class WorkerProcess:
+    """Diagnoses in a process of its own, never under the nodes' interpreter lock; one job at a time.
+
+    The process starts when first needed, or at `start`, and stays for the next job: reading its libraries takes longer
+    than most diagnoses.
+    """
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._folder = tempfile.TemporaryDirectory(prefix="ema_twin_diagnosis_")
+        self._starting = threading.Lock()
+        self._closed = False
+
+    def start(self) -> subprocess.Popen[bytes]:
+        """Start the process where it is not running. Raises InputError where this is closed."""
+        with self._starting:
+            if self._closed:
+                raise InputError("the monitor is ending; no diagnosis is made any more")
+            if self._process is None or self._process.poll() is not None:
+                self._process = subprocess.Popen(
+                    [sys.executable, "-m", _MODULE], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+                )
+            return self._process
+
+    def judge(self, recordings: Sequence[Recording], model: Model, base: Model) -> Answer:
+        """Have recordings judged beside a model; `base` is the same without what earlier diagnoses put there.
+
+        Raises InputError where the process ended before it answered.
+        """
+        folder = Path(self._folder.name)
+        present = save_model(model, folder / "present.yaml", force=True)
+        before = save_model(base, folder / "base.yaml", force=True)
+        job = Job(str(present), str(before), tuple(map(str, own_files())), tuple(recordings))
+        process = self.start()
+        assert process.stdin is not None and process.stdout is not None
+        try:
+            send(process.stdin, job)
+            answer = receive_answer(process.stdout)
+        except BrokenPipeError:
+            answer = None
+        if answer is None:
+            status = process.poll()
+            raise InputError(
+                f"the process that diagnoses ended before it answered (status {status}); call again, its messages are "
+                "on the monitor's standard error"
+            )
+        return answer
+
+    def close(self) -> None:
+        """End the process, in the middle of a job too."""
+        with self._starting:
+            self._closed = True
+            process = self._process
+        if process is not None:
+            process.terminate()
+            try:
+                process.wait(_ENDING)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self._folder.cleanup()

@@ -1,0 +1,75 @@
+"""Whether the error of a twin grows: the slope of its RMSE from window to window. No ROS."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+
+_LEAST = 4
+"""Windows that a slope with a standard error takes."""
+_WINDOWS = 720
+"""Windows looked back over: an hour of 5 s each."""
+_SURE = 4.0
+"""Standard errors that a slope must be of, to be called a trend."""
+_SHARE = 0.1
+"""Of the mean RMSE: what must have come together over all windows, to be worth telling."""
+
+
+class Trend:
+    """RMSE of whole windows, one after another, over runs; the slope by least squares."""
+
+    def __init__(self, window: float) -> None:
+        """`window` is the length of each in s."""
+        self._window = window
+        self._errors: dict[str, deque[tuple[float, float]]] = {}
+        self._next = window
+        self._before = 0.0  # s of the runs that are over
+        self._in_run = 0.0
+
+    def add(self, elapsed: float, rmse_window: Mapping[str, float]) -> None:
+        """Take the RMSE of the last window, `elapsed` s after the run's first sample; most calls change nothing."""
+        if elapsed < self._in_run:  # another run: its first window is not whole before it has lasted one
+            self._before += self._in_run
+            self._next = self._window
+        self._in_run = elapsed
+        if elapsed < self._next:
+            return
+        self._next = elapsed + self._window
+        for name, value in rmse_window.items():
+            if math.isfinite(value):
+                self._errors.setdefault(name, deque(maxlen=_WINDOWS)).append((self._before + elapsed, value))
+
+    def clear(self) -> None:
+        """Begin anew: the twin has changed."""
+        self._errors.clear()
+        self._next = self._in_run + self._window
+
+    def slopes(self) -> dict[str, float]:
+        """Per signal, in its unit per s; signals of fewer than four windows are left out."""
+        return {name: _slope(errors)[0] for name, errors in self._errors.items() if len(errors) >= _LEAST}
+
+    def growing(self) -> tuple[str, float] | None:
+        """The signal whose error surely grows the most, and by which share of its mean in an hour; None without one."""
+        shares = {}
+        for name, errors in self._errors.items():
+            if len(errors) < _LEAST:
+                continue
+            slope, std = _slope(errors)
+            mean = float(np.mean([value for _, value in errors]))
+            span = errors[-1][0] - errors[0][0]
+            if slope > _SURE * std and slope * span > _SHARE * mean:
+                shares[name] = slope / mean * 3600.0
+        return max(shares.items(), key=lambda item: item[1], default=None)
+
+
+def _slope(errors: deque[tuple[float, float]]) -> tuple[float, float]:
+    """Slope and its standard error."""
+    time, value = np.array(errors).T
+    time = time - time.mean()
+    spread = float(time @ time)
+    slope = float(time @ value) / spread
+    left = value - value.mean() - slope * time
+    return slope, math.sqrt(float(left @ left) / (len(time) - 2) / spread)

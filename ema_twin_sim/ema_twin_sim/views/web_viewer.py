@@ -1,0 +1,75 @@
+"""Rerun's viewer for a browser, served on this machine's loopback address."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+import time
+import urllib.parse
+
+from ema_bench_replay.errors import InputError
+
+from .screen import viewer_command, viewer_environment
+
+ADDRESS = "127.0.0.1"
+_PATIENCE = 15.0
+"""s in which the server must listen."""
+_ENDING = 1.0
+"""s in which it must have ended: it does not hear SIGTERM while a browser is connected."""
+
+
+class WebViewer:
+    """Serves the viewer's page, and takes what is sent to ``sink``; ends with this process.
+
+    Attributes:
+        sink: where a recording stream sends to.
+        page: what to open in a browser.
+    """
+
+    def __init__(self) -> None:
+        """Raises InputError where the server does not start."""
+        data, page = _free_ports(2)
+        self.sink = f"rerun+http://{ADDRESS}:{data}/proxy"
+        self.page = f"http://{ADDRESS}:{page}/?url={urllib.parse.quote(self.sink, safe='')}"
+        arguments = ["--serve-web", "--bind", ADDRESS, "--port", str(data), "--web-viewer-port", str(page)]
+        # where this process is killed, the server must not stay behind
+        guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
+        self._process = subprocess.Popen(
+            [*guard, *viewer_command(), *arguments],
+            env=viewer_environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        end = time.monotonic() + _PATIENCE
+        while not all(_listens(port) for port in (data, page)):
+            if self._process.poll() is not None or time.monotonic() > end:
+                self.close()
+                raise InputError("--web: rerun's web viewer does not start; give --rrd FILE and look at that later")
+            time.sleep(0.05)
+
+    def close(self) -> None:
+        """End the server."""
+        self._process.terminate()
+        try:
+            self._process.wait(_ENDING)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+def _free_ports(number: int) -> list[int]:
+    sockets = [socket.create_server((ADDRESS, 0)) for _ in range(number)]
+    ports = [opened.getsockname()[1] for opened in sockets]
+    for opened in sockets:
+        opened.close()
+    return ports
+
+
+def _listens(port: int) -> bool:
+    try:
+        socket.create_connection((ADDRESS, port), 0.2).close()
+    except OSError:
+        return False
+    return True

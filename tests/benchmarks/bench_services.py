@@ -1,0 +1,62 @@
+"""How long the monitor's diagnosis takes beside a recording that plays in real time, and what the stream notices."""
+
+import time
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.nodes import qos
+from ema_twin_msgs.msg import Health, Residual
+from ema_twin_msgs.srv import Diagnose
+from tests.conftest import RECORDINGS, outside
+from tests.ros_graph import Graph, start_process
+
+ON_TIME = 0.01
+"""s that a residual may come later than its stamp says, counted from the earliest."""
+
+
+def recording(name):
+    if name == "own":
+        return next(RECORDINGS.glob("*sine_0.05*"))
+    return next((outside("bench_cases") / name / "train").glob("*sine*"))
+
+
+@pytest.mark.parametrize("name", ["own", "dev10"])
+def test_a_diagnosis_beside_a_live_run(name, capsys):
+    modules = ("ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor")
+    processes = [start_process(module) for module in modules]
+    given = (f"recording:={recording(name)}", "loop:=true", "subscribers:=2")
+    processes.append(start_process("ema_bench_replay.nodes.replay", *given))
+    graph = Graph()
+    try:
+        node, health, arrivals = graph.plain_node(), [], []
+
+        def arrived(residual):
+            stamp = residual.header.stamp
+            arrivals.append((time.monotonic(), residual.run, stamp.sec + 1e-9 * stamp.nanosec))
+
+        node.create_subscription(Health, "/monitor/health", health.append, qos.LATEST)
+        node.create_subscription(Residual, "/monitor/residual", arrived, qos.RESIDUAL)
+        client = node.create_client(Diagnose, "/monitor/diagnose")
+        graph.spin_until(lambda: health and health[-1].compared > 6000)
+        begun, first = time.monotonic(), len(arrivals)
+        future = client.call_async(Diagnose.Request())
+        graph.spin_until(future.done)
+        lasted = time.monotonic() - begun
+        answer = future.result()
+        assert answer.success, answer.message
+        when, run, stamp = np.array(arrivals[first:]).T
+        late = np.concatenate([(when - stamp)[run == r] - (when - stamp)[run == r].min() for r in np.unique(run)])
+        with capsys.disabled():
+            print(
+                f"\n{name}: {answer.diagnosis.verdict} from {answer.diagnosis.window:.0f} s in {lasted:.1f} s; "
+                f"{100.0 * np.mean(late < ON_TIME):.1f} % of {len(late)} residuals within {1e3 * ON_TIME:.0f} ms, "
+                f"{len(late) / lasted:.0f} a second; latest {1e3 * late.max():.0f} ms; "
+                f"{health[-1].missing} samples missing"
+            )
+    finally:
+        graph.close()
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.communicate(timeout=20.0)
