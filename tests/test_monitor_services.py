@@ -13,6 +13,8 @@ from ema_twin_msgs.msg import Diagnosis, Health, Residual
 from ema_twin_msgs.srv import Apply, Diagnose
 from tests.conftest import outside
 
+pytestmark = pytest.mark.timeout(400)
+
 NODES = ("ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor")
 PATIENCE = 90.0
 """s that a diagnosis may take here: other tests run beside it. How long it takes alone, the benchmark tells."""
@@ -70,7 +72,6 @@ def dev10(traces):
     return next((outside("bench_cases") / "dev10" / "train").glob("*sine*"))
 
 
-@pytest.mark.timeout(400)
 @pytest.mark.parametrize("bench", [own, dev10], indirect=True)
 def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     bench.compared(4500)

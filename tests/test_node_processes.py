@@ -149,7 +149,7 @@ def test_live_attaches_to_a_bench_that_is_running(start, trace):
         (TWIN, ["effects.backlash.width:=-1.0"], ["effects.backlash.width", "0 to"]),
         (TWIN, ["effects.backlash.widht:=0.1"], ["effects.backlash.widht", "did you mean 'effects.backlash.width'"]),
         (TWIN, ["input:=standalone", "command:=ramp"], ["command 'ramp'", "rad/s"]),
-        (MONITOR, ["window:=wide"], ["monitor: parameter window", "a number", "0.01 to 3600 s"]),
+        (MONITOR, ["window:=wide"], ["monitor: parameter window", "a number", "0.01 to 60 s"]),
         (REPLAY, [], ["replay: parameter recording", "give recording:=FILE"]),
         (REPLAY, ["recording:=none.mcap"], ["none.mcap", "no such file"]),
         (REPLAY, ["recording:=TRACE", "start:=30.0"], ["30 s is not within the recording"]),
