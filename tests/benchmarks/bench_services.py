@@ -22,7 +22,7 @@ def recording(name):
 
 
 @pytest.mark.parametrize("name", ["own", "dev10"])
-def test_a_diagnosis_beside_a_live_run(name, capsys):
+def test_a_diagnosis_beside_a_live_run(name, capfd):
     modules = ("ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor")
     processes = [start_process(module) for module in modules]
     given = (f"recording:={recording(name)}", "loop:=true", "subscribers:=2")
@@ -47,7 +47,7 @@ def test_a_diagnosis_beside_a_live_run(name, capsys):
         assert answer.success, answer.message
         when, run, stamp = np.array(arrivals[first:]).T
         late = np.concatenate([(when - stamp)[run == r] - (when - stamp)[run == r].min() for r in np.unique(run)])
-        with capsys.disabled():
+        with capfd.disabled():
             print(
                 f"\n{name}: {answer.diagnosis.verdict} from {answer.diagnosis.window:.0f} s in {lasted:.1f} s; "
                 f"{100.0 * np.mean(late < ON_TIME):.1f} % of {len(late)} residuals within {1e3 * ON_TIME:.0f} ms, "
