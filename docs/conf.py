@@ -8,3 +8,5 @@ myst_heading_anchors = 3  # as far down as pages link to their own headings
 html_theme = "furo"
 html_title = project
 html_copy_source = html_show_sourcelink = False
+html_static_path = ["_static"]
+html_css_files = ["wide.css"]

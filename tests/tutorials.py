@@ -1,8 +1,8 @@
 """What a page of the documentation tells to type, and what it shows that comes of it.
 
 A page's ``shell`` blocks are commands. A ``text`` block shows lines that the last commands before it print, in their
-order; "…" in one stands for anything. Where the first line shown is an error, the commands end with status 2. What is in
-``console`` blocks needs a set-up that the tests do not have.
+order; "…" in one stands for anything. Where the first line shown is an error, the commands end with status 2. What is
+in ``console`` blocks needs a set-up that the tests do not have.
 """
 
 import os
