@@ -17,6 +17,7 @@ from ema_bench_replay.nodes import replay
 from ema_twin_sim.effects.catalogue import catalogue
 from ema_twin_sim.nodes import monitor, twin
 from tests.command_line import ENVIRONMENT, TWIN
+from tests.launch_files import started
 from tests.tutorials import check, page, prepare, run, steps
 
 PATIENCE = 120.0
@@ -118,6 +119,10 @@ def test_the_words_for_ros2_name_what_there_is():
             known = {declaration.name: declaration for declaration in module.PARAMETERS}
             for name, _, _ in (word.partition(":=") for word in words if ":=" in word):
                 assert name in known
+        elif words[0] == "launch":
+            _, package, file, *given = words
+            assert package == "ema_twin_config"
+            started(file.removesuffix(".launch.py"), **dict(word.split(":=") for word in given))
         elif words[0] == "service":
             _, _, service, kind, request = words
             package, _, name = kind.split("/")
