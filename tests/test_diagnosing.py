@@ -1,9 +1,9 @@
 """What the monitor's services are made of: history, jobs and answers, what is missing still, what to set."""
 
 import io
-import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -112,6 +112,7 @@ def test_jobs_and_answers_come_back_as_they_were_sent():
 def entry(effect, probability, found, **parameters):
     numbers = {name: {"value": value, "std": 0.1 * value, "unit": "rad"} for name, value in parameters.items()}
     return {
+        "instance": effect,
         "effect": effect, "options": {}, "probability": probability, "error_removed": 0.5, "parameters": numbers,
         "found": found,
     }  # fmt: skip
@@ -131,18 +132,19 @@ class TestWhatIsMissingStill:
         assert still_missing(self.BOTH, []) == self.BOTH
 
     def test_one_of_two_is_there(self):
-        left = still_missing(self.BOTH, ["backlash"])
+        left = still_missing(self.BOTH, [("backlash", ())])
         assert left["verdict"] == "stribeck_friction"
         assert [e["effect"] for e in left["ranking"]] == ["stribeck_friction", "cogging"]
         assert [e["probability"] for e in left["ranking"]] == pytest.approx([0.75, 0.25])
 
     def test_all_are_there(self):
-        left = still_missing(self.BOTH, ["backlash", "stribeck_friction"])
+        left = still_missing(self.BOTH, [("backlash", ()), ("stribeck_friction", ())])
         assert left["verdict"] == "none"
         assert left["none"] == pytest.approx(0.9)
 
     def test_probabilities_sum_to_one(self):
-        for applied in (["backlash"], ["backlash", "stribeck_friction"], ["gravity_load"]):
+        for names in (["backlash"], ["backlash", "stribeck_friction"], ["gravity_load"]):
+            applied = [(name, ()) for name in names]
             for diagnosis in (
                 self.BOTH,
                 judged(entry("backlash", 1.0, True), verdict="backlash"),
@@ -155,7 +157,7 @@ class TestWhatIsMissingStill:
                 assert total == pytest.approx(1.0), (applied, diagnosis)
 
     def test_what_was_applied_and_does_not_show_is_told(self):
-        left = still_missing(self.BOTH, ["gravity_load"])
+        left = still_missing(self.BOTH, [("gravity_load", ())])
         assert any("gravity_load" in warning for warning in left["warnings"])
         assert left["verdict"] == "backlash"
 
@@ -232,35 +234,70 @@ class TestTrend:
         assert trend.growing() is None and trend.slopes() == {}
 
 
-def test_the_process_judges_and_goes_with_the_one_that_asks(recorded_ramp):
+def test_the_process_judges_and_is_asked_again(recording):
     model = load_model("polito_bench")
     worker = WorkerProcess()
     try:
-        answer = worker.judge([recorded_ramp.between(0.0, 0.5)], model, model)
-        assert answer.diagnosis is None and "motion" in answer.refusal  # too short: refused, not failed
+        answer = worker.ask([recording.between(0.0, 0.5)], model, model)
+        assert answer.diagnosis is None and "seconds" in answer.refusal  # too short: refused, not failed
         process = worker.start()
-        assert process.poll() is None
+        process.kill()
+        process.wait()
+        assert worker.ask([recording.between(0.0, 0.5)], model, model).refusal == answer.refusal
+        assert worker.start() is not process
     finally:
         worker.close()
-    assert process.poll() is not None
     with pytest.raises(InputError, match="monitor is ending"):
         worker.start()
 
 
-def test_the_process_does_not_outlive_a_killed_node():
-    program = (
-        "import time; from ema_twin_sim.nodes.diagnosing.worker_process import WorkerProcess; "
-        "print(WorkerProcess().start().pid, flush=True); time.sleep(60)"
-    )
+def test_closing_ends_a_diagnosis_that_is_being_made(recording):
+    model, refused = load_model("polito_bench"), []
+    worker = WorkerProcess()
+
+    def ask():
+        try:
+            worker.ask([recording] * 8, model, model)
+        except InputError as error:
+            refused.append(str(error))
+
+    asking = threading.Thread(target=ask)
+    process = worker.start()
+    asking.start()
+    _until(lambda: _computes(process.pid))
+    worker.close()
+    asking.join(20.0)
+    assert process.poll() is not None and "monitor is ending" in refused[0]
+
+
+def test_a_killed_node_leaves_no_diagnosis_behind(ramp):
+    program = f"""
+import threading, time
+from ema_bench_replay.load import load
+from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes.diagnosing.worker_process import WorkerProcess
+worker, model, recording = WorkerProcess(), load_model("polito_bench"), load({str(ramp)!r})
+print(worker.start().pid, flush=True)
+worker.ask([recording] * 8, model, model)
+"""
     node = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
     worker = int(node.stdout.readline())
-    os.kill(worker, 0)
+    _until(lambda: _computes(worker))
     node.kill()
     node.communicate()
-    end = time.monotonic() + 30.0
-    while _runs(worker):
-        assert time.monotonic() < end, "the worker stayed behind"
+    _until(lambda: not _runs(worker))
+
+
+def _until(condition):
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end, "nothing came of it in time"
         time.sleep(0.05)
+
+
+def _computes(pid):
+    """Whether a process is at work: with more threads than the one that reads and the one that watches."""
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[17]) > 2
 
 
 def _runs(pid):
@@ -271,7 +308,7 @@ def _runs(pid):
 
 
 @pytest.fixture(scope="module")
-def recorded_ramp(ramp):
+def recording(ramp):
     from ema_bench_replay.load import load
 
     return load(ramp)

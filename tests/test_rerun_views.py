@@ -172,9 +172,9 @@ class TestLive:
         window = RmsWindow(1.0)
         batches = np.array_split(np.arange(900), 40)
         found = np.concatenate([window.mean_squares(time[rows], values[rows]) for rows in batches])
-        squares = np.nan_to_num(values) ** 2
-        expected = [squares[(time >= now - 1.0) & (time <= now)].mean() for now in time]
+        expected = [np.nanmean(values[(time >= now - 1.0) & (time <= now)] ** 2) for now in time]
         assert found == pytest.approx(expected)
+        assert np.isnan(RmsWindow(1.0).mean_squares(time, np.full(900, math.nan))).all()
 
     def test_the_window_begins_again_after_a_jump_back(self):
         window = RmsWindow(1.0)

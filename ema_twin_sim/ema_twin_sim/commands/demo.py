@@ -14,7 +14,7 @@ from ema_bench_replay.errors import InputError
 
 from . import compare, options, report
 from . import discover as discover_verb
-from .live_error import Follower
+from .live_error import ErrorPrinter
 from .live_view import LiveView
 from .output import console, status
 from .rerun_file import write_rrd
@@ -92,8 +92,8 @@ def run(
     rrd = output / "live.rrd"
     view = LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock), model=stock))
     view.tell(0.0, "the stock model beside the bench")
-    follower = Follower(stock, played)
-    follower.watchers.append(view.take)
+    printer = ErrorPrinter(stock, played)
+    printer.watchers.append(view.take)
     for name, moment in moments.items():
         view.tell(moment, f"{effect_words(name)} switched on")
     try:
@@ -102,7 +102,7 @@ def run(
             beside,
             rate=rate,
             changes=[Change(moment, f"effects.{name}.enabled", True) for name, moment in moments.items()],
-            on_pairs=follower.take,
+            on_pairs=printer.take,
             notify=lambda text: console.print(f"  [bold green]{text}[/bold green]", soft_wrap=True),
             record_to=output / "live",
         )

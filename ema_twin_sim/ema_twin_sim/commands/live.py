@@ -14,7 +14,7 @@ from ema_bench_replay.errors import InputError
 from ..quantities import quantity
 from . import options
 from .error_cells import shown_signals
-from .live_error import Follower
+from .live_error import ErrorPrinter
 from .live_keys import Keys
 from .live_view import open_view
 from .output import console, say, warn
@@ -103,7 +103,7 @@ def run(
     _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
-    follower = Follower(found, recording, driving)
+    printer = ErrorPrinter(found, recording, driving)
     stop = threading.Event()
     with ExitStack() as held:
         browser = None
@@ -116,7 +116,7 @@ def run(
         view = open_view(rrd, headless, browser, noise_floors(found), found)
         if view is not None:
             held.callback(view.close)
-            follower.watchers.append(view.take)
+            printer.watchers.append(view.take)
         keys = held.enter_context(Keys(stop, view))
         result = run_live(
             recording,
@@ -124,7 +124,7 @@ def run(
             input=input or "auto",
             rate=rate,
             loop=loop,
-            on_pairs=follower.take,
+            on_pairs=printer.take,
             notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
             on_start=keys.begin,
             record_to=record,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..nodes.live import Pair
 
 
-class Follower:
+class ErrorPrinter:
     """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
 
     Under the input ``current`` it is the unexplained torque that tells; else the output's position, current and speed.

@@ -17,6 +17,7 @@ from .wording import effect_words
 if TYPE_CHECKING:
     from ema_twin_msgs.msg import Diagnosis, Effect
 
+    from ..nodes.diagnosing.node import DiagnosisNode
     from ..nodes.monitor import MonitorNode
     from .live_view import LiveView
 
@@ -86,10 +87,9 @@ class Keys:
                 self.press(os.read(0, 1).decode(errors="replace"))
 
     def _diagnose(self) -> None:
-        assert self._monitor is not None and self._monitor.diagnosis_services is not None
         say("Looking for what the model lacks …", style="cyan")
         try:
-            found = self._monitor.diagnosis_services.diagnose()
+            found = self._services().diagnose()
         except InputError as error:
             say(f"No diagnosis: {error}", style="yellow")
             return
@@ -98,14 +98,19 @@ class Keys:
         self._tell(told(found)[0])
 
     def _apply(self) -> None:
-        assert self._monitor is not None and self._monitor.diagnosis_services is not None
         try:
-            words = self._monitor.diagnosis_services.apply([])
+            words = self._services().apply([])
         except InputError as error:
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
         self._tell(f"added: {words}")
+
+    def _services(self) -> DiagnosisNode:
+        services = None if self._monitor is None else self._monitor.diagnosis_services
+        if services is None:
+            raise InputError("the run is over")
+        return services
 
     def _tell(self, text: str) -> None:
         if self._view is not None:

@@ -49,7 +49,8 @@ class RunningComparison:
     """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
 
     Samples come one by one (``add``) or by whole arrays (``add_rows``); a sample whose value is NaN on either side does
-    not count for that signal. The window is counted in samples of ``period`` [s], by default the model's.
+    not count for that signal. The window is counted in samples of ``period`` [s], by default the model's; of samples
+    that come with their times, by these.
     """
 
     def __init__(self, model: Model, source: str, window: float = 5.0, period: float | None = None) -> None:
@@ -64,11 +65,13 @@ class RunningComparison:
         self._window: dict[str, deque[float]] = {
             name: deque(maxlen=max(1, round(window / self._period))) for name in UNITS
         }
+        self._width = window
+        self._times: dict[str, deque[float]] = {name: deque() for name in UNITS}
         self._has_speed = False
         self._floors: dict[bool, dict[str, float]] = {}
 
-    def add(self, bench: Mapping[str, float], twin: Mapping[str, float]) -> dict[str, float]:
-        """Take one pair of samples and return its residuals, NaN where a side lacks the signal."""
+    def add(self, bench: Mapping[str, float], twin: Mapping[str, float], time: float | None = None) -> dict[str, float]:
+        """Take one pair of samples, at a ``time`` [s] that rises, and return its residuals, NaN where it lacks one."""
         self.samples += 1
         residuals = {}
         for name in UNITS:
@@ -79,8 +82,20 @@ class RunningComparison:
                 self._square[name] += residual * residual
                 self._measured_square[name] += measured * measured
                 self._window[name].append(residual * residual)
+                if time is not None:
+                    self._forget(name, time)
                 self._has_speed = self._has_speed or name == "speed"
         return residuals
+
+    def _forget(self, name: str, time: float) -> None:
+        """Take the time of the newest sample; samples older than the window go."""
+        squares, times = self._window[name], self._times[name]
+        if squares.maxlen is not None:
+            squares = self._window[name] = deque(squares)
+        times.append(time)
+        while times[0] <= time - self._width:
+            times.popleft()
+            squares.popleft()
 
     def _pair(self, name: str, bench: Mapping[str, float], twin: Mapping[str, float]) -> tuple[float, float]:
         if name == "unexplained_torque":
@@ -107,7 +122,7 @@ class RunningComparison:
             self._count[name] += len(residual)
             self._square[name] += float(residual @ residual)
             self._measured_square[name] += float(measured @ measured)
-            self._window[name].extend((residual[-(self._window[name].maxlen or 1) :] ** 2).tolist())
+            self._window[name].extend((residual[-(self._window[name].maxlen or len(residual)) :] ** 2).tolist())
             self._has_speed = self._has_speed or (name == "speed" and len(residual) > 0)
         self.samples += count
         return residuals

@@ -6,10 +6,11 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 
-from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.msg import ParameterEvent, SetParametersResult
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.qos import qos_profile_parameter_events
 
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.messages import header, signals_message
@@ -27,7 +28,7 @@ from .follower import input_for
 from .live_model import live_model
 from .pairing import Pairing
 from .trend import Trend
-from .verdict import Level, judge
+from .verdict import Level, level_of
 from .warm_up import warm_up_comparison
 
 PARAMETERS = (
@@ -37,12 +38,13 @@ PARAMETERS = (
         "input", "auto", "what drives the twin: see the twin's parameter", choices=("auto", "setpoint", "current")
     ),
     Declaration("from_start", True, "take the samples that were sent before this node came"),
-    Declaration("window", 5.0, "length of the window that the level is judged by", "s", 0.01, 3600.0),
+    Declaration("window", 5.0, "length of the window that the level is judged by", "s", 0.01, 60.0),
     Declaration("warn_at", 3.0, "RMSE over noise floor at which health is WARN", "1", 1.0, 1e6, fixed=False),
     Declaration("error_at", 10.0, "RMSE over noise floor at which health is ERROR", "1", 1.0, 1e6, fixed=False),
     Declaration("stale_after", 1.0, "time without a sample after which health is STALE", "s", 0.1, 60.0, fixed=False),
     Declaration("services", True, "serve monitor/diagnose and monitor/apply"),
-    Declaration("history", 150_000, "samples kept for a diagnosis: 5 minutes at 500 Hz", "1", 1000, 5_000_000),
+    Declaration("twin", "twin", "name of the twin's node, whose parameters the services read and set"),
+    Declaration("history", 150_000, "samples kept for a diagnosis: 5 minutes at 500 Hz", "1", 1000, 1_000_000),
     Declaration("capacity", 10_000, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
 )
 
@@ -92,8 +94,9 @@ class MonitorNode(Node):
         self.announced: Run | None = None
         self._stamp = 0
         self._first_stamp = 0
-        self._arrival = -math.inf
-        self._first_arrival = math.inf
+        self._bench_arrival = self._pair_arrival = -math.inf
+        self._first_pair = math.inf
+        self._prepared = False
         self._history = History(given["history"])
         self._trend = Trend(self._window)
 
@@ -105,8 +108,10 @@ class MonitorNode(Node):
         self.create_subscription(EmaState, "twin/state", self._on_twin, states, raw=True)
         self.create_subscription(Run, "bench/run", self._on_run, qos.LATEST)
         self.add_on_set_parameters_callback(self._on_parameters)
-        watched = Watched(self.model, self._history, self._place, self._trend.clear)
-        self.diagnosis_services = DiagnosisNode(watched, self.get_namespace(), context) if given["services"] else None
+        watched = Watched(self.get_name(), self.get_namespace(), given["twin"], self.model, self._history, self._place)
+        self.diagnosis_services = DiagnosisNode(watched, context) if given["services"] else None
+        self._twin_name = f"{self.get_namespace().rstrip('/')}/{given['twin']}"
+        self.create_subscription(ParameterEvent, "/parameter_events", self._on_change, qos_profile_parameter_events)
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
     @property
@@ -124,7 +129,7 @@ class MonitorNode(Node):
         return pairing.compared == self.expected if self.expected else pairing.compared > 0 and not pairing.missing
 
     def _on_bench(self, message: bytes) -> None:
-        self._arrival = time.monotonic()
+        self._bench_arrival = time.monotonic()
         sample = read_state(message)
         passes = self.pairing.passes
         answer = self.pairing.add_bench(sample)
@@ -135,7 +140,6 @@ class MonitorNode(Node):
             self._compare(sample, answer)
 
     def _on_twin(self, message: bytes) -> None:
-        self._arrival = time.monotonic()
         answer = read_state(message)
         sample = self.pairing.add_twin(answer)
         if sample is not None:
@@ -144,11 +148,17 @@ class MonitorNode(Node):
     def _on_run(self, message: Run) -> None:
         self.announced = message
 
+    def _on_change(self, event: ParameterEvent) -> None:
+        if event.node == self._twin_name and event.changed_parameters:
+            self._trend.clear()  # another twin from now on
+
     def _compare(self, bench: State, twin: State) -> None:
-        residuals = self.comparison.add(bench.signals, twin.signals)
+        residuals = self.comparison.add(bench.signals, twin.signals, bench.stamp * 1e-9)
         self._history.add(self.pairing.passes, bench)
         self._stamp = bench.stamp
-        self._first_arrival = min(self._first_arrival, self._arrival)
+        self._pair_arrival = time.monotonic()
+        if not self._prepared:
+            self._first_pair = min(self._first_pair, self._pair_arrival)
         self._residual_publisher.publish(write_residual(bench.stamp, bench.run, bench.sequence, residuals))
         if self.on_pair is not None:
             self.on_pair(bench.stamp, bench.signals, twin.signals, residuals)
@@ -157,12 +167,15 @@ class MonitorNode(Node):
         return RunningComparison(self.model, source, self._window)
 
     def _level(self, rmse_window: Mapping[str, float]) -> tuple[Level, str]:
-        if not self.complete and time.monotonic() - self._arrival > self._limits["stale_after"]:
-            return Level.STALE, "no sample arrives"
+        now, patience = time.monotonic(), self._limits["stale_after"]
+        over = self.expected and self.complete
+        if not over and now - self._pair_arrival > patience:
+            silent = now - self._bench_arrival > patience
+            return Level.STALE, "no sample arrives" if silent else "the twin does not answer the bench's samples"
         comparison = self.comparison
         driven = DRIVEN.get(comparison.source, ())
         limits = self._limits["warn_at"], self._limits["error_at"]
-        return judge(rmse_window, comparison.noise_floor, driven, *limits)
+        return level_of(rmse_window, comparison.noise_floor, driven, *limits)
 
     def _place(self) -> tuple[str, int]:
         return self.announced.recording if self.announced is not None else "bench", self.pairing.run or 0
@@ -171,7 +184,8 @@ class MonitorNode(Node):
         comparison, pairing = self.comparison, self.pairing
         rmse_window = comparison.rmse_window
         self._trend.add((self._stamp - self._first_stamp) * 1e-9, rmse_window)
-        if self.diagnosis_services is not None and time.monotonic() - self._first_arrival > _SETTLED:
+        if self.diagnosis_services is not None and time.monotonic() - self._first_pair > _SETTLED:
+            self._prepared, self._first_pair = True, math.inf
             self.diagnosis_services.prepare()
         self._health_publisher.publish(
             Health(

@@ -38,6 +38,7 @@ class OwnClock:
         self._run = int(time.time()) % 2**32
         self._sequence = 0
         self._epoch = time.time_ns()
+        self._begun = False
         self.deadlines = DeadlineClock(self._period, time.monotonic_ns())
         steady_timer(node, self._period * 1e-9, self._on_time)
 
@@ -52,6 +53,9 @@ class OwnClock:
         return self._standalone.pace
 
     def _on_time(self) -> None:
+        if not self._begun:  # what came before, as other nodes' start, is no delay
+            self._begun, self._epoch = True, time.time_ns()
+            self.deadlines = DeadlineClock(self._period, time.monotonic_ns())
         number = self.deadlines.tick(time.monotonic_ns())
         if number is None or self.failure is not None:
             return

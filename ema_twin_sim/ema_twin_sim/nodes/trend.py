@@ -25,6 +25,7 @@ class Trend:
         """`window` is the length of each in s."""
         self._window = window
         self._errors: dict[str, deque[tuple[float, float]]] = {}
+        self._slopes: dict[str, tuple[float, float]] = {}  # with their standard errors
         self._next = window
         self._before = 0.0  # s of the runs that are over
         self._in_run = 0.0
@@ -40,24 +41,26 @@ class Trend:
         self._next = elapsed + self._window
         for name, value in rmse_window.items():
             if math.isfinite(value):
-                self._errors.setdefault(name, deque(maxlen=_WINDOWS)).append((self._before + elapsed, value))
+                errors = self._errors.setdefault(name, deque(maxlen=_WINDOWS))
+                errors.append((self._before + elapsed, value))
+                if len(errors) >= _LEAST:
+                    self._slopes[name] = _slope(errors)
 
     def clear(self) -> None:
         """Begin anew: the twin has changed."""
         self._errors.clear()
+        self._slopes.clear()
         self._next = self._in_run + self._window
 
     def slopes(self) -> dict[str, float]:
         """Per signal, in its unit per s; signals of fewer than four windows are left out."""
-        return {name: _slope(errors)[0] for name, errors in self._errors.items() if len(errors) >= _LEAST}
+        return {name: slope for name, (slope, _) in self._slopes.items()}
 
     def growing(self) -> tuple[str, float] | None:
         """The signal whose error surely grows the most, and by which share of its mean in an hour; None without one."""
         shares = {}
-        for name, errors in self._errors.items():
-            if len(errors) < _LEAST:
-                continue
-            slope, std = _slope(errors)
+        for name, (slope, std) in self._slopes.items():
+            errors = self._errors[name]
             mean = float(np.mean([value for _, value in errors]))
             span = errors[-1][0] - errors[0][0]
             if slope > _SURE * std and slope * span > _SHARE * mean:

@@ -15,18 +15,20 @@ class Level(IntEnum):
     STALE = 3
 
 
-def judge(
+def level_of(
     rmse: Mapping[str, float], noise_floor: Mapping[str, float], driven: Sequence[str], warn_at: float, error_at: float
 ) -> tuple[Level, str]:
     """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
 
-    Signals whose RMSE is NaN do not count, nor do the `driven` ones: they are the twin's input.
+    Signals whose RMSE is NaN do not count, nor do the `driven` ones: they are the twin's input. STALE without any.
     """
-    worst, ratio = "", 0.0
+    worst, ratio = "", -1.0
     for name, floor in noise_floor.items():
         if name not in driven and floor > 0.0 and rmse[name] / floor > ratio:
             worst, ratio = name, rmse[name] / floor
-    words = f"{worst}: RMSE is {ratio:.3g} times the noise floor" if worst else "nothing compared yet"
+    if not worst:
+        return Level.STALE, "nothing compared yet"
+    words = f"{worst.replace('_', ' ')}: RMSE is {ratio:.3g} times the noise floor"
     if ratio >= error_at:
         return Level.ERROR, words
     return (Level.WARN if ratio >= warn_at else Level.OK), words

@@ -21,6 +21,7 @@ from .divergence import States, looks_lost, refuse_divergence, states_of
 from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import refuse_long_step
+from .switchable import switchable as with_all_effects
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
@@ -64,9 +65,8 @@ class Twin:
             raise InputError(f"input '{source}' is not known; give one of {', '.join(INPUTS)}")
         if step is not None and not 1e-8 <= step <= 1e-3:
             raise InputError(f"step {step} s is out of range; give 1e-8 to 1e-3 s")
-        for id in catalogue():
-            if switchable and id not in model.effects:
-                model = model.with_effect(id, enabled=False)
+        if switchable:
+            model = with_all_effects(model)
         self.source = INPUTS.index(source)
         self._asked_step = step
         self._accounting = accounting

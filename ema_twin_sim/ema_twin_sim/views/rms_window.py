@@ -6,24 +6,28 @@ import numpy as np
 
 
 class RmsWindow:
-    """Holds the samples of the last ``width`` seconds; a value that is not finite counts as zero."""
+    """Holds the samples of the last ``width`` seconds; a value that is not finite does not count."""
 
     def __init__(self, width: float) -> None:
         self._width = width
-        self._time, self._squares = np.zeros(0), np.zeros(0)
+        self._time, self._squares, self._good = np.zeros(0), np.zeros(0), np.zeros(0)
 
     def mean_squares(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """The mean square (n,) of the window that ends with each sample, at times [s] (n,) that rise.
+        """The mean square (n,) of the window that ends with each sample, at times [s] (n,) that rise; NaN without one.
 
         Where a batch begins before the samples that are held, as after a jump back, these are forgotten.
         """
         held = self._time <= time[0] if len(time) else np.zeros(len(self._time), bool)
         times = np.concatenate([self._time[held], time])
-        squares = np.concatenate([self._squares[held], np.nan_to_num(np.asarray(values, np.float64)) ** 2])
-        sums = np.concatenate([[0.0], np.cumsum(squares)])
+        values = np.asarray(values, np.float64)
+        finite = np.isfinite(values)
+        squares = np.concatenate([self._squares[held], np.where(finite, values, 0.0) ** 2])
+        good = np.concatenate([self._good[held], finite])
+        sums, counts = (np.concatenate([[0.0], np.cumsum(each)]) for each in (squares, good))
         ends = np.arange(len(times) - len(time), len(times)) + 1
         firsts = np.searchsorted(times, time - self._width)
-        means = np.maximum(sums[ends] - sums[firsts], 0.0) / (ends - firsts)
+        number = counts[ends] - counts[firsts]
+        means = np.maximum(sums[ends] - sums[firsts], 0.0) / np.where(number > 0.0, number, np.nan)
         kept = int(firsts[-1]) if len(firsts) else 0
-        self._time, self._squares = times[kept:], squares[kept:]
+        self._time, self._squares, self._good = times[kept:], squares[kept:], good[kept:]
         return means

@@ -36,7 +36,8 @@ def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Sett
             known = tuple(dict.fromkeys(entry["effect"] for entry in ranking))
             hint = nearest(id, known) if known else "it is empty"
             raise InputError(f"the last diagnosis does not hold '{id}'; {hint}")
-        held = {path: value for path, value in answer.settings.items() if path.startswith(f"effects.{id}.")}
+        start = f"effects.{entry['instance']}."
+        held = {path: value for path, value in answer.settings.items() if path.startswith(start)}
         settings |= held or _alone(entry)
         chosen.append(entry)
     return settings, _words(chosen)
@@ -45,7 +46,7 @@ def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Sett
 def _alone(entry: Mapping[str, Any]) -> dict[str, Setting]:
     values = {name: held["value"] for name, held in entry["parameters"].items() if held["value"] is not None}
     held = {**entry["options"], **values, ENABLED: True}
-    return {f"effects.{entry['effect']}.{word}": value for word, value in held.items()}
+    return {f"effects.{entry['instance']}.{word}": value for word, value in held.items()}
 
 
 def _words(entries: Sequence[Mapping[str, Any]]) -> str:

@@ -11,7 +11,7 @@ from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _FIRST_ROOM = 4096
-_SHORTEST = 2.0  # s of a run before the present one that are worth looking at
+_SHORTEST = 2.0  # s of a run that are worth looking at, where another has more
 ENOUGH = 15.0
 """s that are looked back over where no window is asked for, if the present run has lasted less."""
 
@@ -51,31 +51,20 @@ class History:
 
         Signals that a run lacks are absent. Raises InputError where nothing was compared yet.
         """
-        stamps, passes, rows = self._held()
-        if not len(stamps):
-            raise InputError("no sample was compared yet; start the bench (or replay) and the twin")
-        left, found = window or ENOUGH, []
-        runs = np.unique(passes)
-        for number in runs[::-1]:
-            first, last = np.searchsorted(passes, [number, number + 1])
-            if window:
-                first += np.searchsorted(stamps[first:last], stamps[last - 1] - round(left * 1e9))
-            lasts = float(stamps[last - 1] - stamps[first]) * 1e-9
-            left -= lasts
-            if lasts >= _SHORTEST or number == runs[-1]:
-                found.append(_recording(stamps[first:last], rows[first:last], f"{name}, run {number - runs[0] + 1}"))
-            if left <= 0.0:
-                break
-        if len(found[0]) < 2:
-            raise InputError("one sample was compared so far; wait for more")
-        return found[::-1]
-
-    def _held(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Copies of stamps (n,), numbers of the runs (n,) and rows (n, fields), the oldest first."""
         with self._changing:
             held = min(self._count, len(self._rows))
             order = (np.arange(held) + (self._count - held)) % len(self._rows)
-            return self._stamps[order], self._passes[order], self._rows[order]
+            stamps, passes = self._stamps[order], self._passes[order]
+            runs = np.unique(passes)
+            parts = [(slice(*span), number) for number, span in _spans(stamps, passes, runs, window)]
+            # the stream waits for this: no more is copied than is looked at
+            rows = [self._rows[order[part]] for part, _ in parts]
+        if not parts or stamps[parts[-1][0]].size < 2:
+            raise InputError("no sample was compared yet; start the bench (or replay) and the twin")
+        return [
+            _recording(stamps[part], held_rows, f"{name}, run {number - runs[0] + 1}")
+            for (part, number), held_rows in zip(parts, rows, strict=True)
+        ]
 
     def _grow(self) -> None:
         """Twice the room; the ring has not come round yet."""
@@ -85,6 +74,25 @@ class History:
             after = np.empty((more, *before.shape[1:]), before.dtype)
             after[: len(before)] = before
             setattr(self, name, after)
+
+
+def _spans(
+    stamps: np.ndarray, passes: np.ndarray, runs: np.ndarray, window: float
+) -> list[tuple[int, tuple[int, int]]]:
+    """The runs that are looked at, the oldest first, and which samples of each; short ones only where all are."""
+    left = window or ENOUGH
+    found: list[tuple[int, tuple[int, int]]] = []
+    short: list[tuple[int, tuple[int, int]]] = []
+    for number in runs[::-1].tolist():
+        first, last = np.searchsorted(passes, [number, number + 1]).tolist()
+        if window:
+            first += int(np.searchsorted(stamps[first:last], stamps[last - 1] - round(left * 1e9)))
+        lasts = float(stamps[last - 1] - stamps[first]) * 1e-9
+        left -= lasts
+        (found if lasts >= _SHORTEST else short).append((number, (first, last)))
+        if left <= 0.0:
+            break
+    return found[::-1] or short[:1]
 
 
 def _recording(stamps: np.ndarray, rows: np.ndarray, name: str) -> Recording:

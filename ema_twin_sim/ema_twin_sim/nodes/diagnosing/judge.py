@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ from ema_bench_replay.errors import InputError
 from ...discovery.diagnose import weigh
 from ...discovery.discover import discover
 from ...effects.catalogue import own_files
-from ...model import Model, load_model
+from ...model import EffectInstance, Model, load_model
 from ...model.model import ENABLED
 from ...own_effects import load_effects
 from .frames import Answer, Job
+
+Kind = tuple[str, tuple[tuple[str, str], ...]]
 
 
 def judge(job: Job) -> Answer:
@@ -27,29 +30,52 @@ def judge(job: Job) -> Answer:
         load_effects(file for file in job.effect_files if Path(file) not in own_files())
         present, base = load_model(job.model), load_model(job.base)
         found = discover(job.recordings, base)
+        diagnosis: dict[str, Any] = weigh(found).as_json()
     except InputError as error:
         return Answer(None, refusal=str(error))
-    diagnosis: dict[str, Any] = weigh(found).as_json()
+    except Exception as error:  # a fault of ours: told whole on standard error, and to the caller in a line
+        traceback.print_exc()
+        return Answer(None, refusal=f"an internal fault, told on the monitor's standard error: {error!r}")
+    new = {kind(held): name for name, held in found.model.active.items() if name not in base.active}
+    for entry in diagnosis["ranking"]:
+        entry["instance"] = new.get(_kind(entry)) or _next_name(present, entry["effect"])
     explanation = [entry for entry in diagnosis["ranking"] if entry["found"]]
-    applied = [instance.effect for name, instance in present.active.items() if name not in base.active]
+    applied = [kind(held) for name, held in present.active.items() if name not in base.active]
     settings = settings_between(present, found.model) if explanation else {}
     return Answer(still_missing(diagnosis, applied), explanation, settings)
 
 
-def still_missing(diagnosis: Mapping[str, Any], applied: Collection[str]) -> dict[str, Any]:
-    """The diagnosis of a model that has the effects `applied`, from one of the model without them (both as JSON).
+def kind(instance: EffectInstance) -> Kind:
+    """What tells an instance from others in a diagnosis: the effect, and its options."""
+    return instance.effect, tuple(sorted(instance.options.items()))
+
+
+def _kind(entry: Mapping[str, Any]) -> Kind:
+    return entry["effect"], tuple(sorted(entry["options"].items()))
+
+
+def _next_name(model: Model, effect: str) -> str:
+    """The name that one more instance gets."""
+    name, number = effect, 2
+    while name in model.active:
+        name, number = f"{effect}_{number}", number + 1
+    return name
+
+
+def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> dict[str, Any]:
+    """The diagnosis of a model that has effects `applied`, from one of the model without them (both as JSON).
 
     What explains the recordings and is there already is missing no more; where they do not show it, a warning says so.
     """
     if not applied:
         return dict(diagnosis)
-    found = [entry["effect"] for entry in diagnosis["ranking"] if entry["found"]]
-    ranking = [entry for entry in diagnosis["ranking"] if entry["effect"] not in applied]
+    found = [_kind(entry) for entry in diagnosis["ranking"] if entry["found"]]
+    ranking = [entry for entry in diagnosis["ranking"] if _kind(entry) not in applied]
     more = [entry for entry in ranking if entry["found"]]
-    unseen = [id for id in applied if id not in found]
+    unseen = [each for each in applied if each not in found]
     warnings = [
         *diagnosis["warnings"],
-        *(f"{id} was applied before, but these samples do not show it" for id in unseen if found),
+        *(f"{id} was applied before, but these samples do not show it" for id, _ in unseen if found),
     ]
     rest = diagnosis["unknown"] + sum(entry["probability"] for entry in ranking)
     if diagnosis["verdict"] == "unknown":

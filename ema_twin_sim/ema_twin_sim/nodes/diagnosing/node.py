@@ -7,12 +7,14 @@ monitor's stream does not wait for any of it.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.context import Context
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
 from rclpy.node import Node
 
 from ema_bench_replay.errors import InputError
@@ -29,27 +31,36 @@ from .running_twin import RunningTwin
 from .worker_process import WorkerProcess
 
 _THREADS = 3
-"""One that waits for a diagnosis, one that refuses a second, one for the twin's answers."""
+"""One that is busy, one that refuses what comes meanwhile, one for the twin's answers."""
+_ENDING = 3.0
+"""s in which what is being done must have been given up."""
+_BUSY = "a diagnosis is being made, or applied; call again when that is over (monitor/diagnosis tells)"
+_OVER = "the monitor is ending"
 
 
 @dataclass(frozen=True)
 class Watched:
     """What the monitor lets its services see."""
 
+    name: str  # of its node
+    namespace: str
+    twin: str  # name of the twin's node
     model: Model  # that it began with
     history: History
     place: Callable[[], tuple[str, int]]  # name of what is played, and the run
-    changed: Callable[[], None]  # told when the twin has changed
 
 
 class DiagnosisNode(Node):
     """Answers which effect the model lacks beside the last samples, and adds it to the running twin."""
 
-    def __init__(self, watched: Watched, namespace: str, context: Context | None = None) -> None:
-        super().__init__("monitor_services", namespace=namespace, context=context, use_global_arguments=False)
+    def __init__(self, watched: Watched, context: Context | None = None) -> None:
+        super().__init__(
+            f"{watched.name}_services", namespace=watched.namespace, context=context, use_global_arguments=False
+        )
         self._watched = watched
         self._worker = WorkerProcess()
-        self._twin = RunningTwin(self)
+        self._closing = threading.Event()
+        self._twin = RunningTwin(self, watched.twin, self._closing)
         self._busy = threading.Lock()
         self._last: Answer | None = None
         self._applied: dict[str, bool | float | str] = {}
@@ -64,76 +75,95 @@ class DiagnosisNode(Node):
 
     def prepare(self) -> None:
         """Start the process that judges, so that the first diagnosis need not wait for it."""
-        self._worker.start()
+        try:
+            self._worker.start()
+        except InputError as error:  # a diagnosis will say so too
+            self.get_logger().warning(str(error))
 
     def diagnose(self, window: float = 0.0) -> Diagnosis:
         """Judge the present run, or its last `window` s; takes seconds.
 
-        Raises InputError where there is nothing to judge, no twin answers, or another diagnosis is being made.
+        Raises InputError where there is nothing to judge, no twin answers, or another call is being served.
         """
-        if not self._busy.acquire(blocking=False):
-            raise InputError("a diagnosis is being made; call again when it has been published on monitor/diagnosis")
-        try:
+        with self._alone():
             if not 0.0 <= window <= 1e6:
                 raise InputError(f"window {window} s is refused; give seconds, or 0 for the whole run")
             name, run = self._watched.place()
             recordings = self._watched.history.recordings(window, name)
-            answer = self._worker.judge(recordings, *self._twin.models(self._watched.model, self._applied))
+            answer = self._worker.ask(recordings, *self._twin.models(self._watched.model, self._applied))
             if answer.diagnosis is None:
                 raise InputError(answer.refusal)
             self._last = answer
-        finally:
-            self._busy.release()
-        last = recordings[-1]
-        judged = sum(recording.duration for recording in recordings)
-        message = diagnosis_message(answer.diagnosis, last.start + int(last.stamps[-1]), run, judged)
-        self._publisher.publish(message)
-        return message
+            last = recordings[-1]
+            judged = sum(recording.duration for recording in recordings)
+            message = diagnosis_message(answer.diagnosis, last.start + int(last.stamps[-1]), run, judged)
+            self._publisher.publish(message)
+            return message
 
     def apply(self, effects: list[str]) -> str:
         """Switch effects of the last diagnosis on in the running twin (none named: all that it found); says what.
 
-        Raises InputError where there was no diagnosis, it lacks one of them, or the twin refuses.
+        Raises InputError where there was no diagnosis, it lacks one of them, the twin refuses, or another call is being
+        served.
         """
-        if self._last is None:
-            raise InputError("nothing was diagnosed yet; call monitor/diagnose first")
-        settings, words = settings_for(self._last, effects)
-        absent = self._twin.change(settings)
-        self._watched.changed()
-        self._applied |= settings
-        if absent:
-            words += (
-                f"; left out: {', '.join(absent)}, which the running twin has no place for: write the model with "
-                "ema-twin discover, and start the twin with that"
-            )
-        return words
+        with self._alone():
+            if self._last is None:
+                raise InputError("nothing was diagnosed yet; call monitor/diagnose first")
+            settings, words = settings_for(self._last, effects)
+            self._applied |= self._twin.change(settings)
+            return words
 
     def close(self) -> None:
         """End the thread and the process, whatever they are at."""
+        self._closing.set()
         self._worker.close()
+        self._busy.acquire(timeout=_ENDING)  # what is being done sees that, and gives up
         self._executor.shutdown(timeout_sec=1.0)
         self._thread.join(1.0)
         self.destroy_node()
 
-    def _serve(self) -> None:
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """One call at a time: what is found must be of the twin as it then is."""
+        if self._closing.is_set():
+            raise InputError(_OVER)
+        if not self._busy.acquire(blocking=False):
+            raise InputError(_OVER if self._closing.is_set() else _BUSY)
         try:
-            self._executor.spin()
-        except Exception as error:  # the context is shut down while it waits
-            if self.context.ok():
-                self.get_logger().error(f"monitor services ended: {error}")
+            yield
+        finally:
+            self._busy.release()
+
+    def _serve(self) -> None:
+        while self.context.ok() and not self._closing.is_set():
+            try:
+                self._executor.spin()
+            except ExternalShutdownException:
+                return
+            except Exception as error:
+                if self._closing.is_set() or not self.context.ok():  # taken away under its hands
+                    return
+                self.get_logger().error(f"{type(error).__name__}: {error}; the services go on")
+
+    def _failed(self, error: Exception) -> str:
+        """What a caller is told; a fault of ours is told with its stack on the log too."""
+        if isinstance(error, InputError):
+            return str(error)
+        self.get_logger().error("".join(traceback.format_exception(error)))
+        return f"an internal fault, told on the monitor's standard error: {type(error).__name__}: {error}"
 
     def _on_diagnose(self, request: Diagnose.Request, response: Diagnose.Response) -> Diagnose.Response:
         try:
             response.diagnosis = self.diagnose(request.window)
             response.success = True
-        except InputError as error:
-            response.message = str(error)
+        except Exception as error:  # whatever it is, the caller gets an answer, and the services go on
+            response.message = self._failed(error)
         return response
 
     def _on_apply(self, request: Apply.Request, response: Apply.Response) -> Apply.Response:
         try:
             response.message = self.apply(list(request.effect))
             response.success = True
-        except InputError as error:
-            response.message = str(error)
+        except Exception as error:  # whatever it is, the caller gets an answer, and the services go on
+            response.message = self._failed(error)
         return response

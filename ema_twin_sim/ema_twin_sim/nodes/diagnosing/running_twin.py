@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from rclpy.node import Node
@@ -13,13 +15,15 @@ from rclpy.task import Future
 
 from ema_bench_replay.errors import InputError
 
-from ...effects import catalogue
 from ...model import Model
 from ...model.constants import PARTS
 from ...model.model import ENABLED
+from ...simulation.switchable import switchable
 
 _PATIENCE = 5.0
 """s that the twin has to answer in."""
+_LOOK = 0.1
+"""s between two looks whether to give up."""
 
 _PARTS = (*PARTS, "effects")
 
@@ -27,10 +31,13 @@ Settings = Mapping[str, bool | float | str]
 
 
 class RunningTwin:
-    """The node `twin` of this namespace. Its calls wait: another thread must serve `node`."""
+    """A twin's node in the namespace of `node`. Its calls wait: another thread must serve `node`."""
 
-    def __init__(self, node: Node) -> None:
-        self._client = AsyncParameterClient(node, "twin", callback_group=node.default_callback_group)
+    def __init__(self, node: Node, name: str, closing: threading.Event) -> None:
+        """`name` is the twin's node; where `closing` is set, calls are given up."""
+        self._name = name
+        self._closing = closing
+        self._client = AsyncParameterClient(node, name, callback_group=node.default_callback_group)
 
     def models(self, base: Model, applied: Settings) -> tuple[Model, Model]:
         """`base` as it stands on the twin: its numbers, and the effects that are switched on there; and the same
@@ -42,54 +49,61 @@ class RunningTwin:
         others = {path: value for path, value in settings.items() if path not in applied or applied[path] != value}
         return _with(base, settings), _with(base, others)
 
-    def change(self, settings: Settings) -> list[str]:
-        """Set parameters, all that the twin has or none; returns the effects that it has no parameters for.
+    def change(self, settings: Settings) -> dict[str, bool | float | str]:
+        """Set parameters, all or none; returns them.
 
-        Raises InputError where there is no twin, or it refuses.
+        Raises InputError where there is no twin, it lacks one of them, or it refuses.
         """
-        self._require()
         held = set(self._names())
-        known = {path: value for path, value in settings.items() if path in held}
-        wanted = [Parameter(path, value=value) for path, value in known.items()]
+        absent = sorted({path.rpartition(".")[0] for path in settings if path not in held})
+        if absent:
+            raise InputError(
+                f"the running twin has no {', '.join(absent)}: write the model with ema-twin discover, and start the "
+                "twin with that"
+            )
+        wanted = [Parameter(path, value=value) for path, value in settings.items()]
         answer = self._wait(self._client.set_parameters_atomically(wanted))
         if not answer.result.successful:
             raise InputError(f"the twin refuses: {answer.result.reason}")
-        return sorted({path.split(".")[1] for path in settings if path not in held})
+        return dict(settings)
 
     def _settings(self) -> dict[str, bool | float | str]:
-        self._require()
         names = [name for name in self._names() if name.partition(".")[0] in _PARTS]
         values = self._wait(self._client.get_parameters(names)).values
         return dict(zip(names, map(parameter_value_to_python, values), strict=True))
 
     def _names(self) -> list[str]:
+        end = time.monotonic() + _PATIENCE
+        while not self._client.wait_for_services(_LOOK):
+            if self._closing.is_set() or time.monotonic() > end:
+                raise InputError(
+                    f"no node '{self._name}' answers in this namespace; start it: ros2 run ema_twin_sim twin (or tell "
+                    "the monitor its name: parameter twin)"
+                )
         return list(self._wait(self._client.list_parameters([], 0)).result.names)
 
-    def _require(self) -> None:
-        if not self._client.wait_for_services(_PATIENCE):
-            raise InputError("no node 'twin' answers in this namespace; start it: ros2 run ema_twin_sim twin")
-
-    @staticmethod
-    def _wait(future: Future) -> Any:
+    def _wait(self, future: Future) -> Any:
         ended = threading.Event()
         future.add_done_callback(lambda _: ended.set())
-        if not ended.wait(_PATIENCE):
-            raise InputError(f"the twin did not answer within {_PATIENCE:g} s; is it still running?")
+        end = time.monotonic() + _PATIENCE
+        while not ended.wait(_LOOK):
+            if self._closing.is_set() or time.monotonic() > end:
+                future.cancel()
+                raise InputError(f"the twin did not answer within {_PATIENCE:g} s; is it still running?")
         return future.result()
 
 
 def _with(base: Model, settings: Settings) -> Model:
-    switched = {path.split(".")[1] for path, value in settings.items() if path.endswith(f".{ENABLED}") and value}
-    model = base
-    for name in switched - set(base.effects):
-        if name not in catalogue():
-            raise InputError(
-                f"the twin has an effect '{name}' that the monitor does not know; give the monitor its file too "
-                "(effect_files)"
-            )
-        model = model.with_effect(name)
+    """`base` with the settings of a twin that began with it; what is switched off and was not its own is left out."""
+    model = switchable(base)
     for path, value in settings.items():
         _, name, *_ = [*path.split("."), ""]
         if path in model.constants or (path.startswith("effects.") and name in model.effects):
             model = model.with_setting(path, value)
-    return model
+        elif path.endswith(f".{ENABLED}") and value:
+            raise InputError(
+                f"the twin has an effect '{name}' that the monitor does not know; give the monitor the twin's model, "
+                "and its effect_files"
+            )
+    kept = {name: held for name, held in model.effects.items() if held.enabled or name in base.effects}
+    return replace(model, effects=kept)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import select
-import signal
 import sys
 import threading
 
@@ -19,7 +18,6 @@ _NICENESS = 3
 
 def main() -> int:
     """Serve until standard input ends; returns the exit status."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the nodes' to answer; they close our input
     os.nice(_NICENESS)
     from .judge import judge  # reading its libraries takes seconds: give way in these already
 

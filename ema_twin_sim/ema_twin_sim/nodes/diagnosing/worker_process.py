@@ -18,6 +18,7 @@ from ...model.model_file import save_model
 from .frames import Answer, Job, receive_answer, send
 
 _MODULE = f"{__package__}.worker"
+_OVER = "the monitor is ending; no diagnosis is made any more"
 _ENDING = 2.0
 """s that the process has to end in."""
 
@@ -36,17 +37,23 @@ class WorkerProcess:
         self._closed = False
 
     def start(self) -> subprocess.Popen[bytes]:
-        """Start the process where it is not running. Raises InputError where this is closed."""
+        """Start the process where it is not running. Raises InputError where this is closed, or it cannot be."""
         with self._starting:
             if self._closed:
-                raise InputError("the monitor is ending; no diagnosis is made any more")
+                raise InputError(_OVER)
             if self._process is None or self._process.poll() is not None:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-m", _MODULE], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-                )
+                try:
+                    self._process = subprocess.Popen(
+                        [sys.executable, "-m", _MODULE],
+                        stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE,
+                        start_new_session=True,  # Ctrl-C is the nodes' to answer; they close its input
+                    )
+                except OSError as error:
+                    raise InputError(f"the process that diagnoses cannot be started: {error}") from None
             return self._process
 
-    def judge(self, recordings: Sequence[Recording], model: Model, base: Model) -> Answer:
+    def ask(self, recordings: Sequence[Recording], model: Model, base: Model) -> Answer:
         """Have recordings judged beside a model; `base` is the same without what earlier diagnoses put there.
 
         Raises InputError where the process ended before it answered.
@@ -63,7 +70,9 @@ class WorkerProcess:
         except BrokenPipeError:
             answer = None
         if answer is None:
-            status = process.poll()
+            if self._closed:
+                raise InputError(_OVER)
+            status = process.wait()
             raise InputError(
                 f"the process that diagnoses ended before it answered (status {status}); call again, its messages are "
                 "on the monitor's standard error"

@@ -1,0 +1,87 @@
+"""What the monitor says of a twin or a bench that falls silent, and of a window at another rate than the model's."""
+
+import time
+
+import numpy as np
+import pytest
+from ros_graph import Graph
+
+from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.sample_codec import write_state
+from ema_twin_msgs.msg import EmaState
+from ema_twin_sim.nodes.monitor import MonitorNode
+from ema_twin_sim.nodes.verdict import Level, level_of
+
+SIGNALS = {"current": 0.1, "speed": 1.0, "motor_position": 2.0, "output_position": 0.5, "output_command": 0.5}
+
+
+class Streams:
+    """A monitor, and both streams that it compares."""
+
+    def __init__(self, **parameters):
+        self.graph = Graph()
+        self.monitor = self.graph.add(MonitorNode, services=False, **parameters)
+        node = self.graph.plain_node()
+        self.publishers = [node.create_publisher(EmaState, f"{side}/state", qos.STATE) for side in ("bench", "twin")]
+        self.sent = 0
+        self.graph.spin_until(lambda: all(p.get_subscription_count() for p in self.publishers))
+
+    def send(self, samples, period=2_000_000, twin=True, residual=0.0):
+        for _ in range(samples):
+            self.sent += 1
+            for k, publisher in enumerate(self.publishers[: 2 if twin else 1]):
+                signals = {**SIGNALS, "current": 0.1 - k * residual}
+                publisher.publish(write_state(self.sent * period, 1, self.sent - 1, signals))
+            if self.sent % 50 == 0:
+                self.graph.spin_for(0.005)
+        self.graph.spin_for(0.3)
+
+    @property
+    def told(self):
+        report = self.monitor._report()
+        return Level(report.level[0]), report.message
+
+
+@pytest.fixture
+def streams(request):
+    streams = Streams(**getattr(request, "param", {}))
+    yield streams
+    streams.graph.close()
+
+
+@pytest.mark.parametrize("streams", [{"stale_after": 0.5}], indirect=True)
+def test_a_twin_that_never_answers_or_ceases_to_is_no_good_health(streams):
+    assert streams.told == (Level.STALE, "no sample arrives")
+    streams.send(200, twin=False)
+    time.sleep(0.6)
+    streams.send(20, twin=False)
+    assert streams.told == (Level.STALE, "the twin does not answer the bench's samples")
+    assert not streams.monitor.complete
+
+
+@pytest.mark.parametrize("streams", [{"stale_after": 0.5}], indirect=True)
+def test_a_live_bench_that_stops_is_stale(streams):
+    streams.send(200)
+    assert streams.told[0] is Level.OK and streams.monitor.complete
+    streams.graph.spin_for(0.7)
+    assert streams.told == (Level.STALE, "no sample arrives")
+
+
+@pytest.mark.parametrize("streams", [{"window": 0.5}], indirect=True)
+@pytest.mark.parametrize("period", [1_000_000, 2_000_000, 4_000_000])
+def test_the_window_is_in_seconds_whatever_the_bench_sends(streams, period):
+    streams.send(1000, period, residual=0.1)
+    assert streams.monitor.comparison.rmse_window["current"] == pytest.approx(0.1)
+    streams.send(round(0.25e9 / period), period)
+    assert streams.monitor.comparison.rmse_window["current"] == pytest.approx(0.1 * np.sqrt(0.5), rel=0.01)
+    streams.send(round(0.26e9 / period), period)
+    assert streams.monitor.comparison.rmse_window["current"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_levels():
+    floor = {"current": 1.0, "speed": 1.0}
+    none = dict.fromkeys(floor, float("nan"))
+    assert level_of(none, floor, (), 3.0, 10.0)[0] is Level.STALE
+    assert level_of({"current": 0.0, "speed": float("nan")}, floor, (), 3.0, 10.0)[0] is Level.OK
+    assert level_of({"current": 20.0, "speed": 4.0}, floor, (), 3.0, 10.0)[0] is Level.ERROR
+    assert level_of({"current": 20.0, "speed": 4.0}, floor, ("current",), 3.0, 10.0)[0] is Level.WARN
