@@ -187,11 +187,13 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     assert [answer.sequence for answer in answers] == taken
     assert all(answer.run == 3 for answer in answers)
     assert all(answer.header.stamp.nanosec == answer.sequence * PERIOD for answer in answers)
-    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"]["backward"] == "1")
+    back = "samples that went back in time"
+    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"][back] == "1")
     twin = reports["twin"]
-    assert [twin[name] for name in ("lost", "late", "duplicate", "runs")] == ["0", "1", "1", "2"]
-    graph.spin_until(lambda: reports["monitor"]["bench samples backward"] == "1")
-    assert [reports["monitor"][f"bench samples {name}"] for name in ("late", "duplicate")] == ["1", "1"]
+    assert [twin[f"samples {count}"] for count in ("lost in this run", "that came late", "that came twice")] == [*"011"]
+    assert twin["runs begun"] == "2"
+    graph.spin_until(lambda: reports["monitor"][f"bench {back}"] == "1")
+    assert [reports["monitor"][f"bench samples that came {count}"] for count in ("late", "twice")] == ["1", "1"]
 
 
 def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
