@@ -1,6 +1,7 @@
 """The nodes on a real ROS graph: live equals compare, parameters act or are refused, nothing is lost silently."""
 
 import math
+import re
 import threading
 import time
 
@@ -14,6 +15,7 @@ from std_srvs.srv import Trigger
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
@@ -289,3 +291,22 @@ def test_live_ends_when_told(recording, model):
     live = run_live(recording, model, rate=1.0, on_pairs=lambda pairs: stop.set(), stop=stop)
     assert not live.complete
     assert 0 < live.samples < len(recording)
+
+
+def test_every_report_reads_as_a_sentence_and_figures_with_units(graph, recording, model, tmp_path):
+    nodes = [graph.add(TwinNode, model), graph.add(MonitorNode, model)]
+    nodes.append(graph.add(RecordNode, output=str(tmp_path / "bag")))
+    nodes.append(graph.add(ReplayNode, recording.between(0.0, 2.0), rate=0.0, on_end="wait", subscribers=3))
+    graph.spin_until(lambda: nodes[-1].ended and nodes[1].complete)
+    reports = {node.get_name(): node._report() for node in nodes}
+    for name, report in reports.items():
+        assert report.message and "\n" not in report.message and "_" not in report.message, name
+        for key, value in report.values.items():
+            assert not isinstance(value, float), f"{name}: {key} is a number without a unit"
+            assert not re.search(r"\d\.\d{5}", str(value)), f"{name}: {key} has digits that mean nothing"
+    assert reports["replay"].values["position"] == "2.00 of 2.00 s"
+    error = reports["monitor"].values["RMSE of the output position"]
+    assert re.fullmatch(r"\d\.\d\d mrad, \d{3} times the noise floor", error)
+    assert reports["monitor"].values["missing effect"] == "not asked yet: call monitor/diagnose"
+    assert reports["record"].values["/bench/state"].endswith(" messages written")
+    assert reports["twin"].values["computes at"].endswith(" × real time")
