@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-pictures bench accuracy figures pictures blueprints lock clean
+.PHONY: help setup demo test test-pictures docs bench accuracy figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -27,6 +27,10 @@ test: setup ## style and type checks, then all tests
 test-pictures: setup ## the report in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools
 	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_views_in_rerun.py
+
+docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no network
+	@$(RUN) -m sphinx --fail-on-warning --keep-going --quiet docs docs/_build
+	@echo "docs/_build/index.html: open it in any browser"
 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q

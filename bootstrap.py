@@ -114,7 +114,7 @@ def library_key() -> str:
 def package_key(name: str) -> str:
     """What a built package depends on. A linked file counts with its name only: its content is read where it lies."""
     built = {"CMakeLists.txt", "package.xml", "setup.cfg", "setup.py"}
-    linked = {"blueprints", "launch", "layouts", "maps", "models", "resource", "scripts"}
+    linked = {"blueprints", "launch", "layouts", "maps", "models", "resource", "scripts", "urdf"}
     folder = PACKAGES[name]
     parts: list[str | Path] = [library_key()]
     for path in sorted(folder.rglob("*")):

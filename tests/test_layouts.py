@@ -2,24 +2,21 @@
 
 import json
 import re
-import runpy
-import sys
-import types
 import xml.etree.ElementTree as ET
-from pathlib import Path
 
 import pytest
 
 from ema_bench_replay.nodes import record, replay
 from ema_twin_msgs import msg
 from ema_twin_sim.nodes import monitor, twin
+from tests.launch_files import CONFIG, started
 
-CONFIG = Path(__file__).resolve().parent.parent / "config"
 TYPES = {
     "/bench/state": msg.EmaState,
     "/twin/state": msg.EmaState,
     "/monitor/residual": msg.Residual,
     "/monitor/health": msg.Health,
+    "/monitor/diagnosis": msg.Diagnosis,
 }
 NODES = {module.__name__.rpartition(".")[2]: module for module in (monitor, record, replay, twin)}
 
@@ -33,55 +30,54 @@ def assert_field_exists(path):
     assert isinstance(message, float), path
 
 
-def test_foxglove_layout():
-    layout = json.loads((CONFIG / "layouts" / "foxglove.json").read_text())
+def panels(layout, part):
+    """The panels of a Foxglove layout, tabs with what is in them."""
+    if isinstance(part, str):
+        tabs = layout["configById"][part].get("tabs", [])
+        return [part, *(name for tab in tabs for name in panels(layout, tab["layout"]))]
+    return [*panels(layout, part["first"]), *panels(layout, part["second"])]
 
-    def panels(part):
-        return [part] if isinstance(part, str) else [*panels(part["first"]), *panels(part["second"])]
 
-    assert sorted(panels(layout["layout"])) == sorted(layout["configById"])
-    paths = re.findall(r'"value": "(/[^"]+)"', json.dumps(layout))
-    assert len(paths) > 10
+@pytest.fixture(scope="module")
+def foxglove():
+    return json.loads((CONFIG / "layouts" / "foxglove.json").read_text())
+
+
+def test_foxglove_layout(foxglove):
+    assert sorted(panels(foxglove, foxglove["layout"])) == sorted(foxglove["configById"])
+    paths = re.findall(r'"value": "(/[^"]+)"', json.dumps(foxglove))
+    assert len(paths) > 15 and any("rmse_trend" in path for path in paths)
     for path in paths:
         assert_field_exists(path.replace(".", "/"))
+
+
+def test_foxglove_shows_the_diagnosis_and_both_actuators(foxglove):
+    shown = foxglove["configById"]
+    topic, _, field = shown["Table!ranking"]["topicPath"].partition(".")
+    assert isinstance(getattr(TYPES[topic](), field), list)
+    assert shown["RawMessages!diagnosis"]["topicPath"] in TYPES
+    published = {
+        f"/{node['namespace']}": node["parameters"][0]
+        for node in started("actuator")
+        if node["executable"] == "robot_state_publisher"
+    }
+    layers = shown["3D!actuator"]["layers"]
+    assert len(layers) == len(published) == 2
+    for layer in layers.values():
+        side = layer["topic"].removesuffix("/robot_description")
+        assert layer["framePrefix"] == published[side]["frame_prefix"]
+        assert layer["jointStatesTopic"] == f"{side}/joint_states"
 
 
 def test_plotjuggler_layout():
     root = ET.parse(CONFIG / "layouts" / "plotjuggler.xml").getroot()
     curves = list(root.iter("curve"))
-    assert len(curves) > 8
+    assert len(curves) > 16
     for curve in curves:
         for path in [curve.get("curve_x"), curve.get("curve_y")] if curve.get("curve_x") else [curve.get("name")]:
             assert_field_exists(path)
     for splitter in root.iter("DockSplitter"):
         assert int(splitter.get("count")) == len(splitter) == len(splitter.get("sizes").split(";"))
-
-
-@pytest.fixture
-def launch(monkeypatch):
-    """`launch` and `launch_ros` are not on PyPI: stand-ins that keep what they are given."""
-
-    class Kept:
-        def __init__(self, *given, **named):
-            self.given, self.named = given, named
-
-    class Configuration(Kept):
-        def perform(self, context):
-            return context[self.given[0]]
-
-    modules = {
-        "launch": {"LaunchDescription": list},
-        "launch.actions": {"DeclareLaunchArgument": Kept, "OpaqueFunction": Kept},
-        "launch.launch_context": {"LaunchContext": dict},
-        "launch.substitutions": {"LaunchConfiguration": Configuration},
-        "launch_ros": {},
-        "launch_ros.actions": {"Node": Kept},
-    }
-    for name, content in modules.items():
-        module = types.ModuleType(name)
-        vars(module).update(content)
-        monkeypatch.setitem(sys.modules, name, module)
-    return runpy.run_path(str(CONFIG / "launch" / "ema_twin.launch.py"))
 
 
 @pytest.mark.parametrize(
@@ -93,14 +89,12 @@ def launch(monkeypatch):
         ({"input": "standalone"}, ["twin"]),
     ],
 )
-def test_launch_file(launch, arguments, expected):
-    *declared, function = launch["generate_launch_description"]()
-    context = {argument.given[0]: argument.named["default_value"] for argument in declared} | arguments
-    nodes = function.named["function"](context)
-    assert [node.named["executable"] for node in nodes] == expected
+def test_launch_file(arguments, expected):
+    nodes = started("ema_twin", **arguments)
+    assert [node["executable"] for node in nodes] == expected
     for node in nodes:
-        module = NODES[node.named["executable"]]
-        assert module.__name__.startswith(node.named["package"])
+        module = NODES[node["executable"]]
+        assert module.__name__.startswith(node["package"])
         known = {declaration.name: declaration for declaration in module.PARAMETERS}
-        for name, value in node.named["parameters"][0].items():
+        for name, value in node["parameters"][0].items():
             known[name].checked(value)

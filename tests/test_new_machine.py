@@ -4,52 +4,21 @@ import numpy as np
 import pytest
 import yaml
 
+from docs.examples import press
 from ema_bench_replay.load import load
 from ema_twin_sim.discovery.consistency import inconsistencies
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
-from ema_twin_sim.simulation.command import parse_command
-from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.command_line import done, refused, twin
 
-RATIO = 12.0
-CONSTANTS = {
-    "machine.gear_ratio": RATIO,
-    "machine.motor_inertia": 2.0e-4,
-    "machine.output_inertia": 5.0e-4,
-    "machine.torque_constant": 0.4,
-    "sensors.motor_encoder_counts": 8192.0,
-    "sensors.output_encoder_counts": 262144.0,
-    "sensors.sample_period": 4.0e-3,
-    "sensors.speed_smoothing": 0.0,
-    "drive.position_gain": 240.0,
-}
-COMMANDS = ("ramp:0.5", "sine:0.6:0.5", "triangle:0.8:1.5", "sine:0.2:1.5")
-HEADER = "t [ms],shaft angle (deg),motor speed [rpm],motor current [A],link angle [deg],lab temperature [°C]"
-DEGREES, RPM = 180.0 / np.pi, 30.0 / np.pi
+RATIO = press.CONSTANTS["machine.gear_ratio"]
 
 
 @pytest.fixture(scope="module")
-def traces(stock, tmp_path_factory):
+def traces(tmp_path_factory):
     """Recordings of a press: ratio 12, 4 ms, degrees and rpm, and an unbalanced arm of 90 mN m on its output."""
-    press = stock
-    for path, value in CONSTANTS.items():
-        press = press.with_value(path, value)
-    press = press.with_effect("gravity_load", {"torque": 0.09, "angle": 0.4})
-    folder = tmp_path_factory.mktemp("press")
-    for k, command in enumerate(COMMANDS):
-        run = virtual_bench(press, parse_command(command), 12.0, seed=k, origins=(0.0, 0.3))
-        columns = [
-            run.time * 1e3,
-            run.signals["motor_position"] * DEGREES,
-            run.signals["speed"] * RPM,
-            run.signals["current"],
-            (run.signals["output_position"] + run.output_angle_origin) * DEGREES,
-            np.full(len(run), 21.5),
-        ]
-        np.savetxt(folder / f"run{k}.csv", np.column_stack(columns), "%.8g", ",", header=HEADER, comments="")
-    return sorted(folder.glob("*.csv"))
+    return press.write(tmp_path_factory.mktemp("press"))
 
 
 def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_path):
@@ -181,9 +150,9 @@ def turning(tmp_path, ratio, *, both=False, speed="speed [rpm]", position="posit
     columns = {
         "time [s]": time,
         "current [A]": np.cos(3.0 * time),
-        position: angle / ratio * DEGREES,
-        **({"output position [deg]": angle / ratio * DEGREES} if both else {}),
-        **({speed: np.gradient(angle, time) * RPM} if speed else {}),
+        position: angle / ratio * press.DEGREES,
+        **({"output position [deg]": angle / ratio * press.DEGREES} if both else {}),
+        **({speed: np.gradient(angle, time) * press.RPM} if speed else {}),
     }
     np.savetxt(
         tmp_path / "a.csv", np.column_stack([*columns.values()]), "%.9g", ",", header=",".join(columns), comments=""
@@ -214,7 +183,7 @@ def test_the_shaft_of_a_position_is_told_by_the_output_and_the_ratio(tmp_path):
     assert "shaft: output" in line_of(tmp_path / "a_map.yaml", "motor_position")
 
 
-@pytest.mark.parametrize(("ratio", "arguments"), [(1.0, ()), (RPM, ()), (20.0, ("--gear-ratio", "50"))])
+@pytest.mark.parametrize(("ratio", "arguments"), [(1.0, ()), (press.RPM, ()), (20.0, ("--gear-ratio", "50"))])
 def test_a_position_of_the_motor_stays_the_motors(tmp_path, ratio, arguments):
     """It goes the way of the speed, or a factor that wrong units make, or one that is no gear ratio."""
     turning(tmp_path, ratio)

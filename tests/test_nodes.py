@@ -1,6 +1,7 @@
 """The nodes on a real ROS graph: live equals compare, parameters act or are refused, nothing is lost silently."""
 
 import math
+import re
 import threading
 import time
 
@@ -14,6 +15,7 @@ from std_srvs.srv import Trigger
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
@@ -187,11 +189,13 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     assert [answer.sequence for answer in answers] == taken
     assert all(answer.run == 3 for answer in answers)
     assert all(answer.header.stamp.nanosec == answer.sequence * PERIOD for answer in answers)
-    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"]["backward"] == "1")
+    back = "samples that went back in time"
+    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"][back] == "1")
     twin = reports["twin"]
-    assert [twin[name] for name in ("lost", "late", "duplicate", "runs")] == ["0", "1", "1", "2"]
-    graph.spin_until(lambda: reports["monitor"]["bench samples backward"] == "1")
-    assert [reports["monitor"][f"bench samples {name}"] for name in ("late", "duplicate")] == ["1", "1"]
+    assert [twin[f"samples {count}"] for count in ("lost in this run", "that came late", "that came twice")] == [*"011"]
+    assert twin["runs begun"] == "2"
+    graph.spin_until(lambda: reports["monitor"][f"bench {back}"] == "1")
+    assert [reports["monitor"][f"bench samples that came {count}"] for count in ("late", "twice")] == ["1", "1"]
 
 
 def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
@@ -287,3 +291,22 @@ def test_live_ends_when_told(recording, model):
     live = run_live(recording, model, rate=1.0, on_pairs=lambda pairs: stop.set(), stop=stop)
     assert not live.complete
     assert 0 < live.samples < len(recording)
+
+
+def test_every_report_reads_as_a_sentence_and_figures_with_units(graph, recording, model, tmp_path):
+    nodes = [graph.add(TwinNode, model), graph.add(MonitorNode, model)]
+    nodes.append(graph.add(RecordNode, output=str(tmp_path / "bag")))
+    nodes.append(graph.add(ReplayNode, recording.between(0.0, 2.0), rate=0.0, on_end="wait", subscribers=3))
+    graph.spin_until(lambda: nodes[-1].ended and nodes[1].complete)
+    reports = {node.get_name(): node._report() for node in nodes}
+    for name, report in reports.items():
+        assert report.message and "\n" not in report.message and "_" not in report.message, name
+        for key, value in report.values.items():
+            assert not isinstance(value, float), f"{name}: {key} is a number without a unit"
+            assert not re.search(r"\d\.\d{5}", str(value)), f"{name}: {key} has digits that mean nothing"
+    assert reports["replay"].values["position"] == "2.00 of 2.00 s"
+    error = reports["monitor"].values["RMSE of the output position"]
+    assert re.fullmatch(r"\d\.\d\d mrad, \d{3} times the noise floor", error)
+    assert reports["monitor"].values["missing effect"] == "not asked yet: call monitor/diagnose"
+    assert reports["record"].values["/bench/state"].endswith(" messages written")
+    assert reports["twin"].values["computes at"].endswith(" × real time")

@@ -22,7 +22,7 @@ PERIOD = 1.0
 
 @dataclass(frozen=True)
 class Report:
-    """A node's condition: level, one line, and figures by name."""
+    """A node's condition: level, one line, and figures by name; what has a unit is a text that holds it."""
 
     level: bytes
     message: str
@@ -32,9 +32,10 @@ class Report:
 class Diagnostics:
     """Publishes a node's report on `/diagnostics` every second."""
 
-    def __init__(self, node: Node, hardware: str, report: Callable[[], Report]) -> None:
-        """`hardware` names what the figures are of: a recording, a model."""
+    def __init__(self, node: Node, about: str, hardware: str, report: Callable[[], Report]) -> None:
+        """`about` says what is reported; `hardware` names what it is of: a recording, a model."""
         self._node = node
+        self._about = about
         self._hardware = hardware
         self._report = report
         self._publisher = node.create_publisher(DiagnosticArray, "/diagnostics", qos.DIAGNOSTICS)
@@ -45,11 +46,19 @@ class Diagnostics:
         report = self._report()
         status = DiagnosticStatus(
             level=report.level,
-            name=f"{self._node.get_fully_qualified_name().lstrip('/')}: samples",
+            name=f"{self._node.get_fully_qualified_name().lstrip('/')}: {self._about}",
             message=report.message,
             hardware_id=self._hardware,
-            values=[KeyValue(key=key, value=str(value)) for key, value in report.values.items()],
+            values=[KeyValue(key=key, value=_in_words(value)) for key, value in report.values.items()],
         )
         array = DiagnosticArray(status=[status])
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
+
+
+def _in_words(value: object) -> str:
+    if value is None:
+        return "–"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return str(value)

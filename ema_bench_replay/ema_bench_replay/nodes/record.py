@@ -70,7 +70,7 @@ class RecordNode(Node):
         self._problem = ""
         self.written: dict[str, int] = {}
         self.lost: dict[str, int] = {}
-        self._diagnostics = diagnostics.Diagnostics(self, str(given["output"]), self._report)
+        self._diagnostics = diagnostics.Diagnostics(self, "bag", str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
         steady_timer(self, _COLLECT, self._collect)
@@ -147,13 +147,16 @@ class RecordNode(Node):
         if self._problem:
             level, message = diagnostics.ERROR, self._problem
         elif lost:
-            level, message = diagnostics.ERROR, f"{lost} messages lost"
+            level, message = diagnostics.ERROR, f"{lost} messages did not come, or were not written"
         elif self._unreadable:
-            level, message = diagnostics.WARN, f"not recorded: {', '.join(self._unreadable)}"
+            level, message = (
+                diagnostics.WARN,
+                f"not recorded, type not installed: {', '.join(self._unreadable)}",
+            )
         else:
-            level, message = diagnostics.OK, "recording"
-        figures = {f"{topic} written": count for topic, count in self.written.items()}
-        return diagnostics.Report(level, message, {**figures, "lost": lost})
+            level, message = diagnostics.OK, f"records {len(self.written)} topics"
+        figures = {topic: f"{count} messages written" for topic, count in self.written.items()}
+        return diagnostics.Report(level, message, {**figures, "messages lost": lost})
 
     def destroy_node(self) -> None:
         """Finish the file, and say what is in it."""

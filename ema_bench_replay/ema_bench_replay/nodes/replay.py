@@ -111,7 +111,7 @@ class ReplayNode(Node):
         self._run_publisher = self.create_publisher(Run, "bench/run", qos.LATEST)
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
         self._joints = JointStates(self, "bench/joint_states")
-        self._diagnostics = diagnostics.Diagnostics(self, recording.name, self._report)
+        self._diagnostics = diagnostics.Diagnostics(self, "recording", recording.name, self._report)
         self.create_service(Trigger, "~/pause", self._on_pause)
         self.create_service(Trigger, "~/resume", self._on_resume)
         self.create_service(Trigger, "~/step", self._on_step)
@@ -263,26 +263,30 @@ class ReplayNode(Node):
     def _report(self) -> diagnostics.Report:
         playback = self._playback
         if not self._started:
-            condition = "waits for readers"
+            condition = f"waits for {self._wanted_readers} readers, {self._publisher.readers} are there"
         elif playback.ended:
-            condition = "ended"
+            condition = "ended, every sample is sent"
         else:
-            condition = "paused" if playback.paused else "playing"
+            condition = "paused" if playback.paused else f"playing at {self._rate_in_words()}"
         if self._behind:
-            condition = "waits for a reader that is behind"
+            condition = "a reader is behind; waits for it, nothing is lost"
         return diagnostics.Report(
             diagnostics.WARN if self._behind else diagnostics.OK,
             condition,
             {
                 "run": self.run,
-                "position [s]": playback.position(time.monotonic_ns()) * 1e-9,
-                "rate": playback.rate,
-                "samples sent": self.sent,
+                "position": f"{playback.position(time.monotonic_ns()) * 1e-9:.2f} of {self._recording.duration:.2f} s",
+                "rate": self._rate_in_words(),
+                "samples sent": f"{self.sent} of {len(self._recording)}",
                 "readers": self._publisher.readers,
                 "sent again, a reader was behind": self._publisher.repeated,
-                "longest delay [ms]": self._worst_delay * 1e-6,
+                "longest delay": f"{self._worst_delay * 1e-6:.1f} ms",
             },
         )
+
+    def _rate_in_words(self) -> str:
+        rate = self._playback.rate
+        return f"{rate:g} × real time" if rate else "any speed, as fast as it goes"
 
     def destroy_node(self) -> None:
         """Say how many samples were sent, where the end was not reached."""

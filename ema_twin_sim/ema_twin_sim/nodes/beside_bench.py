@@ -67,18 +67,20 @@ class BesideBench:
         elif self.follower.problem:
             level, message = diagnostics.ERROR, self.follower.problem
         elif stream.run is None:
-            level, message = diagnostics.WARN, "no sample on bench/state yet"
+            level, message = diagnostics.WARN, "waits: no sample on bench/state yet"
         elif self.pace.complaint:
             level, message = diagnostics.WARN, self.pace.complaint
         elif stream.lost:
-            level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
+            level, message = (
+                diagnostics.WARN,
+                f"{stream.lost} samples of this run were lost; integrated across",
+            )
         else:
-            level, message = diagnostics.OK, "answers the bench"
-        counts = {name: getattr(stream, name) for name in ("received", "lost", "late", "duplicate", "backward", "runs")}
+            level, message = diagnostics.OK, "answers every sample of the bench"
         state = {
             "input": self.follower.input,
             "run": stream.run,
-            "answered": self.follower.answered,
-            "computes at times real time": self.pace.now,
+            "samples answered": self.follower.answered,
+            "computes at": self.pace.in_words,
         }
-        return diagnostics.Report(level, message, {**state, **counts})
+        return diagnostics.Report(level, message, {**state, "runs begun": stream.runs, **stream.figures("samples")})

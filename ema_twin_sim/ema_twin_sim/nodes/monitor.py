@@ -19,7 +19,7 @@ from ema_bench_replay.nodes.sample_codec import State, read_state, write_residua
 from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
-from ..comparison.running_comparison import DRIVEN, RunningComparison
+from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
 from ..model import Model
 from ..own_effects import load_effects
 from .diagnosing.history import History
@@ -28,7 +28,7 @@ from .follower import input_for
 from .live_model import live_model
 from .pairing import Pairing
 from .trend import Trend
-from .verdict import Level, level_of
+from .verdict import Level, errors_in_words, level_of
 from .warm_up import warm_up_comparison
 
 PARAMETERS = (
@@ -102,7 +102,7 @@ class MonitorNode(Node):
 
         self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
         self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
-        self._diagnostics = diagnostics.Diagnostics(self, self.model.name, self._report)
+        self._diagnostics = diagnostics.Diagnostics(self, "twin against bench", self.model.name, self._report)
         states = qos.state(given["from_start"])
         self.create_subscription(EmaState, "bench/state", self._on_bench, states, raw=True)
         self.create_subscription(EmaState, "twin/state", self._on_twin, states, raw=True)
@@ -206,17 +206,28 @@ class MonitorNode(Node):
 
     def _report(self) -> diagnostics.Report:
         pairing = self.pairing
-        level, words = self._level(self.comparison.rmse_window)
+        comparison = self.comparison
+        rmse_window = comparison.rmse_window
+        level, words = self._level(rmse_window)
         if pairing.missing:
             words = f"{words}; {pairing.missing} samples of this run are missing"
         if growing := self._trend.growing():
-            words = f"{words}; {growing[0]}: its RMSE grows by {100.0 * growing[1]:.0f} % an hour"
-        figures = {"run": pairing.run, "compared": pairing.compared, "missing": pairing.missing}
-        figures |= {"expected": self.expected, "complete": self.complete, "waiting for a partner": pairing.waiting}
-        figures |= {"twin samples of a run that was left": pairing.outdated}
-        for side, stream in (("bench", pairing.bench), ("twin", pairing.twin)):
-            for count in ("received", "lost", "late", "duplicate", "backward"):
-                figures[f"{side} samples {count}"] = getattr(stream, count)
+            words = (
+                f"{words}; the error of the {growing[0].replace('_', ' ')} grows by {100.0 * growing[1]:.0f} % an hour"
+            )
+        figures: dict[str, object] = {
+            "RMSE is that of the last": f"{self._window:g} s",
+            **errors_in_words(rmse_window, comparison.noise_floor, UNITS),
+            "missing effect": None if self.diagnosis_services is None else self.diagnosis_services.condition,
+            "run": pairing.run,
+            "samples compared": f"{pairing.compared} of {self.expected}" if self.expected else pairing.compared,
+            "samples missing": pairing.missing,
+            "every sample compared": self.complete,
+            "samples that wait for their partner": pairing.waiting,
+            "twin samples of a run that was left": pairing.outdated,
+            **pairing.bench.figures("bench samples"),
+            **pairing.twin.figures("twin samples"),
+        }
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
         )

@@ -74,14 +74,18 @@ class OwnClock:
         figures = {
             "input": "standalone",
             "run": self._run,
-            "missed periods": missed,
-            "longest delay [ms]": self.deadlines.worst * 1e-6,
-            "computes at times real time": self.pace.now,
+            "periods missed": missed,
+            "longest delay": f"{self.deadlines.worst * 1e-6:.1f} ms",
+            "computes at": self.pace.in_words,
         }
         if self.failure is not None:
             return diagnostics.Report(diagnostics.ERROR, f"{self.failure}; start the node again", figures)
         if self.pace.complaint:
             return diagnostics.Report(diagnostics.WARN, self.pace.complaint, figures)
         if missed:
-            return diagnostics.Report(diagnostics.WARN, f"{missed} periods missed; integrated across", figures)
-        return diagnostics.Report(diagnostics.OK, "keeps its own time", figures)
+            return diagnostics.Report(
+                diagnostics.WARN,
+                f"{missed} periods missed; integrated across",
+                figures,
+            )
+        return diagnostics.Report(diagnostics.OK, "follows its command in real time", figures)

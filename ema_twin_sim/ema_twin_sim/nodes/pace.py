@@ -51,6 +51,11 @@ class Pace:
         return simulated / computing if computing else None
 
     @property
+    def in_words(self) -> str | None:
+        """`now` in words; None before anything was simulated."""
+        return None if self.now is None else f"{self.now:.3g} × real time"
+
+    @property
     def complaint(self) -> str:
         """That real time is not kept, by how much, and what would help; empty where it is kept."""
         now = self.now

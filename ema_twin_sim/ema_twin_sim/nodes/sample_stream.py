@@ -56,6 +56,16 @@ class SampleStream:
         self.backward = 0
         self.runs = 0
 
+    def figures(self, what: str) -> dict[str, object]:
+        """The counts by name, for the diagnostics; `what` names the samples."""
+        return {
+            f"{what} received in this run": self.received,
+            f"{what} lost in this run": self.lost,
+            f"{what} that came late": self.late,
+            f"{what} that came twice": self.duplicate,
+            f"{what} that went back in time": self.backward,
+        }
+
     def accept(self, run: int, sequence: int, stamp: int) -> Kind:
         """Judge a sample, stamped in ns, and count it."""
         if run != self.run:

@@ -65,7 +65,7 @@ class TwinNode(Node):
             self.mode = BesideBench(self, model, self._output, given["input"], given["from_start"])
         ModelParameters(self, lambda: self.mode.twin)
         refuse_unknown(self)
-        self._diagnostics = diagnostics.Diagnostics(self, model.name, self._report)
+        self._diagnostics = diagnostics.Diagnostics(self, "model", model.name, self._report)
 
     @property
     def failure(self) -> InputError | None:
@@ -81,7 +81,7 @@ class TwinNode(Node):
     def _report(self) -> diagnostics.Report:
         report = self.mode.report()
         effects = [name for name, instance in self.mode.twin.effects.items() if instance.enabled]
-        more = {**self._output.figures, "effects": ", ".join(effects) or "none"}
+        more = {**self._output.figures, "effects switched on": ", ".join(effects) or "none"}
         return diagnostics.Report(report.level, report.message, {**report.values, **more})
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
+
+from ..quantities import quantity
 
 
 class Level(IntEnum):
@@ -32,3 +35,16 @@ def level_of(
     if ratio >= error_at:
         return Level.ERROR, words
     return (Level.WARN if ratio >= warn_at else Level.OK), words
+
+
+def errors_in_words(
+    rmse: Mapping[str, float], noise_floor: Mapping[str, float], units: Mapping[str, str]
+) -> dict[str, str]:
+    """The RMSE of each signal as a figure of the diagnostics; what was not compared is left out."""
+    words = {}
+    for name, value in rmse.items():
+        if math.isfinite(value):
+            floor = noise_floor[name]
+            times = f", {value / floor:.3g} times the noise floor" if floor > 0.0 else ""
+            words[f"RMSE of the {name.replace('_', ' ')}"] = f"{quantity(value, units[name])}{times}"
+    return words

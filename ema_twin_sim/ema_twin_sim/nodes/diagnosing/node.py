@@ -37,6 +37,8 @@ _ENDING = 3.0
 _BUSY = "a diagnosis is being made, or applied; call again when that is over (monitor/diagnosis tells)"
 _OVER = "the monitor is ending"
 
+_VERDICTS = {"none": "nothing is missing", "unknown": "something is missing that no effect explains"}
+
 
 @dataclass(frozen=True)
 class Watched:
@@ -112,6 +114,17 @@ class DiagnosisNode(Node):
             settings, words = settings_for(self._last, effects)
             self._applied |= self._twin.change(settings)
             return words
+
+    @property
+    def condition(self) -> str:
+        """What the last diagnosis found, for the monitor's diagnostics."""
+        last = self._last
+        if self._busy.locked():
+            return "being looked for, or added"
+        if last is None or last.diagnosis is None:
+            return "not asked yet: call monitor/diagnose"
+        found = [entry["effect"] for entry in last.diagnosis["ranking"] if entry["found"]]
+        return f"last diagnosis: {', '.join(found) or _VERDICTS[last.diagnosis['verdict']]}"
 
     def close(self) -> None:
         """End the thread and the process, whatever they are at."""

@@ -1,0 +1,74 @@
+"""Ask the running monitor what the model lacks, add it to the running twin, and watch the error fall.
+
+The nodes `twin` and `monitor` run, beside a bench or a replay; then: `python docs/examples/ask_monitor.py`. It is what
+`ros2 service call /monitor/diagnose …` does, for a program of your own.
+"""
+
+import time
+
+import rclpy
+
+from ema_bench_replay.nodes import qos
+from ema_twin_msgs.msg import Health
+from ema_twin_msgs.srv import Apply, Diagnose
+
+ENOUGH = 10.0
+"""s of comparing before the question; the more there is to judge from, the surer the answer."""
+
+
+class Client:
+    """A node that hears the health and calls the monitor's services."""
+
+    def __init__(self):
+        rclpy.init()
+        self.node = rclpy.create_node("ask_monitor")
+        self.health = Health()
+        self.node.create_subscription(Health, "/monitor/health", self._keep, qos.LATEST)
+
+    def _keep(self, health):
+        self.health = health
+
+    def listen(self, seconds):
+        """Take what comes for so long."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            rclpy.spin_once(self.node, timeout_sec=0.1)
+
+    def call(self, service, name, **request):
+        """The answer of a service; ends the program where it refuses."""
+        client = self.node.create_client(service, name)
+        client.wait_for_service()
+        future = client.call_async(service.Request(**request))
+        rclpy.spin_until_future_complete(self.node, future)
+        answer = future.result()
+        if not answer.success:
+            raise SystemExit(f"{name}: {answer.message}")
+        return answer
+
+    def tell_errors(self, when):
+        """Print the errors of the last window."""
+        now, least = self.health.rmse_window, self.health.noise_floor
+        print(
+            f"{when}: current {now.current * 1e3:.1f} mA (noise {least.current * 1e3:.1f}), "
+            f"output position {now.output_position * 1e3:.3f} mrad (noise {least.output_position * 1e3:.3f})",
+            flush=True,
+        )
+
+
+def main():
+    """Ask, add, and look."""
+    client = Client()
+    while not client.health.compared:
+        client.listen(0.1)
+    client.listen(ENOUGH)
+    client.tell_errors("before")
+    diagnosis = client.call(Diagnose, "/monitor/diagnose", window=0.0).diagnosis
+    print(f"missing: {', '.join(entry.id for entry in diagnosis.ranking if entry.found)}", flush=True)
+    print(f"added: {client.call(Apply, '/monitor/apply', effect=[]).message}", flush=True)
+    client.listen(2.0 * client.health.window)  # by then, the window holds nothing of before
+    client.tell_errors("after")
+    rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    main()

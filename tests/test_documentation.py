@@ -1,0 +1,41 @@
+"""The documentation builds without a warning, and its pages fetch nothing."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from tests.tutorials import DOCS
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """As `make docs` does it."""
+    folder = tmp_path_factory.mktemp("documentation")
+    command = [sys.executable, "-m", "sphinx", "--fail-on-warning", "--keep-going", "--quiet", DOCS, folder]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_every_page_is_there_and_led_to(built):
+    pages = {file.stem for file in DOCS.glob("*.md")}
+    start = (built / "index.html").read_text()
+    assert {file.stem for file in built.glob("*.html")} >= pages
+    for page in pages - {"index"}:
+        assert f'href="{page}.html"' in start, page
+
+
+def test_pages_fetch_nothing(built):
+    fetched = re.compile(
+        r'<(?:script|img|iframe)[^>]*src="(?:https?:)?//|<link[^>]*href="(?:https?:)?//|url\(["\']?https?:'
+    )
+    for file in [*built.glob("*.html"), *(built / "_static").rglob("*.css")]:
+        assert not fetched.search(file.read_text()), file.name
+
+
+def test_the_readme_leads_to_every_tutorial():
+    readme = (DOCS.parent / "README.md").read_text()
+    for file in DOCS.glob("tutorial_*.md"):
+        assert f"(docs/{file.name})" in readme, file.name
