@@ -28,9 +28,7 @@ def test_every_page_is_there_and_led_to(built):
 
 
 def test_pages_fetch_nothing(built):
-    fetched = re.compile(
-        r'<(?:script|img|iframe)[^>]*src="(?:https?:)?//|<link[^>]*href="(?:https?:)?//|url\(["\']?https?:'
-    )
+    fetched = re.compile(r'<(script|img|iframe)[^>]*src="(https?:)?//|<link[^>]*href="(https?:)?//|url\(.?https?:')
     for file in [*built.glob("*.html"), *(built / "_static").rglob("*.css")]:
         assert not fetched.search(file.read_text()), file.name
 
