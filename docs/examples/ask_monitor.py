@@ -16,6 +16,11 @@ ENOUGH = 10.0
 """s of comparing before the question; the more there is to judge from, the surer the answer."""
 
 
+def seconds_of(health):
+    """The stamp of the last sample that was compared."""
+    return health.header.stamp.sec + 1e-9 * health.header.stamp.nanosec
+
+
 class Client:
     """A node that hears the health and calls the monitor's services."""
 
@@ -23,10 +28,18 @@ class Client:
         rclpy.init()
         self.node = rclpy.create_node("ask_monitor")
         self.health = Health()
+        self.begun = 0.0  # s, of the stamps: when the present run began
         self.node.create_subscription(Health, "/monitor/health", self._keep, qos.LATEST)
 
     def _keep(self, health):
+        if health.run != self.health.run:
+            self.begun = seconds_of(health)
         self.health = health
+
+    def wait_for_age(self, seconds):
+        """Listen until the present run has lasted so long."""
+        while not self.health.compared or seconds_of(self.health) - self.begun < seconds:
+            self.listen(0.1)
 
     def listen(self, seconds):
         """Take what comes for so long."""
@@ -58,14 +71,13 @@ class Client:
 def main():
     """Ask, add, and look."""
     client = Client()
-    while not client.health.compared:
-        client.listen(0.1)
-    client.listen(ENOUGH)
+    client.wait_for_age(ENOUGH)
     client.tell_errors("before")
     diagnosis = client.call(Diagnose, "/monitor/diagnose", window=0.0).diagnosis
     print(f"missing: {', '.join(entry.id for entry in diagnosis.ranking if entry.found)}", flush=True)
     print(f"added: {client.call(Apply, '/monitor/apply', effect=[]).message}", flush=True)
     client.listen(2.0 * client.health.window)  # by then, the window holds nothing of before
+    client.wait_for_age(2.0 * client.health.window)  # nor of a run's beginning, where the gap in the gears is unknown
     client.tell_errors("after")
     rclpy.shutdown()
 
