@@ -6,12 +6,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import tests.ros_domain  # noqa: F401 - takes a graph of its own
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the package does where it is imported first
-# each process of tests that runs beside others (pytest -n) has a graph of its own
-os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 80))
-if worker := os.environ.get("PYTEST_XDIST_WORKER"):
-    os.environ["ROS_DOMAIN_ID"] = str((int(os.environ["ROS_DOMAIN_ID"]) + 1 + int(worker.removeprefix("gw"))) % 101)
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
 
 # the same examples at every run; HYPOTHESIS_PROFILE=explore looks for new ones
 settings.register_profile("steady", derandomize=True)

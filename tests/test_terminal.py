@@ -79,7 +79,7 @@ def test_compare(traces, better, columns):
             assert trace.stem in text
         assert "all recordings" in text and "Where the model fails" in text
         assert re.search(r"unexplained( torque)? +\d[\d.]+ mN m +\d[\d.]+ mN m", text) or columns != 80
-    assert "a_better_one_with_backlash:" in " ".join(two) and "times closer" in " ".join(" ".join(two).split())
+    assert "a_better_one_with_backlash:" in " ".join(two) and "times closer" in " ".join(" ".join(two).split()).lower()
 
 
 def piped(columns, *arguments):

@@ -139,5 +139,6 @@ def told(found: Diagnosis) -> list[str]:
 def _line(entry: Effect) -> str:
     numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
     words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
-    removed = "" if entry.error_removed != entry.error_removed else f", takes away {100 * entry.error_removed:.0f} %"
+    share = min(max(entry.error_removed, 0.0), 1.0)
+    removed = "" if share != share else f", takes away {100.0 * share:.0f} %"
     return f"{effect_words(entry.id)}: {100.0 * entry.probability:.0f} % likely{removed} ({words})"
