@@ -23,11 +23,12 @@ from ..model.equivalent import shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover
-from .equation import POOL, Equation
+from .equation import Equation
 from .estimates import reported, standard_errors
 from .fit import Fit, fit
 from .hypothesis import PARTING
 from .rivals import substitutes
+from .side_by_side import simulations
 from .trace import Round, Trial, new_names
 from .uncertainty import held_out
 from .worth import gain, matters, price, price_of_noise
@@ -272,7 +273,7 @@ def _removed(eq: Equation, recordings: Sequence[Recording], contenders: Sequence
         return compared
 
     errors: dict[int, RunningComparison | None] = {}
-    for (key, recording, _, model), compared in zip(jobs, POOL.map(error, jobs), strict=True):
+    for (key, recording, _, model), compared in zip(jobs, simulations(error, jobs), strict=True):
         driving = sources[0] if len(set(sources)) == 1 else "current"
         pooled = errors.setdefault(key, RunningComparison(model, driving, period=recording.sample_period))
         if compared is None or pooled is None:

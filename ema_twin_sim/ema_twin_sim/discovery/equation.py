@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,9 +16,9 @@ from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, 
 from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
+from .side_by_side import predictions
 from .smoothing import smooth_at
 
-POOL = ThreadPoolExecutor(2)
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
@@ -60,6 +59,7 @@ class Equation:
         self.rate = np.concatenate([o.torque_rate for o in observations])
         self.encoder = np.concatenate([o.encoder for o in observations])
         self.encoder_noise = np.concatenate([o.encoder_noise for o in observations])
+        self.samples = sum(len(o.motion) for o in observations)
         edges = np.cumsum([0, *(len(o.rows) for o in observations)])
         self.torque_parts = [slice(a, b) for a, b in pairwise(edges)]
         self.size = int(edges[-1])
@@ -95,10 +95,8 @@ class Equation:
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper
 
-    def predict(
-        self, h: Hypothesis, pool: ThreadPoolExecutor | None = None, beside: Prediction | None = None
-    ) -> Prediction:
-        """What the hypothesis predicts; recordings side by side where an idle ``pool`` is given.
+    def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
+        """What the hypothesis predicts; its recordings ``side_by_side`` where nothing else is.
 
         The output moves as it does in the prediction ``beside``, where one is given: only the motor's side differs.
         """
@@ -131,7 +129,7 @@ class Equation:
 
         known = [None] * len(self.observations) if beside is None else beside.required
         parts = (self.observations, self.torque_parts, self.encoder_parts, known)
-        every = list(pool.map(one, *parts) if pool else map(one, *parts))
+        every = list(predictions(self.samples if side_by_side else 0, one, *parts))
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
@@ -236,6 +234,8 @@ class Equation:
     ) -> np.ndarray:
         """Slopes of the weighted prediction (m, k) to the free numbers; ``known`` are slopes, unweighted, to keep."""
         known = known or {}
+        now = {name: h.instance(name) for name in h.added}
+        torques = {name: self.alone(predicted, instance) for name, instance in now.items()}
 
         def column(k: int) -> np.ndarray:
             free = h.free[k]
@@ -252,21 +252,20 @@ class Equation:
             kind, _, rest = free.path.partition(".")
             if kind == "effects":
                 name, _, parameter = rest.partition(".")
-                now = h.instance(name)
-                changed = EffectInstance(
-                    now.effect, now.options, {**now.parameters, parameter: now.parameters[parameter] + step}
-                )
-                there, here = self.alone(predicted, changed), self.alone(predicted, now)
-                if there is not None and here is not None:
+                held, here = now[name], torques[name]
+                if here is not None:
+                    moved = {**held.parameters, parameter: held.parameters[parameter] + step}
+                    there = self.alone(predicted, EffectInstance(held.effect, held.options, moved))
+                    assert there is not None  # what acts alone does so with all its numbers
                     return (there - here) / step * weights
-                motor = _at_the_motor(now)
+                motor = _at_the_motor(held)
             else:
                 motor = free.path in AT_THE_MOTOR
             beside = predicted if motor and predicted.plant["two_inertia"][0] != 0.0 else None
-            moved = self.predict(h.put({free.path: h.values[k] + step}), beside=beside)
-            return self.centred((moved.rows - predicted.rows) / step, weights) * weights
+            there = self.predict(h.put({free.path: h.values[k] + step}), beside=beside).rows
+            return self.centred((there - predicted.rows) / step, weights) * weights
 
-        return np.stack(list(POOL.map(column, range(len(h.free)))), 1)
+        return np.stack(list(predictions(self.samples, column, range(len(h.free)))), 1)
 
 
 def _at_the_motor(instance: EffectInstance) -> bool:

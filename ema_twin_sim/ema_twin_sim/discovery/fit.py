@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache, partial
 
 import numpy as np
 
-from .equation import CORRELATION, POOL, Equation, Prediction
+from .equation import CORRELATION, Equation, Prediction
 from .hypothesis import Hypothesis
 
 
@@ -85,9 +84,7 @@ class _Beside(Equation):
         beside = cls(equation, known)
         return beside if beside._changes(h) is not None else None
 
-    def predict(
-        self, h: Hypothesis, pool: ThreadPoolExecutor | None = None, beside: Prediction | None = None
-    ) -> Prediction:
+    def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
         """What the hypothesis predicts, to first order in what it shares with the known fit."""
         known = self._known
         now = h.by_path
@@ -162,7 +159,7 @@ def fit(
             if not np.isfinite(step).all():
                 break
             trial = h.at(np.clip(h.values + step, lower, upper))
-            p = equation.predict(trial, POOL)
+            p = equation.predict(trial, side_by_side=True)
             r = equation.residual(p)
             q, _ = prior_rows(trial)
             c = equation.misfit(r) + float(q @ q)

@@ -65,7 +65,7 @@ class Hypothesis:
 
     def at(self, values: np.ndarray) -> Hypothesis:
         """The same hypothesis at other values."""
-        return replace(self, values=np.asarray(values, float))
+        return Hypothesis(self.base, self.added, self.free, np.asarray(values, float))
 
     @property
     def by_path(self) -> dict[str, float]:
@@ -88,20 +88,21 @@ class Hypothesis:
         for free, value in zip(self.free, self.values, strict=True):
             if free.path.startswith(start):
                 parameters[free.path[len(start) :]] = float(value)
-        return replace(held, parameters=parameters)
+        return held.at(parameters)
 
     def model(self) -> Model:
         """The model that the values make."""
         constants = dict(self.base.constants)
         effects: dict[str, EffectInstance] = dict(self.base.effects)
         added = {name: dict(instance.parameters) for name, instance in self.added.items()}
+        parted = self.parted
         for free, value in zip(self.free, self.values, strict=True):
             kind, _, rest = free.path.partition(".")
             if kind == "scale":
-                self._scale(rest, float(value), constants, effects)
+                self._scale(rest, float(value), parted, constants, effects)
             elif kind == "contact":
                 path = f"transmission.contact_{rest}"
-                constants[path] = replace(constants[path], value=float(value))
+                constants[path] = constants[path].at(float(value))
             elif kind == "effects":
                 name, _, parameter = rest.partition(".")
                 turning = any(
@@ -109,7 +110,7 @@ class Hypothesis:
                 )
                 added[name][parameter] = math.remainder(value, 2.0 * math.pi) if turning else float(value)
         for name, instance in self.added.items():
-            effects[name] = replace(instance, parameters=added[name])
+            effects[name] = instance.at(added[name])
         return replace(self.base, constants=constants, effects=effects)
 
     @property
@@ -118,21 +119,26 @@ class Hypothesis:
         return any(free.path.startswith(SIDED) for free in self.free)
 
     def _scale(
-        self, what: str, factor: float, constants: dict[str, ConstantValue], effects: dict[str, EffectInstance]
+        self,
+        what: str,
+        factor: float,
+        parted: bool,
+        constants: dict[str, ConstantValue],
+        effects: dict[str, EffectInstance],
     ) -> None:
         """Multiply a constant, or the size of an effect of the base; on one side only where each has its own number."""
         if what in ("inertia", "output_inertia"):
-            sides = {"output_inertia": INERTIAS[-1:], "inertia": INERTIAS[:-1] if self.parted else INERTIAS}
+            sides = {"output_inertia": INERTIAS[-1:], "inertia": INERTIAS[:-1] if parted else INERTIAS}
             for path in sides[what]:
-                constants[path] = replace(constants[path], value=constants[path].value * factor)
+                constants[path] = constants[path].at(constants[path].value * factor)
             return
         effect = "coulomb_friction" if what == "output_coulomb" else what
-        sided = {"output_coulomb": ("output",), "coulomb_friction": ("motor",) if self.parted else ("motor", "output")}
+        sided = {"output_coulomb": ("output",), "coulomb_friction": ("motor",) if parted else ("motor", "output")}
         size = catalogue()[effect].parameters[0].name
         for name, instance in self.base.effects.items():
             if instance.effect == effect and instance.options.get("side") in sided.get(what, ("motor", "output", None)):
                 parameters = {**instance.parameters, size: instance.parameters[size] * factor}
-                effects[name] = replace(instance, parameters=parameters)
+                effects[name] = instance.at(parameters)
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
         """One more effect, its parameters free, starting from ``parameters``."""

@@ -43,7 +43,7 @@ _FEW_FINALISTS = 2
 _STEP = 1.25e-4  # s of integration: a plan needs no more
 _STEPS = 3  # of a rival's fit to what another would show
 _RUNNERS_UP = 3
-_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not equation.POOL, which works for each of the commands
+_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not that of side_by_side, which works for each of the commands
 _NOTED = 0.7  # share of a difference that one part of a recording must hold to be told
 _DENSE = 1.3  # times more difference there than in the recording as a whole
 

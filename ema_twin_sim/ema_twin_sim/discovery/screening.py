@@ -9,9 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..effects import Effect, catalogue
+from ..model import EffectInstance
 from .candidates import Candidate, starts
-from .equation import POOL, Equation
+from .equation import Equation
 from .fit import Fit, prior_rows
+from .side_by_side import predictions
 
 SMALL = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
 
@@ -55,7 +57,7 @@ def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]
     known = _Known.of(eq, f)
     jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect])]
     found: dict[str, Screened] = {}
-    for c, screened in POOL.map(lambda job: (job[0], _screened(eq, f, known, *job)), jobs):
+    for c, screened in predictions(eq.samples, lambda job: (job[0], _screened(eq, f, known, *job)), jobs):
         if screened is not None and (c.name not in found or screened.gain > found[c.name].gain):
             found[c.name] = screened
     for c in options:
@@ -102,9 +104,10 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
     def column(parameters: dict[str, float]) -> np.ndarray:
         if size.neutral is not None:
             parameters = {**parameters, size.name: size.neutral + per}
-        h = f.hypothesis.with_effect(c.effect, c.options, parameters)
-        rows = eq.beside(f.hypothesis, f.predicted, h.instance(list(h.added)[-1])) if size.neutral is not None else None
+        instance = EffectInstance(c.effect, c.options, parameters)
+        rows = eq.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
         if rows is None:
+            h = f.hypothesis.with_effect(c.effect, c.options, parameters)
             rows = eq.centred(eq.predict(h).rows - f.predicted.rows, f.weights)
         return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
 

@@ -17,9 +17,10 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model
 from ..simulation.simulate import choose_input
-from .equation import POOL, Equation
+from .equation import Equation
 from .fit import fit
 from .hypothesis import Hypothesis
+from .side_by_side import simulations
 from .trace import Search
 from .unseen import squares
 
@@ -62,6 +63,6 @@ def _error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str])
     One that ends in chaos must not decide for all. Infinite where the loop cannot follow.
     """
     jobs = zip(recordings, inputs, strict=True)
-    table = np.array(list(POOL.map(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
+    table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
     mean = table[:, 0] / np.maximum(table[:, 1], 1.0)
     return float(np.exp(np.mean(np.log(np.maximum(mean, 1e-18))))) if np.isfinite(mean).all() else math.inf

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .equation import POOL, Equation
+from .equation import Equation
 from .fit import Fit, prior_rows
 
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
@@ -68,7 +68,7 @@ def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
         for share in STEP_SHARES:
             values = np.clip(f.hypothesis.values + share * step, lower, upper)
             trial = f.hypothesis.at(values)
-            residual = eq.residual(eq.predict(trial, POOL))
+            residual = eq.residual(eq.predict(trial, side_by_side=True))
             pr, _ = prior_rows(trial)
             cost = float(eq.costs(residual)[others].sum()) / scale + float(pr @ pr)
             if cost < least:

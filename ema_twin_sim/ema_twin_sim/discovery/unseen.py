@@ -15,8 +15,9 @@ from ..comparison.noise import noise_floors
 from ..model import Model
 from ..model.equivalent import shown
 from ..simulation.simulate import choose_input, simulate
-from .equation import POOL, Equation
+from .equation import Equation
 from .fit import Fit
+from .side_by_side import simulations
 from .trace import Search
 from .uncertainty import held_out
 
@@ -120,7 +121,7 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
             jobs.append((k, recording, source, model))
 
     signals = (signal, "output_position")
-    table = np.array(list(POOL.map(lambda job: squares(job[3], job[1], job[2], signals), jobs)))
+    table = np.array(list(simulations(lambda job: squares(job[3], job[1], job[2], signals), jobs)))
     table = table.reshape(len(fits), len(recordings), 4)
     rows, counts = table[:, :, 0], table[:, :, 1]
     floors = [noise_floors(base, has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]

@@ -7,9 +7,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .equation import POOL, Equation
+from .equation import Equation
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
+from .side_by_side import predictions
 
 WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
 NARROW = 10.0  # the same once the starts are left behind
@@ -28,7 +29,7 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 def ranked(eq: Equation, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
     eq.reach = np.full(eq.rows, WIDE)
-    costs = list(POOL.map(lambda h: eq.misfit(eq.residual(eq.predict(h))), family))
+    costs = list(predictions(eq.samples, lambda h: eq.misfit(eq.residual(eq.predict(h))), family))
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
@@ -48,7 +49,7 @@ def hopped(eq: Equation, best: Fit, names: Collection[str]) -> Fit:
     """
     for _ in range(HOPS):
         beside = [starting(best.hypothesis, hop) for hop in _hops(best.hypothesis, names)]
-        costs = list(POOL.map(lambda h: eq.misfit(eq.residual(eq.predict(h))), beside))
+        costs = list(predictions(eq.samples, lambda h: eq.misfit(eq.residual(eq.predict(h))), beside))
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = min((fit(eq, h, 8) for h in starts), key=cost)
         much = cost(better) < FALL * cost(best)

@@ -34,6 +34,10 @@ class ConstantValue:
     tolerance: float = 0.05
     source: str = ""
 
+    def at(self, value: float) -> ConstantValue:
+        """The same constant with another value."""
+        return ConstantValue(value, self.tolerance, self.source)
+
 
 ENABLED = "enabled"
 """Last word of the path of an effect's switch."""
@@ -51,6 +55,10 @@ class EffectInstance:
     parameters: Mapping[str, float]
     enabled: bool = True
     open: bool = False
+
+    def at(self, parameters: Mapping[str, float]) -> EffectInstance:
+        """The same effect with other parameters."""
+        return EffectInstance(self.effect, self.options, parameters, self.enabled, self.open)
 
 
 @dataclass(frozen=True)
