@@ -65,7 +65,7 @@ class Hypothesis:
 
     def at(self, values: np.ndarray) -> Hypothesis:
         """The same hypothesis at other values."""
-        return Hypothesis(self.base, self.added, self.free, np.asarray(values, float))
+        return replace(self, values=np.asarray(values, float))
 
     @property
     def by_path(self) -> dict[str, float]:
