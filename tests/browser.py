@@ -13,16 +13,17 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 
 
 class Browser:
-    """One page at a time; ``errors`` is what its console complained of, ``requested`` what it loaded."""
+    """One page at a time; ``errors`` and ``warnings`` are of its console, ``requested`` is what it loaded."""
 
-    def __init__(self, folder, patience=60.0):
-        self.errors, self.requested, self._patience = [], [], patience
+    def __init__(self, folder, patience=60.0, webgl=False):
+        self.errors, self.warnings, self.requested, self._patience = [], [], [], patience
         self._number, self._text = 0, b""
         commands, answers = os.pipe(), os.pipe()
         self._write, self._read = commands[1], answers[0]
         # the browser takes commands on descriptor 3, and answers on 4
         shell = f'exec 3<&{commands[0]} 4>&{answers[1]}; exec "$@"'
-        options = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--remote-debugging-pipe"]
+        drawing = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"] if webgl else ["--disable-gpu"]
+        options = ["--headless", "--no-sandbox", *drawing, "--disable-dev-shm-usage", "--remote-debugging-pipe"]
         self._process = subprocess.Popen(
             ["bash", "-c", shell, "bash", CHROMIUM, *options, f"--user-data-dir={folder}", "about:blank"],
             pass_fds=(commands[0], answers[1]), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
@@ -72,20 +73,25 @@ class Browser:
         if method == "Runtime.exceptionThrown":
             self.errors.append(told["exceptionDetails"])
         elif method == "Runtime.consoleAPICalled" and told["type"] in ("error", "warning", "assert"):
-            self.errors.append([each.get("value", each.get("description")) for each in told["args"]])
+            said = [each.get("value", each.get("description")) for each in told["args"]]
+            (self.warnings if told["type"] == "warning" else self.errors).append(said)
         elif method == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
-            self.errors.append(told["entry"]["text"])
+            (self.warnings if told["entry"]["level"] == "warning" else self.errors).append(told["entry"]["text"])
         elif method == "Network.requestWillBeSent":
             self.requested.append(told["request"]["url"])
 
     def look(self, page, width=1280, height=900, scheme="light"):
         """Open a file as a screen of that width shows it, and wait until its charts are drawn."""
+        self.open(Path(page).resolve().as_uri(), width, height, scheme)
+        self.wait("document.documentElement?.dataset.drawn !== undefined")
+
+    def open(self, address, width=1280, height=900, scheme="light"):
+        """Open an address as a screen of that width shows it."""
         phone = width < 600
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
         self.call("Emulation.setTouchEmulationEnabled", enabled=phone)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        self.call("Page.navigate", url=Path(page).resolve().as_uri())
-        self.wait("document.documentElement?.dataset.drawn !== undefined")
+        self.call("Page.navigate", url=address)
 
     def wait(self, expression):
         end = time.monotonic() + self._patience
@@ -98,6 +104,10 @@ class Browser:
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         assert "exceptionDetails" not in result, result["exceptionDetails"]
         return result["result"].get("value")
+
+    def window(self):
+        """What the window shows, as a PNG."""
+        return base64.b64decode(self.call("Page.captureScreenshot")["data"])
 
     def picture(self, path):
         """Save the whole page as a PNG."""

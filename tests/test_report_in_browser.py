@@ -33,13 +33,13 @@ def report(tmp_path_factory, written):  # noqa: F811
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [1280, 400])
 def test_every_chart_is_drawn_and_everything_fits(browser, report, tmp_path, width, scheme):
-    browser.errors.clear()
-    browser.requested.clear()
+    for heard in (browser.errors, browser.warnings, browser.requested):
+        heard.clear()
     browser.look(report, width, scheme=scheme)
     assert browser.ask(DRAWN) == browser.ask(PLACES) >= 12
     assert browser.ask("document.documentElement.scrollWidth") <= width
     assert browser.ask(TOO_WIDE) == [] and browser.ask(TOO_SMALL) == 0
-    assert browser.errors == [] and browser.requested == [report.as_uri()]
+    assert browser.errors == browser.warnings == [] and browser.requested == [report.as_uri()]
     browser.picture(tmp_path / "page.png")
     assert (tmp_path / "page.png").stat().st_size > 100_000
 

@@ -1,12 +1,13 @@
 """A headless rerun viewer that tests look through: drawn by the processor (lavapipe), and on loopback only."""
 
-import os
 import shutil
 import socket
 import subprocess
 import tempfile
 import time
 from pathlib import Path
+
+from ema_twin_sim.views.screen import viewer_environment
 
 LAVAPIPE = next(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"), None)
 REASON = "lavapipe, which draws rerun's views without a graphics card, is missing: sudo apt install mesa-vulkan-drivers"
@@ -24,9 +25,8 @@ class Viewer:
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", 0))
             port = taken.getsockname()[1]
-        kept = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
         homes = dict.fromkeys(("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_RUNTIME_DIR"), self._home)
-        environment = kept | homes | {"CI": "true", "RUST_LOG": "off", "VK_ICD_FILENAMES": str(LAVAPIPE)}
+        environment = viewer_environment() | homes | {"RUST_LOG": "off", "VK_ICD_FILENAMES": str(LAVAPIPE)}
         size = f"{SIZE[0]}x{SIZE[1]}"
         options = ["--headless", "--bind", "127.0.0.1", "--port", str(port), "--window-size", size]
         viewer = Path(rerun_cli.__file__).with_name("rerun")

@@ -17,7 +17,7 @@ import rerun.blueprint as rrb
 from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
 from ..comparison.running_comparison import UNITS
-from .palette import AFTER, BEFORE, BENCH, Colour
+from .palette import AFTER, BEFORE, MEASURED, Colour
 from .rerun_view import live_blueprint
 from .stream import APPLICATION, LIVE_APPLICATION
 
@@ -50,7 +50,7 @@ def _signal(name: str, unit: str) -> rrb.TimeSeriesView:
         contents=["/bench/state", "/twin/state"],
         name=f"{name.replace('_', ' ')} [{unit}]",
         overrides={
-            "/bench/state": [_field(_STATE, name, f"bench [{unit}]", BENCH)],
+            "/bench/state": [_field(_STATE, name, f"bench [{unit}]", MEASURED)],
             "/twin/state": [_field(_STATE, name, f"twin [{unit}]", BEFORE)],
         },
         plot_legend=rrb.PlotLegend(rrb.Corner2D.RightTop),

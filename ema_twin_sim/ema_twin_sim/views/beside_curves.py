@@ -12,7 +12,7 @@ from ..quantities import axis_unit
 from ..report.beside import Beside, Curves
 from ..report.compared import abscissa, signals_drawn
 from ..report.content import Shown, signal_words
-from .palette import AFTER, BEFORE, BENCH, QUIET, Colour
+from .palette import AFTER, BEFORE, MEASURED, QUIET, Colour
 from .stream import path_of, send, send_level, style
 
 ROOT = "compare"
@@ -37,7 +37,7 @@ def _log_signal(
     time = (along - along.min() if besides[0].of_points else along)[order]
     curves = [beside.curves[name] for beside in besides]
     scale, unit = residual_unit(curves)
-    style(stream, f"{at}/curves/measured", f"measured [{curves[0].unit}]", BENCH, 2.5)
+    style(stream, f"{at}/curves/measured", f"measured [{curves[0].unit}]", MEASURED, 2.5)
     send(stream, f"{at}/curves/measured", time, curves[0].measured[order])
     for model, curve, colour in zip(models, curves, _MODELS, strict=False):
         twin = path_of(f"twin {model}")

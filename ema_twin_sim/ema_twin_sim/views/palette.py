@@ -12,6 +12,8 @@ QUIET: Colour = (163, 173, 183)
 RULE: Colour = (58, 66, 75)
 GRID: Colour = (34, 39, 45)
 BENCH: Colour = (240, 242, 244)
+MEASURED: Colour = (145, 156, 167)
+"""What is measured in rerun's own charts, whose ground is as dark or as light as the desktop."""
 BEFORE: Colour = (255, 154, 77)
 AFTER: Colour = (93, 184, 245)
 RIVAL: Colour = (199, 155, 230)

@@ -16,7 +16,7 @@ from ..model import Model
 from ..plant.planetary.geometry import Gearing
 from .beside_curves import signal_column, style_noise
 from .gear_train import log_train, send_motion, train_tab
-from .palette import AFTER, BEFORE, BENCH, GOOD, RIVAL
+from .palette import AFTER, BEFORE, GOOD, MEASURED, RIVAL
 from .recording_views import layout
 from .rms_window import RmsWindow
 from .stream import LIVE_APPLICATION, TIMELINE, open_for_writing, path_of, send, style
@@ -72,7 +72,7 @@ class RerunView:
     def _style(self) -> None:
         for name in SHOWN:
             unit = UNITS[name]
-            style(self._stream, f"{ROOT}/{name}/curves/bench", f"bench [{unit}]", BENCH, 2.5)
+            style(self._stream, f"{ROOT}/{name}/curves/bench", f"bench [{unit}]", MEASURED, 2.5)
             style(self._stream, f"{ROOT}/{name}/curves/twin", f"twin [{unit}]", BEFORE, 1.5)
             style(self._stream, f"{ROOT}/{name}/residual/twin", f"measured − twin [m{unit}]", BEFORE, 1.2)
             style(self._stream, f"error/{name}", f"{name.replace('_', ' ')} [dB]", _LEVEL_COLOURS[name], 2.0)

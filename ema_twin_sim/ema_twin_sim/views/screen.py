@@ -18,6 +18,7 @@ _GRAPHICS = (
 )
 """Folders, and what in them stands for something to draw with."""
 _PORT = 9876
+_NOWHERE = "http://127.0.0.1:9"
 
 
 def display_available() -> bool:
@@ -66,4 +67,6 @@ def viewer_environment() -> dict[str, str]:
     """Its environment: without our ROS libraries, and reporting to nobody."""
     environment = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
     environment["CI"] = "true"  # what rerun takes as "no analytics", without touching the user's configuration
-    return environment
+    # it asks for a newer version at each start, and nothing forbids it but that there is no way
+    environment |= dict.fromkeys(("ALL_PROXY", "all_proxy", "HTTPS_PROXY", "https_proxy"), _NOWHERE)
+    return environment | dict.fromkeys(("NO_PROXY", "no_proxy"), "localhost,127.0.0.1")

@@ -20,7 +20,7 @@ WIDE, HIGH = 160.0, 91.0
 LEFT, RIGHT, TOP, BOTTOM = 19.0, 156.0, 14.0, 75.0
 """The frame's edges, unless it is made narrower."""
 _LETTER = 1.25  # units that a letter is wide in a view of a quarter of a screen
-_LETTER_OF_KEY = 1.9  # in a view of a sixth, where words must not cover each other
+_KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # and around a word, in a view of 400 pixels: words must not cover each other
 _ABOVE = 2.4  # units that words stand below the point that they are given
 _TICKS = 6  # about so many
 
@@ -156,11 +156,12 @@ class Sheet:
 
     def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
         """What the colours mean, in a row above the frame that ends at its right edge."""
+        wide = [_KEY_LETTER * len(text) + _KEY_ROOM for text, _ in entries]
+        share = min(1.0, (self._right - self._left) / max(sum(wide), 1.0))
         x = self._right
-        for text, colour in reversed(entries):
-            half = 0.5 * _LETTER_OF_KEY * (len(text) + 1)
-            self.write(x - half, 10.0, text, colour)
-            x -= 2.0 * half
+        for (text, colour), width in zip(reversed(entries), reversed(wide), strict=True):
+            self.write(x - 0.5 * share * width, 10.0, text, colour)
+            x -= share * width
 
     def done(self) -> None:
         """Write all words."""

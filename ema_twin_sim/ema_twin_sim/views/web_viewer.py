@@ -6,13 +6,12 @@ import shutil
 import socket
 import subprocess
 import time
-import urllib.parse
 
 from ema_bench_replay.errors import InputError
 
 from .screen import viewer_command, viewer_environment
+from .web_page import ADDRESS, WebPage
 
-ADDRESS = "127.0.0.1"
 _PATIENCE = 15.0
 """s in which the server must listen."""
 _ENDING = 1.0
@@ -29,10 +28,11 @@ class WebViewer:
 
     def __init__(self) -> None:
         """Raises InputError where the server does not start."""
-        data, page = _free_ports(2)
+        data, files = _free_ports(2)
         self.sink = f"rerun+http://{ADDRESS}:{data}/proxy"
-        self.page = f"http://{ADDRESS}:{page}/?url={urllib.parse.quote(self.sink, safe='')}"
-        arguments = ["--serve-web", "--bind", ADDRESS, "--port", str(data), "--web-viewer-port", str(page)]
+        self._page = WebPage(f"http://{ADDRESS}:{files}", self.sink)
+        self.page = self._page.address
+        arguments = ["--serve-web", "--bind", ADDRESS, "--port", str(data), "--web-viewer-port", str(files)]
         # where this process is killed, the server must not stay behind
         guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
         self._process = subprocess.Popen(
@@ -43,14 +43,15 @@ class WebViewer:
             stderr=subprocess.DEVNULL,
         )
         end = time.monotonic() + _PATIENCE
-        while not all(_listens(port) for port in (data, page)):
+        while not all(_listens(port) for port in (data, files)):
             if self._process.poll() is not None or time.monotonic() > end:
                 self.close()
                 raise InputError("--web: rerun's web viewer does not start; give --rrd FILE and look at that later")
             time.sleep(0.05)
 
     def close(self) -> None:
-        """End the server."""
+        """End the servers."""
+        self._page.close()
         self._process.terminate()
         try:
             self._process.wait(_ENDING)

@@ -1,0 +1,71 @@
+"""The page that shows rerun's viewer in a browser: our own, so that nothing it loads or sends leaves this machine."""
+
+from __future__ import annotations
+
+import html
+import shutil
+import threading
+import urllib.request
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from urllib.error import URLError
+
+ADDRESS = "127.0.0.1"
+_PATIENCE = 10.0  # s that the viewer's files may be waited for
+_OWN = {"/": ("web_page.html", "text/html; charset=utf-8"), "/web_page.js": ("web_page.js", "text/javascript")}
+_VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "application/wasm"}
+
+
+class WebPage:
+    """Serves the page on loopback, in threads of this process.
+
+    Attributes:
+        address: what to open in a browser.
+    """
+
+    def __init__(self, viewer: str, sink: str) -> None:
+        """Take the viewer's files from the server at the address ``viewer``, and let it show what ``sink`` receives."""
+        policy = (
+            "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
+            f"img-src data: blob:; connect-src 'self' data: blob: {sink.removeprefix('rerun+').removesuffix('/proxy')}"
+        )
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                path, port = self.path.partition("?")[0], self.connection.getsockname()[1]
+                if self.headers.get("Host") != f"{ADDRESS}:{port}":
+                    self.send_error(403)  # another site's name for this machine
+                elif path in _OWN:
+                    name, kind = _OWN[path]
+                    text = (Path(__file__).parent / name).read_text().replace("{sink}", html.escape(sink))
+                    self._begin(kind)
+                    self.wfile.write(text.encode())
+                elif path in _VIEWERS:
+                    try:
+                        with urllib.request.urlopen(viewer + path, timeout=_PATIENCE) as file:
+                            self._begin(_VIEWERS[path])
+                            shutil.copyfileobj(file, self.wfile)
+                    except (URLError, TimeoutError):
+                        self.send_error(502)
+                else:
+                    self.send_error(404)
+
+            def _begin(self, kind: str) -> None:
+                self.send_response(200)
+                self.send_header("Content-Type", kind)
+                self.send_header("Content-Security-Policy", policy)
+                self.send_header("X-Content-Type-Options", "nosniff")
+                self.end_headers()
+
+            def log_message(self, *_arguments: object) -> None:
+                """Say nothing: the terminal is the command's."""
+
+        self._server = ThreadingHTTPServer((ADDRESS, 0), Handler)
+        self._server.daemon_threads = True
+        self.address = f"http://{ADDRESS}:{self._server.server_address[1]}/"
+        threading.Thread(target=self._server.serve_forever, name="web page", daemon=True).start()
+
+    def close(self) -> None:
+        """Serve no more."""
+        self._server.shutdown()
+        self._server.server_close()

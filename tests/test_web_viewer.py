@@ -1,0 +1,106 @@
+"""What `live --web` serves: the view drawn in a browser, on loopback, and nothing asked of anybody else."""
+
+import io
+import re
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ema_twin_sim.views.palette import BEFORE, MEASURED
+from ema_twin_sim.views.web_viewer import WebViewer
+from tests.browser import CHROMIUM, Browser
+from tests.command_line import TWIN
+from tests.conftest import RECORDINGS
+
+
+@pytest.fixture(scope="module")
+def viewer():
+    viewer = WebViewer()
+    yield viewer
+    viewer.close()
+
+
+def answer(address, path="", **headers):
+    try:
+        with urllib.request.urlopen(urllib.request.Request(address + path, headers=headers), timeout=10) as got:
+            return got.status, got.headers, got.read()
+    except urllib.error.HTTPError as error:
+        return error.code, error.headers, b""
+
+
+def test_the_page_and_what_it_needs(viewer):
+    status, headers, page = answer(viewer.page)
+    assert status == 200 and viewer.sink.encode() in page and b"{" not in page.split(b"</style>")[1]
+    assert "default-src 'none'" in headers["Content-Security-Policy"]
+    (allowed,) = re.findall(r"connect-src 'self' data: blob: (\S+)", headers["Content-Security-Policy"])
+    assert viewer.sink == f"rerun+{allowed}/proxy"
+    for path, kind, least in (
+        ("web_page.js", "text/javascript", 500),
+        ("re_viewer.js", "text/javascript", 10_000),
+        ("re_viewer_bg.wasm", "application/wasm", 1_000_000),
+    ):
+        status, headers, body = answer(viewer.page, path)
+        assert (status, headers["Content-Type"]) == (200, kind) and len(body) > least
+
+
+def test_only_what_is_asked_for_by_its_own_name(viewer):
+    assert answer(viewer.page, "setup.py")[0] == answer(viewer.page, "../web_page.py")[0] == 404
+    assert answer(viewer.page, Host="bench.example.org")[0] == 403
+    port = urllib.parse.urlsplit(viewer.page).port
+    outward = socket.gethostbyname(socket.gethostname())
+    if not outward.startswith("127."):
+        with pytest.raises(OSError):
+            socket.create_connection((outward, port), 0.5)
+
+
+def test_it_ends():
+    viewer = WebViewer()
+    ports = [urllib.parse.urlsplit(address).port for address in (viewer.page, viewer.sink.removeprefix("rerun+"))]
+    viewer.close()
+    for port in ports:
+        with pytest.raises(OSError):
+            socket.create_connection(("127.0.0.1", port), 0.5)
+
+
+def near(picture, colour):
+    """How many pixels have about that colour."""
+    return int(np.sum(np.abs(picture - np.array(colour)).max(axis=2) < 25))
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is missing: sudo apt install chromium")
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("width", [1280, 400])
+def test_a_browser_shows_the_live_run(tmp_path, width):
+    recording = next(RECORDINGS.glob("*sine_0.05*"))
+    command = [TWIN, "live", recording, "--model", "polito_bench", "--web", "--loop"]
+    heard = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "stdin": subprocess.DEVNULL}
+    live = subprocess.Popen(command, text=True, **heard)
+    browser = None
+    try:
+        page = next(line.split()[-1] for line in live.stdout if line.startswith("Open http"))
+        browser = Browser(tmp_path / "browser", webgl=True)
+        browser.open(page, width)
+        browser.wait("document.querySelector('canvas')?.hidden === false")
+        end = time.monotonic() + 120.0
+        while True:
+            picture = np.asarray(Image.open(io.BytesIO(browser.window())).convert("RGB"), np.int16)
+            if near(picture, BEFORE) > width and near(picture, MEASURED) > 20:
+                break
+            assert time.monotonic() < end, (
+                f"{near(picture, BEFORE)} pixels of the twin's curves, errors {browser.errors}"
+            )
+            time.sleep(1.0)
+        assert browser.errors == []
+        assert {urllib.parse.urlsplit(url).hostname for url in browser.requested} == {"127.0.0.1"}
+    finally:
+        if browser is not None:
+            browser.close()
+        live.terminate()
+        live.communicate(timeout=30)
