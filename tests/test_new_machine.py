@@ -11,6 +11,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
 from tests.command_line import done, refused, twin
+from tests.conftest import RECORDINGS
 
 RATIO = press.CONSTANTS["machine.gear_ratio"]
 
@@ -42,7 +43,26 @@ def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_pa
         "viscous_friction", "coulomb_friction", "gravity_load",
     }  # fmt: skip
     assert better["effects"]["gravity_load"]["parameters"]["torque"] == pytest.approx(0.09, rel=0.05)
-    assert better["machine"]["inertia"]["value"] == pytest.approx(7.0e-4, rel=0.05)
+    both = [better["machine"][name]["value"] for name in ("inertia", "output_inertia")]
+    assert sum(both) == pytest.approx(7.0e-4, rel=0.05)
+
+
+def test_play_is_named_in_a_machine_of_which_no_constant_is_known(tmp_path):
+    """The project's own recordings, as a logger without a setpoint and without Siemens' names would have them."""
+    for path in sorted(RECORDINGS.glob("*.CSV")):
+        run = load(path)
+        names = {"current": "current_A", "motor_position": "motor_angle_rad", "speed": "motor_speed_rad_s",
+                 "output_position": "output_angle_rad"}  # fmt: skip
+        table = np.column_stack([run.time, *(run.signals[name] for name in names)])
+        header = ",".join(["time_s", *names.values()])
+        np.savetxt(tmp_path / f"{path.stem}.csv", table, "%.9g", ",", header=header, comments="")
+    traces = sorted(tmp_path.glob("*.csv"))
+    told = done("init", traces[1], "-o", "own", "--gear-ratio", "124", cwd=tmp_path)
+    assert "own_map.yaml: nothing was left to guess" in told.stdout
+    done("discover", *traces, "--map", "own_map.yaml", "--model", "own.yaml", "-o", "own_better.yaml", cwd=tmp_path)
+    effects = yaml.safe_load((tmp_path / "own_better.yaml").read_text())["effects"]
+    assert effects["backlash"]["parameters"]["width"] == pytest.approx(4e-3, rel=0.03)
+    assert "encoder_delay" not in effects
 
 
 def test_what_cannot_be_guessed_is_marked(tmp_path):
@@ -72,6 +92,8 @@ def test_without_a_trace_questions_are_asked(tmp_path):
     ("columns", "expected"),
     [
         (["time_s", "motorPosition_deg", "q_ref"], {"motor_position": "deg", "output_command": None}),
+        (["t_s", "motor_speed_rad_s", "shaft_torque_N_m"], {"speed": "rad/s", "motor_torque": "N m"}),
+        (["t_s", "motor_speed_rad_per_s"], {"speed": "rad/s"}),
         (["Zeit [ms]", "Strom [A]", "Drehzahl [1/min]", "Lage [rad]"],
          {"current": "A", "speed": "rpm", "motor_position": "rad"}),
         (["X [ms]", "iq set [A]", "iq [A]", "load torque [Nm]", "motor torque [Nm]"],

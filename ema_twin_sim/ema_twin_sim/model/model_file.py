@@ -169,7 +169,7 @@ def _model(path: Path, content: Mapping) -> Model:
             foreign = constant.kind and constant.kind not in kinds.values()
             if foreign and not (constant.everywhere and section.get(given) is not None):
                 continue  # models of one bench share a file of constants, whatever their fidelity
-            if lumped and name in section and name.endswith("_inertia"):
+            if lumped and name in section and name in ("motor_inertia", "gearbox_inertia"):
                 raise check.error(f"machine.{name}", "stands beside the machine's one inertia", "give one or the other")
             if section.get(given) is not None:
                 constants[constant.path] = _constant(check, constant, section[given], f"{part}.{given}", motion)

@@ -101,9 +101,13 @@ def _words(name: str) -> str:
 
 
 def _units_in(name: str) -> list[str]:
-    """What may be the unit in a name: in brackets, or its last word."""
+    """What may be the unit in a name: in brackets, or its last words (``n_rad_s``, ``torque_N_m``, ``v_m_per_s``)."""
     found = _UNIT.search(name)
-    said = [found[1]] if found else [re.split(r"[\s_]+", name.strip())[-1]]
+    if found:
+        said = [found[1]]
+    else:
+        *before, last = [word for word in re.split(r"[\s_]+", name.strip()) if word != "per"]
+        said = [*(f"{word}{between}{last}" for word in before[-1:] for between in "/ "), last]
     return [_SPELLINGS.get(text.lower(), text) for text in said]
 
 

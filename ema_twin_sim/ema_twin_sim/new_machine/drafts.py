@@ -23,6 +23,7 @@ from .shaft import ALIKE, Shaft, position_shaft, ratio_of_positions
 
 CHECK = "CHECK"
 _FEWEST = 10
+_BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
 _COUNTS = re.compile(r"count|cnt|increment|inkrement|tick|pulse", re.IGNORECASE)
 
 
@@ -94,13 +95,15 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
 
 
 def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
-    """YAML of a first model: all inertia in one number, everything open that the recording may tell.
+    """YAML of a first model, everything open that the recording may tell.
 
     The recording's motor position is as its column has it, of that ``shaft``.
     """
     motion = recording.motion
     sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
+    ratio = _ratio(recording, given.gear_ratio, shaft)
+    two_sided = ratio is not None and abs(ratio.value - 1.0) > ALIKE and recording.has("output_position")
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
         f"# Look at every line that says {CHECK}.",
@@ -108,40 +111,73 @@ def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
         "machine:",
         f"  name: {given.name}",
         *([f"  motion: {motion}"] if motion != "rotary" else []),
-        f"  inertia: {{value: {inertia:g}, unit: {unit_in('kg m^2', motion)}, tolerance: open, source: start value}}"
-        + ("  # of all that moves" if motion == "linear" else "  # of all that turns, at the motor"),
-        *_ratio_lines(recording, given.gear_ratio, shaft),
+        *_inertia_lines(motion, inertia, two_sided),
+        *([] if ratio is None else [ratio.line()]),
         *_torque_lines(recording, given.torque_constant),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
         "  viscous_friction: {effect: viscous_friction, options: {side: motor}, "
         f"parameters: {{coefficient: {viscous}}}, open: true}}",
-        "  coulomb_friction: {effect: coulomb_friction, options: {side: motor}, "
-        f"parameters: {{torque: {dry}, static_ratio: 1.0}}, open: true}}",
+        _friction_line("coulomb_friction", "motor", dry),
+        *([_friction_line("coulomb_friction_2", "output", dry * _BEHIND)] if two_sided else []),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _ratio_lines(recording: Recording, given: float | None, shaft: Shaft) -> list[str]:
+def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
+    """The inertia; that behind the gearbox apart where an encoder there may show that it moves by itself."""
+
+    def line(name: str, value: float, comment: str) -> str:
+        unit = unit_in("kg m^2", motion)
+        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: start value}}  # {comment}"
+
+    if not two_sided:
+        whole = "of all that moves" if motion == "linear" else "of all that turns, at the motor"
+        return [line("inertia", inertia, whole)]
+    return [
+        line("inertia", inertia * (1.0 - _BEHIND), "of what turns with the motor"),
+        line("output_inertia", inertia * _BEHIND, "of the rest, at the motor; only play or a spring tells them apart"),
+    ]
+
+
+def _friction_line(name: str, side: str, torque: float) -> str:
+    return (
+        f"  {name}: {{effect: coulomb_friction, options: {{side: {side}}}, "
+        f"parameters: {{torque: {torque:g}, static_ratio: 1.0}}, open: true}}"
+    )
+
+
+@dataclass(frozen=True)
+class _Ratio:
+    """A gear ratio, where it comes from, and what speaks against it."""
+
+    value: float
+    source: str
+    doubt: str = ""
+
+    def line(self) -> str:
+        value = f'{{value: {self.value:.6g}, unit: "1", tolerance: 0.0, source: {self.source}}}'
+        return f"  gear_ratio: {value}{_comment(self.doubt)}"
+
+
+def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | None:
     """The gear ratio: given, or what position and speed or both positions show, or one of a rotary machine."""
-    shown = None if given else ratio_of_positions(recording)
-    doubt = ""
     if given:
-        value, source = given, "given"
-    elif shaft.ratio is not None:
-        value, source, doubt = shaft.ratio, "speed over position", "of the motor's speed to its position"
-    elif shown is not None:
-        value, source = abs(shown), "slope of both positions"
+        return _Ratio(given, "given")
+    if shaft.ratio is not None:
+        return _Ratio(shaft.ratio, "speed over position", "of the motor's speed to its position")
+    shown = ratio_of_positions(recording)
+    if shown is not None:
+        doubt = ""
         if shown < 0.0:
             doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
         elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
-    elif recording.motion == "rotary":
-        value, source, doubt = 1.0, "assumed", "turns of the motor per turn of the output"
-    else:
-        return []
-    return [f'  gear_ratio: {{value: {value:.6g}, unit: "1", tolerance: 0.0, source: {source}}}{_comment(doubt)}']
+        return _Ratio(abs(shown), "slope of both positions", doubt)
+    if recording.motion == "rotary":
+        return _Ratio(1.0, "assumed", "turns of the motor per turn of the output")
+    return None
 
 
 def _torque_lines(recording: Recording, given: float | None) -> list[str]:
