@@ -150,7 +150,7 @@ def test_values_that_no_program_can_hold(tmp_path, content):
     assert "version: True" in refused(tmp_path, "version: true")
     assert "cannot be read" in refused(tmp_path, "version: 2024-99-99")
     (tmp_path / "based.yaml").write_text('base: "spoilt\\0.yaml"')
-    with pytest.raises(InputError, match=r"spoilt\\x00\.yaml'?: cannot be read") as error:
+    with pytest.raises(InputError, match=r"based\.yaml: base: 'spoilt\\x00\.yaml' is no file") as error:
         load_model(tmp_path / "based.yaml")
     assert "\n" not in str(error.value)
 
@@ -178,3 +178,12 @@ def test_what_is_written_is_whole_and_stands_alone(tmp_path):
         if not constant.optional and not constant.kind:
             assert written[constant.part][constant.name]["unit"] == constant.unit
     assert find_configuration("models", "polito_bench") != path
+
+
+def test_a_base_may_be_a_shipped_model(tmp_path):
+    (tmp_path / "mine.yaml").write_text("version: 1\nbase: polito_bench\nmachine: {name: mine}\n")
+    mine = load_model(tmp_path / "mine.yaml")
+    assert mine.machine == "mine" and mine.effects == load_model("polito_bench").effects
+    (tmp_path / "none.yaml").write_text("version: 1\nbase: polito_bensh\n")
+    with pytest.raises(InputError, match=r"none\.yaml: base: 'polito_bensh' is no file beside it"):
+        load_model(tmp_path / "none.yaml")

@@ -110,6 +110,27 @@ def test_a_bag_that_loops_with_one_run_number():
     assert pairing.passes == 3
 
 
+def test_a_twin_that_was_started_again_is_compared_again():
+    """It answers the run from its beginning, as samples are kept for who comes late; the bench never goes back."""
+    pairing = Pairing()
+    bench(pairing, *range(40))
+    assert twin(pairing, *range(30)) == list(range(30))
+    assert twin(pairing, *range(40)) == [None] * 30 + list(range(30, 40))
+    assert bench(pairing, *range(40, 60)) == [None] * 20
+    assert twin(pairing, *range(40, 60)) == list(range(40, 60))
+    assert (pairing.compared, pairing.missing, pairing.outdated) == (60, 0, 0)
+
+
+def test_a_twin_that_was_started_again_before_the_bench_was_seen_to_go_on():
+    pairing = Pairing()
+    bench(pairing, *range(30))
+    twin(pairing, *range(30))
+    assert twin(pairing, *range(32)) == [None] * 32  # it might have seen the bench go back
+    assert bench(pairing, *range(30, 40)) == [30, 31, *[None] * 8]
+    assert twin(pairing, *range(32, 40)) == list(range(32, 40))
+    assert (pairing.compared, pairing.missing) == (40, 0)
+
+
 def test_what_is_missing_on_either_side_is_counted():
     pairing = Pairing()
     bench(pairing, 0, 1, 3, 4)

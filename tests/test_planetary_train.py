@@ -139,5 +139,5 @@ def test_step_halving_moves_nothing_with_friction_and_play(tmp_path):
 
 
 def test_a_step_too_long_names_the_longest(tmp_path):
-    with pytest.raises(InputError, match=r"teeth are too stiff .* a step below [0-9.e-]+ s"):
+    with pytest.raises(InputError, match=r"teeth are too stiff .* take [0-9.e-]+ s at most"):
         Twin(planetary_model(tmp_path), step=25e-6)

@@ -55,7 +55,9 @@ def test_outputs_that_exist_or_cannot_be_written(tmp_path, ramp, imported):
     done("import", ramp, "-o", imported, "--force")
     (tmp_path / "file").touch()
     refused("import", ramp, "-o", tmp_path / "file", naming=("file",))
-    refused("compare", ramp, "--model", "polito_bench", "--json", tmp_path / "file" / "c.json", naming=("c.json",))
+    compare = ("compare", ramp, "--model", "polito_bench", "--json")
+    refused(*compare, tmp_path / "file" / "c.json", naming=("c.json",))
+    refused(*compare, "/proc/c.json", naming=("/proc/c.json: cannot be written",))
     (tmp_path / "model.yaml").touch()
     add = ("add", "backlash", "--model", "polito_bench", "-o", tmp_path / "model.yaml")
     refused(*add, naming=("exists",))
@@ -105,7 +107,7 @@ def test_live_replaces_nothing_but_its_own(tmp_path, ramp, imported):
     refused(*live[:-1], "--record", folder, naming=("--force",))
     files[0].rename(folder / "some.mcap")
     refused(*live, "--record", folder, naming=("metadata.yaml", "some.mcap"))
-    refused(*live, "--record", folder / "some.mcap", naming=("no folder",))
+    refused(*live, "--record", folder / "some.mcap", naming=("some.mcap",))
     assert {file.read_text() for file in folder.iterdir()} == {"precious"}
     bag = imported / ramp.stem
     before = (bag / f"{bag.name}.mcap").read_bytes()

@@ -10,7 +10,12 @@ from matplotlib.ticker import FormatStrFormatter, NullFormatter
 
 from ema_twin_sim.plant.planetary.friction_coefficient import ISO_TR_14179_2
 from ema_twin_sim.plant.planetary.geometry import SUN_MESH
-from ema_twin_sim.plant.planetary.position_balance import PositionBalance, all_positions, position_balance
+from ema_twin_sim.plant.planetary.position_balance import (
+    PositionBalance,
+    all_positions,
+    first_locking_coefficient,
+    position_balance,
+)
 from ema_twin_sim.plant.planetary.quasi_static import (
     ToothFriction,
     balance,
@@ -90,7 +95,7 @@ def locking() -> dict[str, float]:
     return {
         "forces": self_locking_coefficient(GEARING, TABLE),
         "mean": smallest(lambda mu: in_every_position(mu, -LOAD).sun_torque.mean() >= 0.0, 14),
-        "first": smallest(lambda mu: in_every_position(mu, -LOAD).sun_torque.max() >= 0.0, 14),
+        "first": first_locking_coefficient(GEARING, TABLE, POSITIONS),
     }
 
 

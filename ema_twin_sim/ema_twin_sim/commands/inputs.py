@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -91,13 +92,27 @@ def input_files(
 
 
 def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
-    """Raise InputError where an output is one of the inputs, or another output, by whatever name."""
+    """Raise InputError, before anything is worked out, where an output is one of the inputs, or another output, by
+    whatever name, or cannot be written.
+    """
     taken = {file.resolve(): f"an input ({file})" for file in inputs}
     for output in outputs:
         if output is not None:
             if output.resolve() in taken:
                 raise InputError(f"{output}: is {taken[output.resolve()]}; choose another name for the output")
             taken[output.resolve()] = "another output too"
+            _refuse_unwritable(output)
+
+
+def _refuse_unwritable(output: Path) -> None:
+    if output.exists() and not output.is_file():  # a folder is refused, a pipe written to, when it is opened
+        return
+    folder = next(above for above in output.absolute().parents if above.exists())
+    try:
+        tempfile.TemporaryFile(dir=folder).close()  # where this is a file, the reason is that it is no folder
+    except OSError as error:
+        reason = error.strerror or error
+        raise InputError(f"{output}: cannot be written ({reason}); give a place that you may write to") from None
 
 
 def refuse_existing(force: bool, *outputs: Path | None) -> None:

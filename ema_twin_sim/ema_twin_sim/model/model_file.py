@@ -123,12 +123,26 @@ def _read_whole(name: str | os.PathLike[str]) -> tuple[dict[str, object], list[P
     content = _read(path)
     files = [path]
     while "base" in content:
-        below = files[-1].parent / Checker(files[-1]).text(content.pop("base"), "base")
+        below = _base(files[-1], content.pop("base"))
         content = _merged(_read(below), content)
         if below.resolve() in [file.resolve() for file in files]:
             raise InputError(f"{path}: base: '{below.name}' leads back to itself; name a file of constants")
         files.append(below)
     return content, files
+
+
+def _base(path: Path, named: object) -> Path:
+    """The file that a model's ``base`` names: beside it, or a shipped one by its name."""
+    name = Checker(path).text(named, "base")
+    beside = path.parent / name
+    if beside.is_file():
+        return beside
+    try:
+        return find_configuration("models", name)
+    except InputError:
+        raise InputError(
+            f"{path}: base: {name!r} is no file beside it, and no model in config/models; name one of them"
+        ) from None
 
 
 def _read(path: Path) -> dict[str, object]:

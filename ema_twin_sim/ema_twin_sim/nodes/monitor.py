@@ -108,9 +108,14 @@ class MonitorNode(Node):
         self.create_subscription(EmaState, "twin/state", self._on_twin, states, raw=True)
         self.create_subscription(Run, "bench/run", self._on_run, qos.LATEST)
         self.add_on_set_parameters_callback(self._on_parameters)
-        watched = Watched(self.get_name(), self.get_namespace(), given["twin"], self.model, self._history, self._place)
+        names = {name: self.resolve_service_name(f"monitor/{name}") for name in ("diagnose", "apply")}
+        names["diagnosis"] = self.resolve_topic_name("monitor/diagnosis")
+        watched = Watched(
+            self.get_name(), self.get_namespace(), names, given["twin"], self.model, self._history, self._place
+        )
         self.diagnosis_services = DiagnosisNode(watched, context) if given["services"] else None
-        self._twin_name = f"{self.get_namespace().rstrip('/')}/{given['twin']}"
+        own = self.get_namespace().rstrip("/")
+        self._twin_name = given["twin"] if given["twin"].startswith("/") else f"{own}/{given['twin']}"
         self.create_subscription(ParameterEvent, "/parameter_events", self._on_change, qos_profile_parameter_events)
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
@@ -149,8 +154,8 @@ class MonitorNode(Node):
         self.announced = message
 
     def _on_change(self, event: ParameterEvent) -> None:
-        if event.node == self._twin_name and event.changed_parameters:
-            self._trend.clear()  # another twin from now on
+        if event.node == self._twin_name and (event.changed_parameters or event.new_parameters):
+            self._trend.clear()  # another twin from now on, changed or started again
 
     def _compare(self, bench: State, twin: State) -> None:
         residuals = self.comparison.add(bench.signals, twin.signals, bench.stamp * 1e-9)
@@ -228,6 +233,11 @@ class MonitorNode(Node):
             **pairing.bench.figures("bench samples"),
             **pairing.twin.figures("twin samples"),
         }
+        mixed = [topic for topic in ("bench/state", "twin/state") if self.count_publishers(topic) > 1]
+        if mixed:
+            topics = " and ".join(mixed)
+            words = f"more than one node publishes {topics}: samples mix; end one, or use another ROS_DOMAIN_ID"
+            return diagnostics.Report(diagnostics.ERROR, words, figures)
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
         )

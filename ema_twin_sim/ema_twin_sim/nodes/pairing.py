@@ -2,6 +2,8 @@
 
 A *pass* is what a stream sends between two restarts: a new run, or a step back in time within a run. The bench says
 which pass is the present one; the twin goes through the same passes, a little before or behind it as seen from here.
+A twin that was started again goes back alone: by what its earlier self had not answered it is told from one that saw
+the bench go back.
 """
 
 from __future__ import annotations
@@ -94,6 +96,8 @@ class Pairing(Generic[Sample]):
             return None
         if kind is Kind.FIRST:
             self._begin(sample.run)
+        elif self._ahead and self._ahead[0].run == sample.run and self._unanswered:
+            self._answers = self._ahead.popleft()
         answer = self._answers.waiting.pop(sample.sequence, None) if self._answers else None
         if answer is None:
             self._keep(self._waiting, sample)
@@ -121,6 +125,11 @@ class Pairing(Generic[Sample]):
         return partner
 
     @property
+    def _unanswered(self) -> bool:
+        """Whether the bench is past what was answered in its present pass: a twin that sees it go back never is."""
+        return self._answers is not None and self.bench.sequence > self._answers.newest
+
+    @property
     def _first(self) -> int:
         return max(self.bench.first, self._answers.first) if self._answers else self.bench.first
 
@@ -139,7 +148,7 @@ class Pairing(Generic[Sample]):
 
     def _begin_twin(self, run: int) -> None:
         begun: _TwinPass[Sample] = _TwinPass(run, self.twin.first)
-        if self._answers is None and self.run == run:
+        if self.run == run and (self._answers is None or self._unanswered):
             self.outdated += sum(len(older.waiting) for older in self._ahead)
             self._ahead.clear()
             self._answers = begun

@@ -7,7 +7,8 @@ class DeadlineClock:
     """Deadlines at whole periods after a beginning, on a monotonic clock [ns].
 
     They are absolute: a late period does not shift those after it. Where the caller comes so late that whole periods
-    have passed, these are missed: they are counted, not made up for one by one.
+    have passed, these are missed: they are counted, not made up for one by one. A timer of that period may be a little
+    early: it is served, or it would be a whole period late the next time.
 
     Attributes:
         missed: periods missed.
@@ -23,12 +24,12 @@ class DeadlineClock:
         self.worst = 0
 
     def tick(self, now: int) -> int | None:
-        """The number of the period that has begun, from 0; None where the next deadline is still ahead."""
+        """The number of the period that has begun, from 0; None where the next is half a period ahead, or more."""
         late = now - self._origin - self._next * self._period
-        if late < 0:
+        if late <= -(self._period // 2):
             return None
         self.worst = max(self.worst, late)
-        missed = late // self._period
+        missed = max(late, 0) // self._period
         self.missed += missed
         number = self._next + missed
         self._next = number + 1

@@ -12,8 +12,10 @@ _LEAST = 4
 """Windows that a slope with a standard error takes."""
 _WINDOWS = 720
 """Windows looked back over: an hour of 5 s each."""
-_SURE = 4.0
-"""Standard errors that a slope must be of, to be called a trend."""
+_TOLD = 20
+"""Windows from which on a slope is told in words: of fewer, the standard error itself is a guess."""
+_SURE = 5.0
+"""Standard errors that a slope must be of, to be called a trend: it is looked at after each window."""
 _SHARE = 0.1
 """Of the mean RMSE: what must have come together over all windows, to be worth telling."""
 
@@ -63,7 +65,7 @@ class Trend:
             errors = self._errors[name]
             mean = float(np.mean([value for _, value in errors]))
             span = errors[-1][0] - errors[0][0]
-            if slope > _SURE * std and slope * span > _SHARE * mean:
+            if len(errors) >= _TOLD and slope > _SURE * std and slope * span > _SHARE * mean:
                 shares[name] = slope / mean * 3600.0
         return max(shares.items(), key=lambda item: item[1], default=None)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ..model import Model
 from ..plant.planetary.geometry import Gearing
 from ..plant.planetary.mesh_table import AHEAD, ENTERING, mean_stiffness
+from ..plant.planetary.position_balance import first_locking_coefficient
 from ..plant.planetary.quasi_static import Balance, balance, self_locking_coefficient
 from ..plant.planetary.torsional_stiffness import torsional_stiffness
 from ..plant.switching.dc_link import highest_speed
@@ -88,14 +89,23 @@ def _of_the_teeth(gearing: Gearing, assembly: Assembly) -> list[Figure]:
     backward = balance(gearing, table, friction, TYPICAL_TORQUE * abs(gearing.ratio), TYPICAL_SPEED, True)
     locks = backward.efficiency <= 0.0
     at = _conditions(forward)
-    limit = self_locking_coefficient(gearing, table)
+    first, limit = first_locking_coefficient(gearing, table), self_locking_coefficient(gearing, table)
+    slow = "may" if float(backward.coefficients.max()) >= first else "no"
     return [
         Figure("efficiency, motor driving", forward.efficiency, "1", at),
         Figure("efficiency, output driving", "none" if locks else backward.efficiency, "1", at),
-        Figure("self-locking", "yes" if locks else "no", "1", "whether the output cannot turn the motor"),
+        Figure("self-locking", "yes" if locks else slow, "1", "whether the output cannot turn the motor"),
         Figure(
-            "self-locking from a friction coefficient of",
+            "self-locking in some position from a friction coefficient of",
+            first if math.isfinite(first) else "none",
+            "1",
+            "where a slow load may stop: the number to design by",
+        ),
+        Figure(
+            "self-locking by mean forces from a friction coefficient of",
             limit if math.isfinite(limit) else "none",
+            "1",
+            "from where it surely locks",
         ),
     ]
 
@@ -103,7 +113,8 @@ def _of_the_teeth(gearing: Gearing, assembly: Assembly) -> list[Figure]:
 def _conditions(balanced: Balance) -> str:
     low, high = balanced.coefficients.min(), balanced.coefficients.max()
     coefficient = f"{low:.3g}" if math.isclose(low, high) else f"{low:.3g} to {high:.3g}"
-    return f"teeth alone, friction {coefficient}, at {TYPICAL_TORQUE:g} N m and {TYPICAL_SPEED:g} rad/s of the sun"
+    at = f"{TYPICAL_TORQUE:g} N m and {TYPICAL_SPEED:g} rad/s of the sun"
+    return f"teeth alone, by mean forces, friction {coefficient}, at {at}"
 
 
 def _of_the_drive(model: Model, assembly: Assembly) -> list[Figure]:

@@ -30,8 +30,15 @@ def refuse_long_step(model: Model, assembly: Assembly, step: float) -> None:
     longest, what, remedy = longest_step(assembly)
     if step > longest:
         raise InputError(
-            f"model {model.name}: {what} at a step of {step:g} s; {remedy}, or take a step below {longest:.2g} s"
+            f"model {model.name}: {what} at a step of {step:g} s; "
+            f"take {_rounded_down(longest):g} s at most, or {remedy}"
         )
+
+
+def _rounded_down(step: float) -> float:
+    """A step [s] in two digits, not longer than it is."""
+    digit = 10.0 ** (math.floor(math.log10(step)) - 1)
+    return math.floor(step / digit) * digit
 
 
 def _of_the_contact(plant: np.void) -> Limit:

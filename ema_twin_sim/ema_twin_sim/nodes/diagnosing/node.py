@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -46,6 +46,7 @@ class Watched:
 
     name: str  # of its node
     namespace: str
+    names: Mapping[str, str]  # of services and topic, as the monitor was told to call them
     twin: str  # name of the twin's node
     model: Model  # that it began with
     history: History
@@ -66,10 +67,12 @@ class DiagnosisNode(Node):
         self._busy = threading.Lock()
         self._last: Answer | None = None
         self._applied: dict[str, bool | float | str] = {}
+        self._added = False  # what the last diagnosis found
+        self._failure = ""  # of the last call; empty after one that did what it should
         group = ReentrantCallbackGroup()
-        self._publisher = self.create_publisher(Diagnosis, "monitor/diagnosis", qos.LATEST)
-        self.create_service(Diagnose, "monitor/diagnose", self._on_diagnose, callback_group=group)
-        self.create_service(Apply, "monitor/apply", self._on_apply, callback_group=group)
+        self._publisher = self.create_publisher(Diagnosis, watched.names["diagnosis"], qos.LATEST)
+        self.create_service(Diagnose, watched.names["diagnose"], self._on_diagnose, callback_group=group)
+        self.create_service(Apply, watched.names["apply"], self._on_apply, callback_group=group)
         self._executor = MultiThreadedExecutor(_THREADS, context=context)
         self._executor.add_node(self)
         self._thread = threading.Thread(target=self._serve, name="monitor services", daemon=True)
@@ -80,6 +83,7 @@ class DiagnosisNode(Node):
         try:
             self._worker.start()
         except InputError as error:  # a diagnosis will say so too
+            self._failure = str(error)
             self.get_logger().warning(str(error))
 
     def diagnose(self, window: float = 0.0) -> Diagnosis:
@@ -95,7 +99,7 @@ class DiagnosisNode(Node):
             answer = self._worker.ask(recordings, *self._twin.models(self._watched.model, self._applied))
             if answer.diagnosis is None:
                 raise InputError(answer.refusal)
-            self._last = answer
+            self._last, self._added = answer, False
             last = recordings[-1]
             judged = sum(recording.duration for recording in recordings)
             message = diagnosis_message(answer.diagnosis, last.start + int(last.stamps[-1]), run, judged)
@@ -113,6 +117,7 @@ class DiagnosisNode(Node):
                 raise InputError("nothing was diagnosed yet; call monitor/diagnose first")
             settings, words = settings_for(self._last, effects)
             self._applied |= self._twin.change(settings)
+            self._added = True
             return words
 
     @property
@@ -121,10 +126,13 @@ class DiagnosisNode(Node):
         last = self._last
         if self._busy.locked():
             return "being looked for, or added"
+        if self._failure:
+            return f"not told: {self._failure}"
         if last is None or last.diagnosis is None:
             return "not asked yet: call monitor/diagnose"
         found = [entry["effect"] for entry in last.diagnosis["ranking"] if entry["found"]]
-        return f"last diagnosis: {', '.join(found) or _VERDICTS[last.diagnosis['verdict']]}"
+        told = ", ".join(found) or _VERDICTS[last.diagnosis["verdict"]]
+        return f"last diagnosis: {told}{'; added since, in part or whole' if self._added else ''}"
 
     def close(self) -> None:
         """End the thread and the process, whatever they are at."""
@@ -144,6 +152,10 @@ class DiagnosisNode(Node):
             raise InputError(_OVER if self._closing.is_set() else _BUSY)
         try:
             yield
+            self._failure = ""
+        except InputError as error:
+            self._failure = str(error)
+            raise
         finally:
             self._busy.release()
 

@@ -1,4 +1,4 @@
-"""The process that diagnoses for a monitor, one job after another: `python -m ema_twin_sim.nodes.diagnosing.worker`.
+"""The process that diagnoses for a monitor, one job after another.
 
 Jobs come on standard input, answers go to standard output (see `frames`). It gives way to the nodes, and ends when they
 do.
@@ -35,7 +35,3 @@ def _end_with_the_nodes() -> None:
     waiting.register(0, 0)  # nothing but that it was hung up
     waiting.poll()
     os._exit(0)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

@@ -17,7 +17,8 @@ from ...model import Model
 from ...model.model_file import save_model
 from .frames import Answer, Job, receive_answer, send
 
-_MODULE = f"{__package__}.worker"
+# files of the folder where the monitor was started are no libraries
+_PROGRAM = f"import sys; del sys.path[0]; from {__package__}.worker import main; raise SystemExit(main())"
 _OVER = "the monitor is ending; no diagnosis is made any more"
 _ENDING = 2.0
 """s that the process has to end in."""
@@ -44,7 +45,7 @@ class WorkerProcess:
             if self._process is None or self._process.poll() is not None:
                 try:
                     self._process = subprocess.Popen(
-                        [sys.executable, "-m", _MODULE],
+                        [sys.executable, "-c", _PROGRAM],
                         stdin=subprocess.PIPE,
                         stdout=subprocess.PIPE,
                         start_new_session=True,  # Ctrl-C is the nodes' to answer; they close its input

@@ -74,6 +74,25 @@ def position_balance(
     return PositionBalance(sun_torque, forces, load / mean if load > 0.0 else mean / load)
 
 
+def first_locking_coefficient(gearing: Gearing, table: Array, count: int = 500, accuracy: float = 1e-4) -> float:
+    """Smallest coefficient of friction with a position in which the output cannot drive the sun; infinite beyond 1.
+
+    A slow load stops there: it need not come as far as the mean of all positions.
+    """
+    positions = all_positions(gearing, count)
+
+    def locks(coefficient: float) -> bool:
+        return position_balance(gearing, table, np.full(3, coefficient), -1.0, positions).sun_torque.max() >= 0.0
+
+    low, high = 0.0, 1.0
+    if not locks(high):
+        return float("inf")
+    while high - low > accuracy:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if locks(middle) else (middle, high)
+    return high
+
+
 def all_positions(gearing: Gearing, count: int = 2000) -> Array:
     """Positions [rad] of the sun spread over a turn of the output ring, after which all begins again."""
     return np.linspace(0.0, 2.0 * np.pi * abs(gearing.ratio), count, endpoint=False)
