@@ -12,6 +12,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.consistency import inconsistencies
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.model.matching import matched
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -58,6 +59,13 @@ def test_a_wrong_unit_is_named(driven, stock, factors, words):
     wrong = scaled(driven, **factors)
     found = str(next(inconsistencies(wrong, stock)))
     assert all(word in found for word in ("driven: ", "check unit", *words)), found
+
+
+def test_a_spoilt_sample_is_named_before_anything_is_compared(driven, stock):
+    speed = driven.signals["speed"].copy()
+    speed[1234] = 1e6
+    with pytest.raises(InputError, match=r"speed is 1e\+06 rad/s at [0-9.]+ s \(sample 1234\).*speed_limit.*--from"):
+        matched(with_signals(driven, {**driven.signals, "speed": speed}), stock)
 
 
 def test_nothing_is_fitted_to_it(driven, stock):

@@ -27,7 +27,15 @@ def _wanted_width() -> int | None:
 
 
 _folds = sys.stdout.isatty() or _wanted_width() is not None
-console = Console(highlight=False, width=_wanted_width() or (None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL))
+
+
+class _Output(Console):
+    def on_broken_pipe(self) -> None:
+        """Raise BrokenPipeError: who reads the first lines only (``head``) has all that was asked for."""
+        raise BrokenPipeError
+
+
+console = _Output(highlight=False, width=_wanted_width() or (None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL))
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _BARS = "▁▂▃▄▅▆▇█"

@@ -264,7 +264,8 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
     except (TypeError, ValueError):
         raise InputError(f"{place}: '{value}' is no number; give one in {unit}") from None
     if isinstance(value, bool) or not lower <= number <= upper:
-        raise InputError(f"{place}: {value} {unit} is out of range; give {lower:g} to {upper:g} {unit}")
+        named = "" if unit == "1" else f" {unit}"
+        raise InputError(f"{place}: {value}{named} is out of range; give {lower:g} to {upper:g}{named}")
     return number
 
 
