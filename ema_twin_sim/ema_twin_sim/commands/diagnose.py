@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, order_sentences, verdict_sentence
+from .wording import effect_words, options_words, order_sentences, removed_words, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -96,7 +96,7 @@ def show(diagnosis: Diagnosis) -> None:
     table.words("parameters")
     shown, left_out = _worth_showing(diagnosis.ranking)
     for entry in shown:
-        removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
+        removed = "" if entry.error_removed is None else removed_words(entry.error_removed)
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
         name, choices = effect_words(entry.effect), options_words(entry.options)
         named = f"{name} ({choices})" if choices else name

@@ -21,6 +21,7 @@ from .wording import (
     has_moved,
     options_words,
     order_sentences,
+    removed_words,
     verdict_sentence,
     why_step,
 )
@@ -201,7 +202,7 @@ def _steps(found: Discovery) -> ReportTable:
             *(() if narrow else (escape(catalogue()[step.effect].summary),)),
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
-            "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+            removed_words(step.error_removed),
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
             *(() if crowded else (escape(why_step(step)),)),
         )

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from ..model import Model
 
 NO_RUNNER_UP = "none came near"
+YOURS = "Your model"
+_NOTHING = 0.0005  # of an error: a smaller share is shown as none
 _WHOLE = 0.02  # cycles within which an order is a whole number
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
@@ -53,13 +55,20 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
+def removed_words(share: float | None) -> str:
+    """How much of an error went: ``99.9 %``, ``farther`` where it grew, a dash where there was none."""
+    if share is None:
+        return "–"
+    return f"{abs(100.0 * share):.1f} %" if share > -_NOTHING else "farther"
+
+
 def verdict_sentence(
     verdict: str,
     effects: Sequence[str],
     depends_on: Sequence[str],
     without: Sequence[str] = (),
     groups: Sequence[Sequence[str]] = (),
-    model: str = "Your model",
+    model: str = YOURS,
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
@@ -67,7 +76,8 @@ def verdict_sentence(
     """
     lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
-        return "Nothing is missing that these recordings could show."
+        of = "" if model == YOURS else f" in {model}"
+        return f"Nothing is missing{of} that these recordings could show."
     if verdict == "explained":
         return f"{lacks}."
     left = f"; what is left depends on {dependence_words(depends_on)}" if depends_on else ""
