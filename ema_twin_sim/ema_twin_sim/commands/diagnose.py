@@ -75,7 +75,12 @@ def run(
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
     sentence = verdict_sentence(
-        found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without, diagnosis.groups
+        found.verdict,
+        list(dict.fromkeys(effects)),
+        diagnosis.depends_on,
+        given.without,
+        diagnosis.groups,
+        left_over=found.left_over,
     )
     say(sentence, style="bold")
     show(diagnosis)

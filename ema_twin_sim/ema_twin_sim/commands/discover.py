@@ -102,11 +102,11 @@ def run(
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings)
-    what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
-    say(f"\n{output} is {what}. See how far off it is:")
-    console.print(
-        f"  {compare_command(runs, [model, output], with_files or (), import_map)}", markup=False, soft_wrap=True
-    )
+    is_new = bool(found.added or found.constants)
+    for line in _written(output, model, is_new=is_new):
+        say(line)
+    shown: list[str | Path] = [model, output] if is_new else [model]
+    console.print(f"  {compare_command(runs, shown, with_files or (), import_map)}", markup=False, soft_wrap=True)
     if evidence is not None:
         axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
         told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
@@ -116,6 +116,13 @@ def run(
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
     write_findings(json, found.as_json(), found)
+
+
+def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
+    """What the written model is, and what the command beneath shows of it."""
+    if is_new:
+        return [f"\n{output} is the new model. See how far off it is:"]
+    return [f"\n{output} is the same as {model}: nothing found betters it. See where it fails:"]
 
 
 def compare_command(
@@ -143,7 +150,10 @@ def _as_arguments(runs: Sequence[Path]) -> list[str]:
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    say(verdict_sentence(found.verdict, found.added, found.depends_on, without, found.groups), style="bold")
+    sentence = verdict_sentence(
+        found.verdict, found.added, found.depends_on, without, found.groups, left_over=found.left_over
+    )
+    say(sentence, style="bold")
     if found.verdict == "unknown":
         left = found.unseen
         say(

@@ -69,10 +69,12 @@ def verdict_sentence(
     without: Sequence[str] = (),
     groups: Sequence[Sequence[str]] = (),
     model: str = YOURS,
+    left_over: str = "",
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
-    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
+    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart;
+    ``left_over`` tells how large what is left is, and where.
     """
     lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
@@ -80,7 +82,8 @@ def verdict_sentence(
         return f"Nothing is missing{of} that these recordings could show."
     if verdict == "explained":
         return f"{lacks}."
-    left = f"; what is left depends on {dependence_words(depends_on)}" if depends_on else ""
+    along = f": {left_over}" if left_over else ""
+    left = f"; what is left depends on {dependence_words(depends_on)}{along}" if depends_on else ""
     start = f"{lacks}; and something more" if lacks else "Something"
     looked_for = "effect of the catalogue explains"
     if without:

@@ -34,7 +34,12 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     if findings is None:
         return section("diagnosis", title, tag("p", content.undiagnosed or "No search was made."))
     verdict = verdict_sentence(
-        findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=model
+        findings.verdict,
+        findings.added,
+        findings.depends_on,
+        groups=findings.groups,
+        model=model,
+        left_over=findings.left_over,
     )
     parts = [tag("p", verdict, class_="lead")]
     if findings.ranking:

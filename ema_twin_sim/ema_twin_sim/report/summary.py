@@ -30,7 +30,12 @@ def verdict(content: Content) -> str:
     findings = content.findings
     if findings is not None and _agrees(content, new):
         return verdict_sentence(
-            findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=before
+            findings.verdict,
+            findings.added,
+            findings.depends_on,
+            groups=findings.groups,
+            model=before,
+            left_over=findings.left_over,
         )
     if not new:
         return f"{after} has no effect that {before} lacks."
@@ -120,6 +125,7 @@ def _sure(content: Content) -> list[Markup]:
             findings.depends_on,
             groups=findings.groups,
             model=searched_model(content),
+            left_over=findings.left_over,
         )
         lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
     if findings.ranking:
