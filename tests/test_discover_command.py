@@ -187,7 +187,9 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
-    assert "beside all others that were found" in " ".join(text.split())
+    assert "beside all others that were found" in " ".join(text.split()) and "share of probability" in text
+    shares = [entry["probability"] for entry in ranking if entry["found"]]
+    assert f"are both missing, together {100.0 * sum(shares):.0f} % likely: each row tells its share" in text
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
 
@@ -273,6 +275,10 @@ def test_verdicts_in_words():
     assert sentence("unknown", [], ["time"], left_over="from 1 to 2").endswith("depends on time: from 1 to 2.")
     assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging; and something more is missing")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
+    assert wording.sharing_sentence([("backlash", 0.71), ("stribeck_friction", 0.29)]) == (
+        "Backlash and Stribeck friction are both missing, together 100 % likely: each row tells its share of that."
+    )
+    assert wording.sharing_sentence([("backlash", 1.0)]) == ""
     assert wording.effect_words("time#3") == "any dependence on time"
 
 

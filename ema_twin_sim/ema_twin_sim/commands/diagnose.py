@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, order_sentences, removed_words, verdict_sentence
+from .wording import effect_words, options_words, order_sentences, removed_words, sharing_sentence, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -96,7 +96,8 @@ def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
-    table.numbers("probability", justify="left")
+    sharing = sharing_sentence([(entry.effect, entry.probability) for entry in diagnosis.ranking if entry.found])
+    table.numbers("share of probability" if sharing else "probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
     shown, left_out = _worth_showing(diagnosis.ranking)
@@ -110,12 +111,12 @@ def show(diagnosis: Diagnosis) -> None:
     for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
         table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
+    if sharing:
+        say(sharing)
     if diagnosis.ranking:
-        sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         say(
             "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with "
             "this effect beside all others that were found; discover's steps count one after another."
-            + (" Effects that are all missing share the probability." if sharing else "")
             + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
         )
