@@ -1,8 +1,12 @@
 """``compare`` as its user meets it: what it takes, what it prints, and where it says that a model fails."""
 
 import json
+import re
 import shutil
 
+from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.command_line import MODEL, done, refused
 
 
@@ -21,6 +25,7 @@ def test_compare_prints_units_noise_floor_and_where_it_fails(traces):
     text = done("compare", *traces, "--model", "polito_bench").stdout
     for word in ("noise floor", "mA", "rad", "N m", "Where the model fails", "direction", "output position"):
         assert word in text
+    assert re.search(r"there.*elsewhere(.*\n)+?.*\d mA │ +[\d.]+ mA│", text)
     assert "NaN" not in text and "nan" not in text
 
 
@@ -75,6 +80,17 @@ def test_where_shows_what_tells_and_the_best_of_each_signal(tmp_path, ramp):
     telling = [found for found in where if found["share"] >= 0.1]
     assert len(shares) < len(where) and len(shares) >= len(telling) and max(shares) >= 10
     assert sum(share < 10 for share in shares) <= len({found["signal"] for found in where})
+
+
+def test_orders_and_constants_have_no_place(tmp_path, stock):
+    model = stock.with_effect("sun_runout", {"torque": 0.03}).with_effect("constant_load", {"torque": 0.05})
+    write_mcap(virtual_bench(model, parse_command("ramp:0.05"), 8.0), tmp_path / "ramp.mcap")
+    text = done("compare", tmp_path / "ramp.mcap", *MODEL).stdout
+    rows = [line for line in text.splitlines() if "%" in line and "│" in line]
+    rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in rows]
+    for variable in ("order", "constant"):
+        assert all(row[-2:] == ["–", "–"] for row in rows if row[1] == variable)
+        assert any("of it" in row[4] for row in rows if row[1] == variable), variable
 
 
 def test_under_the_current_what_drifts_is_left_out(tmp_path, ramp):

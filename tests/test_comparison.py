@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.noise import noise_floors
 from ema_twin_sim.comparison.running_comparison import UNITS, RunningComparison
+from ema_twin_sim.comparison.where import Dependence
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -138,6 +139,42 @@ def test_where_a_model_fails_is_told(stock, effect, parameters, options, command
     if variable == "order":
         (order,) = (d for d in found if d.variable == "order")
         assert order.lower == pytest.approx(1.0, abs=0.05)
+        assert order.place == "once per motor revolution" and "repeats once per" in order.sentence()
+
+
+def dependence(variable, share, there, elsewhere, place):
+    means = ((-2e-3, place), (-2e-3, place))
+    return Dependence("current", "A", variable, share, 0.0, 1.0, "", there, elsewhere, (1.0,), place, means)
+
+
+@pytest.mark.parametrize(
+    ("found", "where", "end"),
+    [
+        (
+            dependence("speed", 0.05, 0.125, 0.0274, "at 1 to 2 rad/s"),
+            "at 1 to 2 rad/s",
+            "it is largest at 1 to 2 rad/s: 125 mA there, 27.4 mA elsewhere.",
+        ),
+        (
+            dependence("speed", 0.05, 1.08e-3, 8.01e-3, "at 1 to 2 rad/s"),
+            "nowhere more than elsewhere",
+            "alone; nowhere more than elsewhere.",
+        ),
+        (
+            dependence("order", 0.05, 1.08e-3, 8.01e-3, "24 times per motor revolution"),
+            "1.08 mA of it repeat 24 times per motor revolution",
+            "alone; 1.08 mA of it repeat 24 times per motor revolution.",
+        ),
+        (
+            dependence("constant", 0.05, 8.01e-3, 8.01e-3, "everywhere"),
+            "-2.00 mA of it on average, everywhere",
+            "alone; -2.00 mA of it on average, everywhere.",
+        ),
+    ],
+)
+def test_an_error_is_largest_only_where_it_is(found, where, end):
+    assert found.where == where and found.sentence().endswith(end)
+    assert found.is_largest_there == ("there" in found.sentence())
 
 
 def test_noise_depends_on_nothing(stock):

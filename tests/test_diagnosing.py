@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,8 +14,11 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.commands.live_keys import Keys, told
+from ema_twin_sim.discovery.discover import ALONE
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.diagnosing.apply import settings_for
+from ema_twin_sim.nodes.diagnosing.answer import diagnosis_message
+from ema_twin_sim.nodes.diagnosing.apply import NotDiagnosed, settings_for
 from ema_twin_sim.nodes.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.nodes.diagnosing.history import ENOUGH, History
 from ema_twin_sim.nodes.diagnosing.judge import settings_between, still_missing
@@ -177,6 +181,7 @@ class TestWhatToSet:
         settings, words = settings_for(self.ANSWER, [])
         assert settings == self.ANSWER.settings
         assert "backlash width 4.0 ± 0.4 mrad" in words and "stribeck_friction" in words
+        assert words.endswith("; and 1 constant refitted")
 
     def test_one_of_them(self):
         settings, _ = settings_for(self.ANSWER, ["backlash"])
@@ -207,6 +212,67 @@ class TestWhatToSet:
         assert dict(running.active) == dict(after.active)
         assert running.value("machine.motor_inertia") == 8e-4
         assert settings_between(after, after) == {}
+
+
+class Services:
+    """What the keys ask, without a graph."""
+
+    def __init__(self, found=None, words="", refused=None):
+        self.found, self.words, self.refused = found, words, refused
+
+    def diagnose(self):
+        return self.found
+
+    def apply(self, effects):
+        if self.refused is not None:
+            raise self.refused
+        return self.words
+
+
+OF_BOTH = {
+    **TestWhatIsMissingStill.BOTH, "groups": [], "depends_on": [], "next_recording": "", "none": 0.0,
+    "warnings": [*ALONE, "current: clipped"],
+}  # fmt: skip
+
+
+class TestTheKeysOfALiveRun:
+    def pressed(self, key, capsys, services, **options):
+        keys = Keys(threading.Event(), **options)
+        keys.begin(SimpleNamespace(diagnosis_services=services))
+        keys.press(key)
+        for thread in keys._threads:
+            thread.join()
+        return " ".join(capsys.readouterr().out.split())
+
+    def test_effects_that_are_all_missing_share_the_probability(self, capsys):
+        said = self.pressed("d", capsys, Services(diagnosis_message(OF_BOTH, 0, 1, 12.0)))
+        assert said.startswith("Looking for what the model lacks: this takes some seconds")
+        assert "Backlash and Stribeck friction are both missing, together 90 % likely" in said
+        assert "backlash: 60 % of the probability" in said and "Stribeck friction: 30 % of the probability" in said
+        assert "cogging: 10 % likely" in said and "Press a to add them" in said
+        assert "current: clipped" in said and "give several" not in said
+
+    def test_one_that_is_missing_is_likely(self):
+        one = {**OF_BOTH, "ranking": [entry("backlash", 1.0, True, width=0.004)]}
+        lines = told(diagnosis_message(one, 0, 1, 12.0))
+        assert lines[1].startswith("  backlash: 100 % likely") and "Press a to add it" in lines[2]
+
+    def test_adding_before_anything_was_looked_for(self, capsys):
+        said = self.pressed("a", capsys, Services(refused=NotDiagnosed("call monitor/diagnose first")))
+        assert "press d first" in said and "monitor/diagnose" not in said
+        assert "nothing to add" in self.pressed("a", capsys, Services(refused=InputError("nothing to add")))
+
+    def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):
+        services = Services(words="backlash width 4.0 mrad; and 7 constants refitted")
+        assert "and 7 constants refitted. Watch" in self.pressed("a", capsys, services)
+        assert "-o NEW writes it" in self.pressed("a", capsys, services)
+        assert "new.yaml will hold it" in self.pressed("a", capsys, services, output=Path("new.yaml"))
+
+
+@pytest.mark.parametrize(("removed", "share"), [(1.226, 1.0), (-3.0, 0.0), (0.5, 0.5), (None, np.nan)])
+def test_a_share_of_the_error_is_from_none_to_all(removed, share):
+    content = {**OF_BOTH, "ranking": [{**entry("backlash", 1.0, True), "error_removed": removed}]}
+    assert diagnosis_message(content, 0, 1, 12.0).ranking[0].error_removed == pytest.approx(share, nan_ok=True)
 
 
 class TestTrend:

@@ -187,7 +187,9 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
-    assert "beside all others that were found" in " ".join(text.split())
+    assert "beside all others that were found" in " ".join(text.split()) and "share of probability" in text
+    shares = [entry["probability"] for entry in ranking if entry["found"]]
+    assert f"are both missing, together {100.0 * sum(shares):.0f} % likely: each row tells its share" in text
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
 
@@ -202,6 +204,24 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)
+
+
+def test_what_is_unknown_is_told_with_its_size_and_place(tmp_path, bench_cases):
+    runs = sorted((bench_cases / "dev13" / "train").glob("*.CSV"))
+    outputs = ("-o", tmp_path / "same.yaml", "--json", tmp_path / "u.json", "--report", tmp_path / "u.html")
+    text = done("discover", *runs, *MODEL, *outputs, timeout=110).stdout
+    told = re.search(
+        r"depends on the output's position: from (-\d\d\.\d) mN m at 2\.\d+ rad "
+        r"to (\d\d\.\d) mN m at 2\.8\d rad, moving forward\.\n",
+        text,
+    )
+    assert told and float(told[1]) == pytest.approx(-23.0, abs=3.0) and float(told[2]) == pytest.approx(15.0, abs=3.0)
+    content = json.loads((tmp_path / "u.json").read_text())
+    assert content["depends_on"] == ["output_position"] and content["left_over"] in text
+    assert content["left_over"] in (tmp_path / "u.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert f"{tmp_path / 'same.yaml'} is the same as polito_bench" in text
+    suggested = next(line for line in text.splitlines() if line.startswith("  ema-twin compare"))
+    assert suggested.count("--model") == 1 and "same.yaml" not in suggested
 
 
 @pytest.mark.parametrize("verb", ["discover", "diagnose"])
@@ -252,8 +272,13 @@ def test_verdicts_in_words():
         "backlash, Stribeck friction and cogging."
     )
     assert "depends on the output's position." in sentence("unknown", [], ["output_position"])
+    assert sentence("unknown", [], ["time"], left_over="from 1 to 2").endswith("depends on time: from 1 to 2.")
     assert sentence("unknown", ["cogging"], ()).startswith("Your model lacks cogging; and something more is missing")
     assert "gravity load or constant load" in wording.groups_sentence([["gravity_load", "constant_load"]])
+    assert wording.sharing_sentence([("backlash", 0.71), ("stribeck_friction", 0.29)]) == (
+        "Backlash and Stribeck friction are both missing, together 100 % likely: each row tells its share of that."
+    )
+    assert wording.sharing_sentence([("backlash", 1.0)]) == ""
     assert wording.effect_words("time#3") == "any dependence on time"
 
 

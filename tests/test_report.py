@@ -11,9 +11,11 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.commands.wording import removed_words
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.quantities import axis_unit, quantity
+from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
@@ -242,6 +244,49 @@ def test_a_search_that_came_to_another_end_is_told(models, recordings, folder):
     assert "comes to another end than better: polito_bench lacks gravity load." in text
 
 
+def test_models_in_the_other_order_are_told(models, recordings, findings, folder):
+    none = {**FOUND, "verdict": "none", "added": [], "ranking": [], "steps": [], "groups": [], "parameters": {}}
+    (folder / "none.json").write_text(json.dumps(none))
+    for given in (findings, read_findings(folder / "none.json"), None):
+        content = content_of(models[::-1], recordings[:1], given, names=("better", "polito_bench"))
+        told = (
+            "The second model, polito_bench, lacks backlash, which the first, better, has, and is farther from the "
+            "recordings: were the two given in the other order?"
+        )
+        assert backwards(content) == told
+        text = Read(page(content)).text
+        assert (
+            text.count(told) == 2 and "same effects" not in text and "better lacks backlash" not in text
+        )  # title and heading
+        assert "polito_bench leaves out: backlash : width 4.00 mrad" in text
+        assert "Parameters of what better has and polito_bench lacks" in text
+        assert "farther" in text.split("excess over noise removed")[1][:600] and not re.search(r"[-−]\d+\.\d %", text)
+    assert "What polito_bench lacks: the diagnosis" in Read(page(replace(content, findings=findings))).text
+    assert (
+        "Nothing is missing in better"
+        in Read(page(replace(content, findings=read_findings(folder / "none.json")))).text
+    )
+
+
+def test_only_what_is_so_is_told_of_the_order(models, recordings, stock):
+    assert not backwards(content_of(models, recordings[:1]))
+    assert not backwards(content_of((stock, stock), recordings[:1]))
+    rough = stock.with_effect("backlash", {"width": 0.02})
+    farther = backwards(content_of((models[1], rough), recordings[:1]))
+    assert farther.startswith("The second model, better, is farther from the recordings than the first, polito_bench")
+    other = models[1].with_effect("cogging", {"torque": 1e-6})
+    assert backwards(content_of((other, models[1]), recordings[:1])) == (
+        "The second model, better, lacks cogging, which the first, polito_bench, has."
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "words"), [(None, "–"), (0.9987, "99.9 %"), (-0.0001, "0.0 %"), (-1916267.3, "farther")]
+)
+def test_an_error_that_grew_is_told_in_a_word(share, words):
+    assert removed_words(share) == words
+
+
 @pytest.mark.parametrize("lacking", [("speed", "speed_setpoint"), ("output_position",)])
 def test_recordings_with_fewer_signals(models, recordings, lacking):
     signals = {name: values for name, values in recordings[0].signals.items() if name not in lacking}
@@ -309,6 +354,10 @@ def test_the_command_writes_it(tmp_path, folder, ramp, traces):
     apart = ("--held-out", next(path for path in traces if path != ramp))
     result = done("report", ramp, *before_and_after, *apart, "-o", tmp_path / "r.html", "--to", 4)
     assert "r.html" in result.stdout and "held out" in (tmp_path / "r.html").read_text()
+    assert "other order" not in result.stderr
+    backward = ("--model", folder / "better.yaml", *before_and_after[:2], "--discovery", folder / "found.json")
+    result = done("report", ramp, *backward, "-o", tmp_path / "b.html", "--to", 4)
+    assert re.search("warning: The second model, .* lacks backlash, which .* the other order", result.stderr)
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.html", naming=("r.html", "--force"))
     refused("report", ramp, *before_and_after, "-o", tmp_path / "r.pdf", naming=("r.pdf", ".html"))
     refused("report", ramp, *before_and_after[:2], "-o", tmp_path / "s.html", naming=("two models",))

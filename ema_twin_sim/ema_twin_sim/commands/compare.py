@@ -169,17 +169,19 @@ def _where(found: Sequence[Dependence], title: str) -> ReportTable:
     table.words("error of", "against")
     table.numbers("share of power")
     table.numbers("RMSE, low → high", justify="left")
-    table.words("largest")
+    table.words("where it is largest")
     if not is_narrow():  # the sentences below say it too
         table.numbers("RMSE there", "elsewhere")
     for signal in dict.fromkeys(d.signal for d in found):
         best, *others = (d for d in found if d.signal == signal)
         name = signal.replace("_", " ")
         for d in (best, *(d for d in others if d.share >= WEAK)):
-            sizes = (quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit))
+            sizes = ("–", "–")
+            if d.is_largest_there:
+                sizes = (quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit))
             table.add_row(
                 name, d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
-                sparkline(d.profile), d.place, *(() if is_narrow() else sizes),
+                sparkline(d.profile), d.where, *(() if is_narrow() else sizes),
             )  # fmt: skip
             name = ""
         table.add_section()

@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, order_sentences, verdict_sentence
+from .wording import effect_words, options_words, order_sentences, removed_words, sharing_sentence, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -75,7 +75,12 @@ def run(
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
     effects = [entry.effect for entry in diagnosis.ranking if entry.found]
     sentence = verdict_sentence(
-        found.verdict, list(dict.fromkeys(effects)), diagnosis.depends_on, given.without, diagnosis.groups
+        found.verdict,
+        list(dict.fromkeys(effects)),
+        diagnosis.depends_on,
+        given.without,
+        diagnosis.groups,
+        left_over=found.left_over,
     )
     say(sentence, style="bold")
     show(diagnosis)
@@ -91,12 +96,13 @@ def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
-    table.numbers("probability", justify="left")
+    sharing = sharing_sentence([(entry.effect, entry.probability) for entry in diagnosis.ranking if entry.found])
+    table.numbers("share of probability" if sharing else "probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
     shown, left_out = _worth_showing(diagnosis.ranking)
     for entry in shown:
-        removed = "" if entry.error_removed is None else f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %"
+        removed = "" if entry.error_removed is None else removed_words(entry.error_removed)
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
         name, choices = effect_words(entry.effect), options_words(entry.options)
         named = f"{name} ({choices})" if choices else name
@@ -105,12 +111,12 @@ def show(diagnosis: Diagnosis) -> None:
     for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
         table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
+    if sharing:
+        say(sharing)
     if diagnosis.ranking:
-        sharing = sum(entry.found for entry in diagnosis.ranking) > 1
         say(
             "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with "
             "this effect beside all others that were found; discover's steps count one after another."
-            + (" Effects that are all missing share the probability." if sharing else "")
             + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
         )

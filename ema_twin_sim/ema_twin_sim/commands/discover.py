@@ -21,6 +21,7 @@ from .wording import (
     has_moved,
     options_words,
     order_sentences,
+    removed_words,
     verdict_sentence,
     why_step,
 )
@@ -101,11 +102,11 @@ def run(
     show_doubts(found.groups, found.next_recording)
     say(f"\nThe search ended: {found.stopped}.")
     warn_of(found.warnings, given.recordings)
-    what = "the new model" if found.added or found.constants else "the model as it was: nothing found betters it"
-    say(f"\n{output} is {what}. See how far off it is:")
-    console.print(
-        f"  {compare_command(runs, [model, output], with_files or (), import_map)}", markup=False, soft_wrap=True
-    )
+    is_new = bool(found.added or found.constants)
+    for line in _written(output, model, is_new=is_new):
+        say(line)
+    shown: list[str | Path] = [model, output] if is_new else [model]
+    console.print(f"  {compare_command(runs, shown, with_files or (), import_map)}", markup=False, soft_wrap=True)
     if evidence is not None:
         axis = "; points over their position, a second for each radian" if given.recordings[0].of_points else ""
         told = f"  rerun {quote(str(evidence))}     (what each step left over{axis})"
@@ -115,6 +116,13 @@ def run(
     if rrd is not None:
         tell_of_rrd(rrd, tabs)
     write_findings(json, found.as_json(), found)
+
+
+def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
+    """What the written model is, and what the command beneath shows of it."""
+    if is_new:
+        return [f"\n{output} is the new model. See how far off it is:"]
+    return [f"\n{output} is the same as {model}: nothing found betters it. See where it fails:"]
 
 
 def compare_command(
@@ -142,7 +150,10 @@ def _as_arguments(runs: Sequence[Path]) -> list[str]:
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    say(verdict_sentence(found.verdict, found.added, found.depends_on, without, found.groups), style="bold")
+    sentence = verdict_sentence(
+        found.verdict, found.added, found.depends_on, without, found.groups, left_over=found.left_over
+    )
+    say(sentence, style="bold")
     if found.verdict == "unknown":
         left = found.unseen
         say(
@@ -201,7 +212,7 @@ def _steps(found: Discovery) -> ReportTable:
             *(() if narrow else (escape(catalogue()[step.effect].summary),)),
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
-            "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+            removed_words(step.error_removed),
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
             *(() if crowded else (escape(why_step(step)),)),
         )

@@ -117,7 +117,7 @@ def run(
         if view is not None:
             held.callback(view.close)
             printer.watchers.append(view.take)
-        keys = held.enter_context(Keys(stop, view))
+        keys = held.enter_context(Keys(stop, view, output))
         result = run_live(
             recording,
             found,

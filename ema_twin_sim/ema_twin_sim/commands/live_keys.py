@@ -6,13 +6,14 @@ import os
 import select
 import sys
 import threading
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ema_bench_replay.errors import InputError
 
 from ..quantities import estimate
 from .output import console, say
-from .wording import effect_words
+from .wording import effect_words, sharing_sentence
 
 if TYPE_CHECKING:
     from ema_twin_msgs.msg import Diagnosis, Effect
@@ -31,10 +32,11 @@ _LOOK = 0.2
 class Keys:
     """Reads keys while a live run lasts, where standard input and output are a terminal; else does nothing."""
 
-    def __init__(self, stop: threading.Event, view: LiveView | None = None) -> None:
-        """``stop`` is set by q; ``view`` is told what was found and added."""
+    def __init__(self, stop: threading.Event, view: LiveView | None = None, output: Path | None = None) -> None:
+        """``stop`` is set by q; ``view`` is told what was found and added; ``output`` is where the twin is written."""
         self._stop = stop
         self._view = view
+        self._output = output
         self._monitor: MonitorNode | None = None
         self._over = threading.Event()
         self._before: list[Any] | None = None
@@ -87,7 +89,7 @@ class Keys:
                 self.press(os.read(0, 1).decode(errors="replace"))
 
     def _diagnose(self) -> None:
-        say("Looking for what the model lacks …", style="cyan")
+        say("Looking for what the model lacks: this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
         except InputError as error:
@@ -98,12 +100,19 @@ class Keys:
         self._tell(told(found)[0])
 
     def _apply(self) -> None:
+        from ..nodes.diagnosing.apply import NotDiagnosed
+
         try:
             words = self._services().apply([])
+        except NotDiagnosed:
+            say("Nothing added: press d first, which looks for what is missing.", style="yellow")
+            return
         except InputError as error:
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
+        kept = f"{self._output} will hold it" if self._output else "live with -o NEW writes it"
+        say(f"At the end, {kept}.", style="green")
         self._tell(f"added: {words}")
 
     def _services(self) -> DiagnosisNode:
@@ -119,6 +128,8 @@ class Keys:
 
 def told(found: Diagnosis) -> list[str]:
     """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next."""
+    from ..discovery.discover import ALONE  # nothing more can be given to a live run
+
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
     if found.verdict == "none":
@@ -128,17 +139,23 @@ def told(found: Diagnosis) -> list[str]:
     else:
         first = f"Missing: {names}."
     lines = [f"{first} (judged from {found.window:.0f} s)"]
-    lines += [f"  {_line(entry)}" for entry in found.ranking[:_SHOWN] if entry.found or entry.probability > 0.0]
+    shares = len(effects) > 1
+    if shares:
+        lines.append(sharing_sentence([(entry.id, entry.probability) for entry in effects]))
+    shown = [entry for entry in found.ranking[:_SHOWN] if entry.found or entry.probability > 0.0]
+    lines += [f"  {_line(entry, shares=shares and entry.found)}" for entry in shown]
     if effects:
-        lines.append("Press a to add it to the running twin.")
+        lines.append(f"Press a to add {'them' if shares else 'it'} to the running twin.")
     if found.next_recording:
         lines.append(f"To be surer, record {found.next_recording}")
-    return [*lines, *found.warnings]
+    return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 
 
-def _line(entry: Effect) -> str:
+def _line(entry: Effect, *, shares: bool) -> str:
+    """One effect; ``shares``: it is missing for certain where the others that were found are."""
     numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
     words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
     share = min(max(entry.error_removed, 0.0), 1.0)
+    likely = f"{100.0 * entry.probability:.0f} % {'of the probability' if shares else 'likely'}"
     removed = "" if share != share else f", takes away {100.0 * share:.0f} %"
-    return f"{effect_words(entry.id)}: {100.0 * entry.probability:.0f} % likely{removed} ({words})"
+    return f"{effect_words(entry.id)}: {likely}{removed} ({words})"

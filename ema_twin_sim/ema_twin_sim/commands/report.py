@@ -84,7 +84,7 @@ def run(
         if discovery is None:
             findings, undiagnosed = _searched(recordings, before, progress)
         progress("comparing both models, and writing the page")
-        write_page(
+        doubt = write_page(
             output,
             recordings,
             (before, after),
@@ -95,8 +95,9 @@ def run(
             undiagnosed=undiagnosed,
             force=force,
         )
-    if undiagnosed:
-        warn(undiagnosed)
+    for text in (undiagnosed, doubt):
+        if text:
+            warn(text)
     console.print(f"{output} is the report: open it in any browser, or send it.", markup=False, soft_wrap=True)
 
 
@@ -118,11 +119,13 @@ def write_page(
     story: str = "",
     undiagnosed: str = "",
     force: bool = False,
-) -> None:
+) -> str:
     """Compare both models with the recordings, and write the page; ``labels`` tell models of one name apart.
 
-    Raises InputError where a recording lacks the input's signal, or where the page cannot be written.
+    Returns what the page doubts of the models' order, empty where it does not. Raises InputError where a recording
+    lacks the input's signal, or where the page cannot be written.
     """
+    from ..report.backwards import backwards
     from ..report.content import Content, shown
     from ..report.page import write_report
     from .main import VERSION
@@ -131,6 +134,7 @@ def write_page(
     apart = shown(held_out, models, source) if held_out else None
     content = Content(models, told_apart(models, labels), given, apart, findings, VERSION, story, undiagnosed)
     write_report(output, content, force=force)
+    return backwards(content)
 
 
 def told_apart(models: tuple[Model, Model], labels: Sequence[str | Path]) -> tuple[str, str]:

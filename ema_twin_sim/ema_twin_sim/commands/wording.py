@@ -11,6 +11,8 @@ if TYPE_CHECKING:
     from ..model import Model
 
 NO_RUNNER_UP = "none came near"
+YOURS = "Your model"
+_NOTHING = 0.0005  # of an error: a smaller share is shown as none
 _WHOLE = 0.02  # cycles within which an order is a whole number
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
@@ -53,24 +55,48 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
+def sharing_sentence(shares: Sequence[tuple[str, float]]) -> str:
+    """That several effects which were found, of these probabilities, are all missing; empty of one or none.
+
+    ``Backlash and Stribeck friction are both missing, together 100 % likely: each row tells its share of that.``
+    """
+    if len(shares) < 2:
+        return ""
+    names = listed(dict.fromkeys(effect_words(id) for id, _ in shares))
+    all_of_them = "both" if len(shares) == 2 else "all"
+    together = f"together {100.0 * sum(share for _, share in shares):.0f} % likely"
+    return f"{names[:1].upper()}{names[1:]} are {all_of_them} missing, {together}: each row tells its share of that."
+
+
+def removed_words(share: float | None) -> str:
+    """How much of an error went: ``99.9 %``, ``farther`` where it grew, a dash where there was none."""
+    if share is None:
+        return "–"
+    return f"{abs(100.0 * share):.1f} %" if share > -_NOTHING else "farther"
+
+
 def verdict_sentence(
     verdict: str,
     effects: Sequence[str],
     depends_on: Sequence[str],
     without: Sequence[str] = (),
     groups: Sequence[Sequence[str]] = (),
-    model: str = "Your model",
+    model: str = YOURS,
+    left_over: str = "",
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
-    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
+    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart;
+    ``left_over`` tells how large what is left is, and where.
     """
     lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
-        return "Nothing is missing that these recordings could show."
+        of = "" if model == YOURS else f" in {model}"
+        return f"Nothing is missing{of} that these recordings could show."
     if verdict == "explained":
         return f"{lacks}."
-    left = f"; what is left depends on {dependence_words(depends_on)}" if depends_on else ""
+    along = f": {left_over}" if left_over else ""
+    left = f"; what is left depends on {dependence_words(depends_on)}{along}" if depends_on else ""
     start = f"{lacks}; and something more" if lacks else "Something"
     looked_for = "effect of the catalogue explains"
     if without:

@@ -47,7 +47,8 @@ class Dependence:
     ``share`` is the part of its power that a function of that variable alone explains. ``profile`` is the RMSE per bin,
     from the variable's lowest value to its highest; ``means`` the lowest and the highest mean of a bin and where they
     are; ``periodicity`` stands in their place for an order. ``torque`` [N m per unit of the signal] turns an amplitude
-    into what an effect takes, where that means anything.
+    into what an effect takes, where that means anything. Of an order, ``rmse_there`` is what repeats so, and
+    ``rmse_elsewhere`` the rest; of a constant, both are the whole.
     """
 
     signal: str
@@ -65,15 +66,34 @@ class Dependence:
     periodicity: Periodicity | None = None
     torque: float | None = None
 
+    @property
+    def is_largest_there(self) -> bool:
+        """Whether the error is larger at ``place`` than elsewhere: an order and a constant have no place."""
+        return self.variable not in ("order", "constant") and self.rmse_there > self.rmse_elsewhere
+
+    @property
+    def where(self) -> str:
+        """The place where the error is largest; of an order or a constant, how much of it is that."""
+        there = quantity(self.rmse_there, self.unit)
+        if self.variable == "order":
+            return f"{there} of it repeat {self.place}"
+        if self.variable == "constant":
+            return f"{quantity(self._mean, self.unit)} of it on average, everywhere"
+        return self.place if self.is_largest_there else "nowhere more than elsewhere"
+
+    @property
+    def _mean(self) -> float:
+        return self.means[0][0] if self.means else math.nan
+
     def sentence(self) -> str:
         """The dependence in words."""
         signal = self.signal.replace("_", " ")
         if self.share < WEAK:
-            there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
-            return (
-                f"The error of the {signal} follows none of these variables alone; it is largest {self.place}: "
-                f"{there} there, {elsewhere} elsewhere."
-            )
+            where = f"; {self.where}"
+            if self.is_largest_there:
+                there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
+                where = f"; it is largest {self.place}: {there} there, {elsewhere} elsewhere"
+            return f"The error of the {signal} follows none of these variables alone{where}."
         share = f"{100.0 * self.share:.0f} % of its power"
         if self.periodicity is not None:
             found = self.periodicity
@@ -220,6 +240,11 @@ def _in_words(variable: str, unit: str, edges: np.ndarray, place: int) -> str:
     return f"{name} {edges[place]:.3g} to {edges[place + 1]:.3g} {unit}{of}"
 
 
+def _times_per_revolution(order: float) -> str:
+    times = f"{order:.3g}"
+    return "once per motor revolution" if times == "1" else f"{times} times per motor revolution"
+
+
 def _constant(signal: str, unit: str, residual: np.ndarray) -> Dependence:
     mean, rmse = float(residual.mean()), math.sqrt(float(np.mean(residual**2)))
     place = ((mean, "everywhere"), (mean, "everywhere"))
@@ -250,5 +275,5 @@ def _periodic(
         signal, unit, "order", min(1.0, power * moving_share / total), found.order, found.order, "cycles/rev",
         math.sqrt(power), math.sqrt(max(0.0, total - power * moving_share)),
         tuple(float(band.max()) for band in np.array_split(found.spectrum, _BINS)),
-        f"{found.order:.3g} times per motor revolution", periodicity=found, torque=torque,
+        _times_per_revolution(found.order), periodicity=found, torque=torque,
     )  # fmt: skip

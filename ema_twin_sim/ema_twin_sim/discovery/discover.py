@@ -22,6 +22,7 @@ from .explained import apart, explained
 from .fit import fit
 from .halves import halves
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
+from .left_over import left_over_words
 from .observation import observe_all
 from .rivals import Rivalry, judged_against_rivals
 from .search import ROUNDS, less, search, significant
@@ -78,6 +79,7 @@ class Discovery:
     equation: Equation
     rivalries: tuple[Rivalry, ...]
     recordings: tuple[Recording, ...]  # as they were searched: matched, of the drum where the machine is linear
+    left_over: str = ""  # how large, and where along the first of ``depends_on``
 
     def as_json(self) -> dict[str, object]:
         """SI units; absent numbers are null."""
@@ -89,6 +91,7 @@ class Discovery:
             "constants": dict(self.constants),
             "groups": [list(group) for group in self.groups],
             "depends_on": list(self.depends_on),
+            "left_over": self.left_over,
             "next_recording": self.next_recording,
             "stopped": self.stopped,
             "unseen": self.unseen.as_json(),
@@ -166,6 +169,7 @@ def discover(
         eq,
         rivals,
         tuple(recordings),
+        "" if known else left_over_words(eq, found, depends_on),
     )
 
 

@@ -67,6 +67,7 @@ class Findings:
     unseen: UnseenErrors | None = None
     signatures: tuple[Signature, ...] = ()
     warnings: tuple[str, ...] = ()
+    left_over: str = ""  # how large, and where along the first of ``depends_on``
 
 
 def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
@@ -117,6 +118,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
         _unseen(content["unseen"]) if "unseen" in content else None,
         tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
         _words(content.get("warnings", ())),
+        str(content.get("left_over", "")),
     )
 
 

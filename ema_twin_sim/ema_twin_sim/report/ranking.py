@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..commands.wording import effect_words, groups_sentence, listed, options_words, verdict_sentence
+from ..commands.wording import effect_words, groups_sentence, listed, options_words, removed_words, verdict_sentence
 from ..discovery.diagnose import Ranked
 from ..quantities import axis_unit, estimate
+from .backwards import searched_model
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
 from .findings import Findings, Signature
@@ -28,11 +29,17 @@ _QUANTITIES = {
 def diagnosis(content: Content, charts: Charts) -> Markup:
     """The section of the diagnosis."""
     findings = content.findings
-    title = f"What {content.names[0]} lacks: the diagnosis"
+    model = searched_model(content)
+    title = f"What {model} lacks: the diagnosis"
     if findings is None:
         return section("diagnosis", title, tag("p", content.undiagnosed or "No search was made."))
     verdict = verdict_sentence(
-        findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=content.names[0]
+        findings.verdict,
+        findings.added,
+        findings.depends_on,
+        groups=findings.groups,
+        model=model,
+        left_over=findings.left_over,
     )
     parts = [tag("p", verdict, class_="lead")]
     if findings.ranking:
@@ -69,9 +76,7 @@ def _ranking(findings: Findings) -> Markup:
         kind = "found" if entry.found else "refused"
         sizes = ", ".join(f"{p} {estimate(h['value'], h['std'], h['unit'])}" for p, h in entry.parameters.items())  # type: ignore[arg-type]
         removed = (
-            "–"
-            if entry.error_removed is None
-            else bar(entry.error_removed, f"{round(100.0 * entry.error_removed, 1) + 0.0:.1f} %", kind)
+            "–" if entry.error_removed is None else bar(entry.error_removed, removed_words(entry.error_removed), kind)
         )
         rows.append(
             (

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 
 import numpy as np
 
-from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, why_step
+from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, removed_words, why_step
 from ..quantities import axis_unit, estimate, quantity
+from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
 from .content import Content, signal_words
-from .difference import moved_numbers, new_effects
+from .difference import NewEffect, moved_numbers, new_effects
 from .findings import Findings, UnseenErrors
 from .markup import Markup, section, table, tag
 
@@ -27,7 +29,7 @@ def steps(content: Content, charts: Charts) -> Markup:
                 f"{'+' if step.action == 'add' else '−'} {effect_words(step.instance)}",
                 quantity(step.rmse_before, step.unit),
                 quantity(step.rmse_after, step.unit),
-                "–" if step.error_removed is None else f"{100.0 * step.error_removed:.1f} %",
+                removed_words(step.error_removed),
                 *(quantity(value, "rad") for value in (step.output_before, step.output_after)),
                 why_step(step),
             )
@@ -113,9 +115,15 @@ def _places(findings: Findings, count: int) -> list[str]:
 
 
 def _parameters(content: Content) -> list[Markup]:
-    """The parameters of the new effects."""
+    """The parameters of the effects that came, and of those that went."""
+    before, after = content.names
+    came = _of_effects(new_effects(*content.models, content.findings), f"{after} has and {before} lacks")
+    return [*came, *_of_effects(gone_effects(content), f"{before} has and {after} lacks")]
+
+
+def _of_effects(effects: Sequence[NewEffect], whose: str) -> list[Markup]:
     rows = []
-    for effect in new_effects(*content.models, content.findings):
+    for effect in effects:
         first = (effect_words(effect.name), options_words(effect.options))
         for name, held in effect.parameters.items():
             size = "–" if not held["std"] or not held["value"] else f"{100.0 * held['std'] / abs(held['value']):.1f} %"
@@ -124,8 +132,7 @@ def _parameters(content: Content) -> list[Markup]:
     if not rows:
         return []
     head = ("effect", "options", "parameter", "value ± standard error", "relative error")
-    before, after = content.names
-    return [table(head, rows, words=range(3), caption=f"Parameters of what {after} has and {before} lacks")]
+    return [table(head, rows, words=range(3), caption=f"Parameters of what {whose}")]
 
 
 def _constants(content: Content) -> list[Markup]:

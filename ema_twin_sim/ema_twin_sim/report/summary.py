@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 from ..commands.error_cells import AT_NOISE
-from ..commands.wording import NO_RUNNER_UP, effect_words, groups_sentence, listed, verdict_sentence, why_step
+from ..commands.wording import (
+    NO_RUNNER_UP,
+    effect_words,
+    groups_sentence,
+    listed,
+    removed_words,
+    verdict_sentence,
+    why_step,
+)
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue
 from ..quantities import quantity
+from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects
 from .markup import Markup, capitalised, items, joined, table, tag
@@ -14,12 +23,19 @@ from .markup import Markup, capitalised, items, joined, table, tag
 
 def verdict(content: Content) -> str:
     """What the earlier model lacks, in one plain sentence."""
+    if said := backwards(content):
+        return said
     before, after = content.names
     new = new_effects(*content.models, content.findings)
     findings = content.findings
     if findings is not None and _agrees(content, new):
         return verdict_sentence(
-            findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=before
+            findings.verdict,
+            findings.added,
+            findings.depends_on,
+            groups=findings.groups,
+            model=before,
+            left_over=findings.left_over,
         )
     if not new:
         return f"{after} has no effect that {before} lacks."
@@ -43,7 +59,9 @@ def head(content: Content) -> Markup:
 
 def _agrees(content: Content, new: list[NewEffect]) -> bool:
     """Whether the later model is the one that the search came to."""
-    return content.findings is not None and {effect.effect for effect in new} == set(content.findings.added)
+    if content.findings is None or gone_effects(content):
+        return False
+    return {effect.effect for effect in new} == set(content.findings.added)
 
 
 def _lead(content: Content) -> str:
@@ -63,7 +81,7 @@ def _lead(content: Content) -> str:
 
 def _noises(error: SignalError) -> str:
     floor = quantity(error["noise_floor"], error["unit"])
-    if error["rmse"] <= AT_NOISE * error["noise_floor"]:
+    if _is_noise(error):
         return f"the sensors' noise is {floor}: nothing is left"
     return f"the sensors' noise is {floor}"
 
@@ -73,29 +91,25 @@ def _card(title: str, *content: str) -> Markup:
 
 
 def _wrong(content: Content) -> list[Markup]:
-    new = new_effects(*content.models, content.findings)
-    if not new:
+    new, gone = new_effects(*content.models, content.findings), gone_effects(content)
+    if not new and not gone:
         return [tag("p", "Both models have the same effects. What differs is in their numbers, listed below.")]
-    lines = []
-    for effect in new:
-        summary = catalogue()[effect.effect].summary
-        lines.append(
-            joined(
-                [
-                    tag("strong", effect_words(effect.name)),
-                    f": {effect.sizes or 'no numbers'}. ",
-                    tag("span", f"{capitalised(summary)}.", class_="aside"),
-                ]
-            )
-        )
+    left_out = [tag("p", f"{content.names[1]} leaves out:"), items(*map(_described, gone))] if gone else []
+    if not new:
+        return left_out
     told = any(held["std"] is not None for effect in new for held in effect.parameters.values())
     note = "± is one standard error."
     if not told:
         asked = content.findings is not None and content.findings.added
         note = "The model file holds no standard errors" + (": see what the search found." if asked else ".")
-    gone = [name for name in content.models[0].active if name not in content.models[1].active]
-    left_out = [tag("p", f"{content.names[1]} leaves out {listed(map(effect_words, gone))}.")] if gone else []
-    return [items(*lines), *left_out, tag("p", note, class_="aside")]
+    return [items(*map(_described, new)), tag("p", note, class_="aside"), *left_out]
+
+
+def _described(effect: NewEffect) -> Markup:
+    """An effect's name, its numbers, and what it is."""
+    summary = catalogue()[effect.effect].summary
+    parts = (f": {effect.sizes or 'no numbers'}. ", tag("span", f"{capitalised(summary)}.", class_="aside"))
+    return joined([tag("strong", effect_words(effect.name)), *parts])
 
 
 def _sure(content: Content) -> list[Markup]:
@@ -106,7 +120,12 @@ def _sure(content: Content) -> list[Markup]:
     new = new_effects(*content.models, findings)
     if not _agrees(content, new):
         said = verdict_sentence(
-            findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=content.names[0]
+            findings.verdict,
+            findings.added,
+            findings.depends_on,
+            groups=findings.groups,
+            model=searched_model(content),
+            left_over=findings.left_over,
         )
         lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
     if findings.ranking:
@@ -144,7 +163,7 @@ def _left(content: Content) -> list[Markup]:
     for name in content.given.headlines:
         error = second.overall[name]
         rmse = quantity(error["rmse"], error["unit"])
-        if error["rmse"] <= AT_NOISE * error["noise_floor"]:
+        if _is_noise(error):
             lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise. Nothing is left to find.")
             continue
         times = error["rmse"] / error["noise_floor"] if error["noise_floor"] else float("inf")
@@ -167,16 +186,20 @@ def error_table(
     for name in given.signals:
         before, after = first[name], second[name]
         share = excess_removed(before, after)
-        removed = "–" if share is None else f"{100.0 * share:.1f} %"
-        cells = (_against_noise(before), _against_noise(after), removed)
+        lost = share is not None and share < 0.0 and _is_noise(after)  # a share of next to nothing
+        cells = (_against_noise(before), _against_noise(after), "–" if lost else removed_words(share))
         rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *cells))
     return table(("signal", "sensors' noise", names[0], names[1], "excess over noise removed"), rows, caption=caption)
 
 
 def _against_noise(error: SignalError) -> Markup:
     times = f" ({error['rmse'] / error['noise_floor']:.1f}×)" if error["noise_floor"] else ""
-    good = error["rmse"] <= AT_NOISE * error["noise_floor"]
-    return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_="good" if good else "plain")
+    kind = "good" if _is_noise(error) else "plain"
+    return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_=kind)
+
+
+def _is_noise(error: SignalError) -> bool:
+    return error["rmse"] <= AT_NOISE * error["noise_floor"]
 
 
 def _about(content: Content) -> Markup:

@@ -54,7 +54,12 @@ def write_views(
         log_failures(stream, found, sentences(given), names)
         if findings is not None:
             verdict = verdict_sentence(
-                findings.verdict, findings.added, findings.depends_on, groups=findings.groups, model=names[0]
+                findings.verdict,
+                findings.added,
+                findings.depends_on,
+                groups=findings.groups,
+                model=names[0],
+                left_over=findings.left_over,
             )
             log_why(stream, findings, verdict)
         if len(models) > 1:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words, options_words
+from ..commands.wording import effect_words, options_words, removed_words
 from ..quantities import estimate
 from ..report.findings import Findings, Signature
 from ..report.ranking import signature_chart, worth_showing
@@ -46,7 +46,8 @@ def _ranking(findings: Findings) -> list[Bar]:
         name = f"{effect_words(entry.effect)} ({choices})" if choices else effect_words(entry.effect)
         text = f"{100.0 * entry.probability:.0f} %"
         if entry.error_removed is not None:
-            text += f", removes {round(100.0 * entry.error_removed, 1) + 0.0:.1f} % of the error"
+            removed = removed_words(entry.error_removed)
+            text += f", removes {removed} of the error" if removed.endswith("%") else f", {removed} with it"
         bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
     for name, share in (("nothing is missing", findings.none), ("something else", findings.unknown)):
         bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))

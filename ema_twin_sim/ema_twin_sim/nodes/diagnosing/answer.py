@@ -39,7 +39,7 @@ def _effect(entry: Mapping[str, Any]) -> Effect:
     return Effect(
         id=entry["effect"],
         probability=entry["probability"],
-        error_removed=_number(entry["error_removed"]),
+        error_removed=_share(entry["error_removed"]),
         found=entry["found"],
         option=[f"{name}={choice}" for name, choice in entry["options"].items()],
         parameter=list(parameters),
@@ -47,6 +47,11 @@ def _effect(entry: Mapping[str, Any]) -> Effect:
         std=[_number(held["std"]) for held in parameters.values()],
         unit=[held["unit"] for held in parameters.values()],
     )
+
+
+def _share(value: float | None) -> float:
+    """A share of the error, from 0 to 1: what makes it grow removes none."""
+    return math.nan if value is None or math.isnan(value) else min(max(float(value), 0.0), 1.0)
 
 
 def _number(value: float | None) -> float:

@@ -14,6 +14,10 @@ from .frames import Answer
 Setting = bool | float | str
 
 
+class NotDiagnosed(InputError):
+    """Something was to be applied before anything was diagnosed."""
+
+
 def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Setting], str]:
     """The twin's parameters by path, and what they are in words.
 
@@ -27,7 +31,7 @@ def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Sett
     if not effects:
         if not answer.settings:
             raise InputError(f"the last diagnosis found nothing to add (its verdict: {answer.diagnosis['verdict']})")
-        return dict(answer.settings), _words(found)
+        return dict(answer.settings), "; ".join([_words(found), *_refitted(answer)])
     settings: dict[str, Setting] = {}
     chosen = []
     for id in dict.fromkeys(effects):
@@ -51,6 +55,13 @@ def _alone(entry: Mapping[str, Any]) -> dict[str, Setting]:
 
 def _words(entries: Sequence[Mapping[str, Any]]) -> str:
     return "; ".join(" ".join(_word(entry)) for entry in entries)
+
+
+def _refitted(answer: Answer) -> list[str]:
+    """How many numbers change beside those of the effects that come: the machine's, and those of effects it has."""
+    own = tuple(f"effects.{entry['instance']}." for entry in answer.explanation)
+    count = sum(not path.startswith(own) for path in answer.settings)
+    return [f"and {count} constant{'s' if count > 1 else ''} refitted"] if count else []
 
 
 def _word(entry: Mapping[str, Any]) -> list[str]:

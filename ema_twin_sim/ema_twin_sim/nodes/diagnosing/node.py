@@ -24,7 +24,7 @@ from ema_twin_msgs.srv import Apply, Diagnose
 
 from ...model import Model
 from .answer import diagnosis_message
-from .apply import settings_for
+from .apply import NotDiagnosed, settings_for
 from .frames import Answer
 from .history import History
 from .running_twin import RunningTwin
@@ -114,7 +114,7 @@ class DiagnosisNode(Node):
         """
         with self._alone():
             if self._last is None:
-                raise InputError("nothing was diagnosed yet; call monitor/diagnose first")
+                raise NotDiagnosed("nothing was diagnosed yet; call monitor/diagnose first")
             settings, words = settings_for(self._last, effects)
             self._applied |= self._twin.change(settings)
             self._added = True

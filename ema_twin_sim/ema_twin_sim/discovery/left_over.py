@@ -1,0 +1,73 @@
+"""How large what is left over is, and where along the quantity that it depends on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..comparison.binning import bin_edges, quartiles, rows_by_bin
+from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED, TIME
+from ..quantities import quantity
+from .equation import Equation
+from .fit import Fit
+from .observation import STANDSTILL
+from .trace import Search
+
+_BINS = 24
+_FEWEST = 5  # rows of a bin that has a median
+_UNITS = {"speed": "rad/s", "output_position": "rad", "time": "s", "load": "N m"}
+
+
+def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) -> str:
+    """``from -23.8 mN m at 2.03 rad to 14.6 mN m at 2.83 rad, moving forward``: torque of the motor, medians of bins.
+
+    Of the first quantity that it depends on; of the direction in which it spans more. Empty where that quantity is none
+    along which anything goes.
+    """
+    against = depends_on[0] if depends_on else ""
+    if against not in _UNITS or not eq.size:
+        return ""
+    f = _without_decoys(found)
+    left = eq.residual(f.predicted)[: eq.size] * eq.noise
+    x, speed = _along(eq, f, against)
+    ways = {", moving forward": speed > STANDSTILL, ", moving backward": speed < -STANDSTILL}
+    if against == "speed":
+        ways = {"": np.ones(len(x), bool)}
+    edges = bin_edges(x, _BINS, narrow=against in ("speed", "load"))
+    best = (0.0, "")
+    for way, chosen in ways.items():
+        rows = rows_by_bin(x[chosen], edges, _FEWEST)
+        if len(rows) < 2:
+            continue
+        _, median, _ = quartiles(left[chosen], rows)
+        ends = (int(np.argmin(median)), int(np.argmax(median)))
+        places = sorted((float(np.median(x[chosen][rows[k]])), float(median[k])) for k in ends)
+        words = " to ".join(f"{quantity(torque, 'N m')} at {_place(at, against)}" for at, torque in places)
+        best = max(best, (float(np.ptp(median)), f"from {words}{way}"))
+    return best[1]
+
+
+def _without_decoys(found: Search) -> Fit:
+    """The fit of what was found, before anything that is no effect came to stand beside it."""
+    if not found.fit.hypothesis.decoys:
+        return found.fit
+    came = (turn for turn in found.changes if turn.after.hypothesis.decoys and not turn.before.hypothesis.decoys)
+    return next((turn.before for turn in came), found.fit)
+
+
+def _along(eq: Equation, f: Fit, against: str) -> tuple[np.ndarray, np.ndarray]:
+    """The quantity and the speed [rad/s] (m,) at every row of torque."""
+    at = np.concatenate([o.motion[o.rows] for o in eq.observations])
+    if against == "load":
+        column = REQUIRED.index("transmitted")
+        every = zip(eq.observations, f.predicted.required, strict=True)
+        return np.concatenate([required[o.rows, column] for o, required in every]), at[:, SPEED]
+    if against == "output_position":
+        origins = np.concatenate([np.full(len(o.rows), o.output_origin) for o in eq.observations])
+        return at[:, OUTPUT_ANGLE] + origins, at[:, SPEED]
+    return at[:, SPEED if against == "speed" else TIME], at[:, SPEED]
+
+
+def _place(value: float, against: str) -> str:
+    if against == "output_position":
+        return f"{value:.3g} rad"  # of the output's counter: milliradians would tell nothing
+    return quantity(value, _UNITS[against])

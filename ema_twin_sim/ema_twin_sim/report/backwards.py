@@ -1,0 +1,50 @@
+"""Two models that may have been given in the other order: the later lacks what the earlier has, or is farther off."""
+
+from __future__ import annotations
+
+from ..commands.wording import effect_words, listed
+from ..comparison.closeness import closer
+from .content import Content, signals_listed
+from .difference import NewEffect, new_effects
+
+_FARTHER = 0.95
+"""Times closer, below which a model counts as farther off."""
+
+
+def gone_effects(content: Content) -> list[NewEffect]:
+    """The effects that only the earlier model has."""
+    before, after = content.models
+    return new_effects(after, before)
+
+
+def backwards(content: Content) -> str:
+    """That the later model lacks effects of the earlier or is farther from the recordings; empty where neither is."""
+    before, after = content.names
+    gone = list(dict.fromkeys(effect_words(effect.name) for effect in gone_effects(content)))
+    farther, everywhere = _farther(content)
+    parts = []
+    if gone:
+        parts.append(f"lacks {listed(gone)}, which the first, {before}, has")
+    if farther:
+        than = "" if gone else f" than the first, {before}"
+        where = "" if everywhere else f" in {signals_listed(farther)}"
+        parts.append(f"is farther from the recordings{where}{than}")
+    if not parts:
+        return ""
+    end = ": were the two given in the other order?" if everywhere else "."
+    return f"The second model, {after}, {', and '.join(parts)}{end}"
+
+
+def searched_model(content: Content) -> str:
+    """The name of the model beside which the search was made: that which lacks what was found."""
+    added = content.findings.added if content.findings is not None else ()
+    first, second = ({instance.effect for instance in model.active.values()} for model in content.models)
+    return content.names[1] if added and set(added) <= first - second else content.names[0]
+
+
+def _farther(content: Content) -> tuple[list[str], bool]:
+    """The headline signals in which the later model is farther off, and whether it is closer in none."""
+    times = closer(*content.given.comparisons).overall
+    told = [name for name in content.given.headlines if name in times]
+    farther = [name for name in told if times[name].times < _FARTHER]
+    return farther, bool(farther) and all(times[name].times <= 1.0 for name in told)
