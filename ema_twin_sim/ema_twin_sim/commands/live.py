@@ -117,28 +117,29 @@ def run(
         if view is not None:
             held.callback(view.close)
             printer.watchers.append(view.take)
-        keys = held.enter_context(Keys(stop, view))
-        result = run_live(
-            recording,
-            found,
-            input=input or "auto",
-            rate=rate,
-            loop=loop,
-            on_pairs=printer.take,
-            notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
-            on_start=keys.begin,
-            record_to=record,
-            stop=stop,
-        )
-    show(result, 0.0 if loop or stop.is_set() else rate)
+        with Keys(stop, view) as keys:
+            result = run_live(
+                recording,
+                found,
+                input=input or "auto",
+                rate=rate,
+                loop=loop,
+                on_pairs=printer.take,
+                notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
+                on_start=keys.begin,
+                record_to=record,
+                stop=stop,
+            )
+        # before the views are closed: what the run ended with does not depend on a viewer, nor on a disk for the view
+        show(result, 0.0 if loop or stop.is_set() else rate)
+        write_json(json, as_json(result))
+        if output is not None and result.twin is not None:
+            save_model(result.twin, output, force=force)
+            say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
+        for warning in result.warnings:
+            warn(warning)
     if rrd is not None:
         tell_of_rrd(rrd, ("the live run",))
-    write_json(json, as_json(result))
-    if output is not None and result.twin is not None:
-        save_model(result.twin, output, force=force)
-        say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
-    for warning in result.warnings:
-        warn(warning)
     if loop or recording is None or stop.is_set():  # it lasts until it is ended
         return
     if result.interrupted:
