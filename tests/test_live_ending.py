@@ -1,16 +1,23 @@
 """How a live run ends: its results are kept, whatever becomes of the viewer, of the disk or of a second Ctrl-C."""
 
 import json
+import math
 import os
+import re
 import resource
 import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ema_twin_sim.commands.live_error import ErrorPrinter
+from ema_twin_sim.comparison.running_comparison import UNITS
+from ema_twin_sim.nodes.live import Pair
 from ema_twin_sim.views import screen
 from tests.command_line import ENVIRONMENT, MODEL, TWIN
 from tests.test_interrupts import listening
@@ -121,3 +128,47 @@ class TestFullDisk:
         (line,) = told(result.stderr)
         assert line == f"error: {path}: cannot be written to its end; make room, or choose another folder"
         assert list(tmp_path.iterdir()) == ([path] if verb == "live" else [])  # live, what fitted is kept
+
+
+def test_a_second_interrupt_leaves_a_whole_bag(ramp, tmp_path):
+    bag = tmp_path / "bag"
+    live = begun(ramp, *MODEL, "--headless", "--record", bag)
+    live.send_signal(signal.SIGINT)
+    time.sleep(0.2)
+    live.send_signal(signal.SIGINT)
+    _, errors = live.communicate(timeout=PATIENCE)
+    assert (live.returncode, told(errors)) == (130, ["interrupted; what is written is kept"])
+    assert (bag / "metadata.yaml").exists()
+    assert (bag / "bag.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
+
+
+def test_a_run_that_does_not_start_keeps_the_bag_before(ramp, stock, tmp_path, monkeypatch):
+    from ema_bench_replay.load import load
+    from ema_twin_sim.nodes import live
+
+    bag = tmp_path / "bag.mcap"
+    bag.write_text("precious")
+
+    def fail(*_, **__):
+        raise OSError("no node")
+
+    monkeypatch.setattr(live, "ReplayNode", fail)
+    with pytest.raises(OSError, match="no node"):
+        live.run_live(load(ramp), stock, record_to=tmp_path, replaced=[bag])
+    assert bag.read_text() == "precious"
+
+
+@pytest.mark.parametrize("known", [("unexplained_torque",), ("output_position", "current", "speed")])
+def test_the_live_line_tells_what_is_known(stock, capsys, known):
+    """Also beside a bench of which nothing was said before; and each run by itself."""
+    printer = ErrorPrinter(stock, None)
+
+    def pairs(stamps, value):
+        residuals = {name: value if name in known else math.nan for name in UNITS}
+        return [Pair(int(stamp), {}, {}, residuals) for stamp in stamps]
+
+    printer.take(pairs(np.arange(5) * 1e8, 1000.0))
+    printer.take(pairs(np.arange(12) * 1e8, 2.0))
+    (line,) = capsys.readouterr().out.splitlines()
+    assert [name for name in UNITS if name.replace("_", " ") in line] == [name for name in UNITS if name in known]
+    assert len(re.findall(r" 2\.00 ", line)) == len(known)
