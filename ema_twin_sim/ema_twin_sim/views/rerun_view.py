@@ -152,7 +152,7 @@ class RerunView:
         self, gearing: Gearing, index: np.ndarray, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]
     ) -> None:
         """Turn the gear train by the measured angle of the motor (else the twin's), some pictures a second."""
-        angle, current = (bench.get(name, twin.get(name)) for name in ("motor_position", "current"))
+        angle, current = (_known(name, bench, twin) for name in ("motor_position", "current"))
         if angle is None or current is None:
             return
         number = np.floor(index / _PICTURE)
@@ -179,6 +179,11 @@ class RerunView:
             finish_file(self._stream, self.into)
         else:
             finish_viewer(self._stream)
+
+
+def _known(name: str, *sides: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """The first that knows a signal: live ones hold every signal, NaN where it is not measured."""
+    return next((side[name] for side in sides if name in side and np.isfinite(side[name]).any()), None)
 
 
 def _names(batch: _Batch) -> list[list[str]]:
