@@ -90,7 +90,7 @@ class Keys:
         say("Looking for what the model lacks …", style="cyan")
         try:
             found = self._services().diagnose()
-        except InputError as error:
+        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
             say(f"No diagnosis: {error}", style="yellow")
             return
         for line in told(found):
@@ -100,7 +100,7 @@ class Keys:
     def _apply(self) -> None:
         try:
             words = self._services().apply([])
-        except InputError as error:
+        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
