@@ -5,9 +5,11 @@ import re
 import shutil
 
 from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_twin_sim.commands.inputs import load_runs
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.command_line import MODEL, done, refused
+from tests.rrd_content import RrdContent
 
 
 def test_compare_takes_csv_mcap_folder_and_folder_of_folders_alike(tmp_path, imported, ramp):
@@ -114,3 +116,17 @@ def test_damaged_but_readable_input_is_used_with_a_warning(tmp_path, ramp, impor
         assert len(content["warnings"]) == 1
         assert 3000 < content["recordings"][0]["samples"] < 8000
         refused("compare", damaged, "--model", "polito_bench", "--strict", naming=(damaged.name,))
+
+
+def test_recordings_of_one_name_are_told_apart(tmp_path, ramp):
+    """By their folders, and by numbers where these have one name too; also in the views, which go by names."""
+    files = [tmp_path / folder / "run.CSV" for folder in ("d1", "d2", "a/d3", "b/d3")]
+    for file in files:
+        file.parent.mkdir(parents=True)
+        shutil.copy(ramp, file)
+    assert [run.name for run in load_runs([*files, ramp])] == ["run (d1)", "run (d2)", "run (3)", "run (4)", ramp.stem]
+    done("compare", *files[:2], *MODEL, "--to", "1", "--rrd", tmp_path / "run.rrd")
+    shown = RrdContent(tmp_path / "run.rrd")
+    for folder in ("d1", "d2"):
+        time, _ = shown.curve(rf"/compare/run\ \({folder}\)/current/curves/measured")
+        assert len(time) == len(set(time)) == 501

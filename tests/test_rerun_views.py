@@ -165,6 +165,15 @@ class TestLive:
         assert content.column("/story", "TextLog:text") == [["something is switched on"]]
         assert len(content.column("/gear_train/wheels/sun", "Transform3D:quaternion")) == pytest.approx(50, abs=2)
 
+    def test_the_train_turns_by_the_twin_where_the_motor_is_not_measured(self, tmp_path, stock):
+        view = RerunView(tmp_path / "live.rrd", "a run", noise_floors(stock), model=stock)
+        time = np.arange(200) / 200.0
+        twin = {"motor_position": time, "current": np.ones(200)}
+        view.add(time, dict.fromkeys(twin, np.full(200, math.nan)), twin, {})
+        view.close()
+        turned = RrdContent(tmp_path / "live.rrd").column("/gear_train/wheels/sun", "Transform3D:quaternion")
+        assert len(turned) == pytest.approx(25, abs=2)
+
     def test_the_window_forgets(self):
         random = np.random.default_rng(3)
         time, values = np.cumsum(random.uniform(0.001, 0.02, 900)), random.normal(size=900)

@@ -97,7 +97,7 @@ def show(diagnosis: Diagnosis) -> None:
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
     sharing = sharing_sentence([(entry.effect, entry.probability) for entry in diagnosis.ranking if entry.found])
-    table.numbers("share of probability" if sharing else "probability", justify="left")
+    table.numbers("share" if sharing else "probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
     shown, left_out = _worth_showing(diagnosis.ranking)

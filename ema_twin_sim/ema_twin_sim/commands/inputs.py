@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 import tempfile
+from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
@@ -44,7 +46,22 @@ def load_runs(
         if len(recording) < least:
             raise InputError(f"{file}: {len(recording)} sample(s) of it are too few; give or leave {least} or more")
         recordings.append(recording)
-    return recordings
+    names = _told_apart([recording.name for recording in recordings], files)
+    return [replace(recording, name=name) for recording, name in zip(recordings, names, strict=True)]
+
+
+def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
+    """The names, those of several recordings with their folders, or numbers where these are one too."""
+    often = Counter(names)
+    apart = [
+        f"{name} ({file.resolve().parent.name})" if often[name] > 1 else name
+        for name, file in zip(names, files, strict=True)
+    ]
+    taken = Counter(apart)
+    return [
+        f"{name} ({number})" if often[name] > 1 and taken[new] > 1 else new
+        for number, (name, new) in enumerate(zip(names, apart, strict=True), 1)
+    ]
 
 
 def find_recordings(path: Path) -> list[Path]:

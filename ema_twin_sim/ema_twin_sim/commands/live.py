@@ -100,10 +100,10 @@ def run(
     driving = choose_input(recording, input) if recording is not None else input
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)
-    _check_outputs(rrd, record, force)
+    replaced = _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
-    printer = ErrorPrinter(found, recording, driving)
+    printer = ErrorPrinter(found, recording)
     stop = threading.Event()
     with ExitStack() as held:
         browser = None
@@ -117,28 +117,30 @@ def run(
         if view is not None:
             held.callback(view.close)
             printer.watchers.append(view.take)
-        keys = held.enter_context(Keys(stop, view, output))
-        result = run_live(
-            recording,
-            found,
-            input=input or "auto",
-            rate=rate,
-            loop=loop,
-            on_pairs=printer.take,
-            notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
-            on_start=keys.begin,
-            record_to=record,
-            stop=stop,
-        )
-    show(result, 0.0 if loop or stop.is_set() else rate)
+        with Keys(stop, view, output) as keys:
+            result = run_live(
+                recording,
+                found,
+                input=input or "auto",
+                rate=rate,
+                loop=loop,
+                on_pairs=printer.take,
+                notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
+                on_start=keys.begin,
+                record_to=record,
+                replaced=replaced,
+                stop=stop,
+            )
+        # before the views are closed: what the run ended with does not depend on a viewer, nor on a disk for the view
+        show(result, 0.0 if loop or stop.is_set() else rate)
+        write_json(json, as_json(result))
+        if output is not None and result.twin is not None:
+            save_model(result.twin, output, force=force)
+            say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
+        for warning in result.warnings:
+            warn(warning)
     if rrd is not None:
         tell_of_rrd(rrd, ("the live run",))
-    write_json(json, as_json(result))
-    if output is not None and result.twin is not None:
-        save_model(result.twin, output, force=force)
-        say(f"{output} is the twin as it ended: ema-twin diff {model} {output} tells what changed.")
-    for warning in result.warnings:
-        warn(warning)
     if loop or recording is None or stop.is_set():  # it lasts until it is ended
         return
     if result.interrupted:
@@ -200,15 +202,15 @@ def _late(result: LiveResult, rate: float) -> str:
     return ""
 
 
-def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
-    """Refuse what may not be replaced, before anything starts; with ``force``, remove the bag of an earlier run."""
+def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> list[Path]:
+    """Refuse what may not be replaced, before anything starts; returns the files of the bag that ``force`` replaces."""
     if rrd is not None and rrd.exists():
         if not rrd.is_file():
             raise InputError(f"{rrd}: is no file; name the file to write for --rrd")
         if not force:
             raise InputError(f"{rrd}: exists already; choose another name or give --force")
     if record is None or not record.exists():
-        return
+        return []
     if not record.is_dir():
         raise InputError(f"{record}: is no folder; name the folder to make for --record")
     bag, index = record / f"{record.name}.mcap", record / "metadata.yaml"
@@ -222,8 +224,7 @@ def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> None:
         )
     if held and not force:
         raise InputError(f"{record}: holds a bag already; choose another folder or give --force")
-    for path in held:
-        path.unlink()
+    return held
 
 
 _LATE = 1.05

@@ -15,22 +15,24 @@ if TYPE_CHECKING:
     from ..model import Model
     from ..nodes.live import Pair
 
+_BY_CURRENT = "unexplained_torque"
+_BY_SETPOINT = ("output_position", "current", "speed")
+"""What tells the error, by what drives the twin."""
+
 
 class ErrorPrinter:
     """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
 
-    Under the input ``current`` it is the unexplained torque that tells; else the output's position, current and speed.
+    Where the current drives the twin it is the unexplained torque that tells, and then alone is known; else the
+    output's position, current and speed.
     """
 
-    def __init__(
-        self, model: Model, recording: Recording | None, source: str | None = None, window: float = 1.0
-    ) -> None:
+    def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
         from ..comparison.noise import noise_floors
 
         self.watchers: list = []
         self._floors = noise_floors(model)
         self._duration = recording.duration if recording is not None else None
-        self._shown = ("unexplained_torque",) if source == "current" else ("output_position", "current", "speed")
         self._window = window
         self._first: int | None = None
         self._last = 0
@@ -42,8 +44,9 @@ class ErrorPrinter:
         for pair in pairs:
             if self._first is None or pair.stamp <= self._last:  # another run
                 self._first, self._next = pair.stamp, self._window
+                self._sums.clear()
             self._last = pair.stamp
-            for name in self._shown:
+            for name in (_BY_CURRENT, *_BY_SETPOINT):
                 residual = pair.residuals.get(name, float("nan"))
                 if residual == residual:
                     held = self._sums.setdefault(name, [0.0, 0.0])
@@ -61,7 +64,10 @@ class ErrorPrinter:
 
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []
-        for name, (square, count) in self._sums.items():
+        for name in (_BY_CURRENT,) if _BY_CURRENT in self._sums else _BY_SETPOINT:
+            square, count = self._sums.get(name, (0.0, 0.0))
+            if not count:
+                continue
             rmse = (square / count) ** 0.5
             label = name.removeprefix("output_") if is_narrow() else name.replace("_", " ")
             floor = self._floors[name]  # 0 where the sensor's noise is not known

@@ -92,7 +92,7 @@ class Keys:
         say("Looking for what the model lacks: this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
-        except InputError as error:
+        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
             say(f"No diagnosis: {error}", style="yellow")
             return
         for line in told(found):
@@ -107,7 +107,7 @@ class Keys:
         except NotDiagnosed:
             say("Nothing added: press d first, which looks for what is missing.", style="yellow")
             return
-        except InputError as error:
+        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .output import console
+from .output import console, warn
 
 if TYPE_CHECKING:
     from ..model import Model
     from ..nodes.live import Pair
+    from ..views.rerun_view import RerunView
     from ..views.web_viewer import WebViewer
 
 _BETWEEN = 100_000_000
@@ -18,10 +20,10 @@ _BETWEEN = 100_000_000
 
 
 class LiveView:
-    """The rerun view of a live run; takes batches of pairs."""
+    """The rerun views of a live run; takes batches of pairs. A viewer that fails is left out, with a warning."""
 
-    def __init__(self, view) -> None:
-        self._view = view
+    def __init__(self, *views: RerunView) -> None:
+        self._views = list(views)
         self._zero: int | None = None  # ns, of the stamps: when the view's time began
         self._last = 0
 
@@ -35,7 +37,9 @@ class LiveView:
             names = getattr(pairs[0], side).keys()
             return {name: np.array([getattr(pair, side)[name] for pair in pairs], float) for name in names}
 
-        self._view.add(time, columns("bench"), columns("twin"), columns("residuals"))
+        batch = time, columns("bench"), columns("twin"), columns("residuals")
+        for view in tuple(self._views):
+            self._try(view, lambda view: view.add(*batch))
 
     def _time(self, stamp: int) -> float:
         """Seconds since the first sample; what is played again follows what was played before."""
@@ -48,15 +52,28 @@ class LiveView:
 
     def tell(self, time: float, text: str) -> None:
         """A line of the story."""
-        self._view.tell(time, text)
+        for view in tuple(self._views):
+            self._try(view, lambda view: view.tell(time, text))
 
     def tell_now(self, text: str) -> None:
         """A line of the story at the sample that was shown last."""
-        self._view.tell(0.0 if self._zero is None else (self._last - self._zero) * 1e-9, text)
+        self.tell(0.0 if self._zero is None else (self._last - self._zero) * 1e-9, text)
 
     def close(self) -> None:
-        """Write what is held back."""
-        self._view.close()
+        """Write what is held back. Raises InputError where a file cannot be written."""
+        with ExitStack() as held:
+            for view in self._views[::-1]:
+                held.callback(self._try, view, lambda view: view.close())
+
+    def _try(self, view: RerunView, action: Callable[[RerunView], None]) -> None:
+        try:
+            action(view)
+        except Exception:
+            if not isinstance(view.into, str):
+                raise
+            if view in self._views:
+                self._views.remove(view)
+                warn("the viewer went away before it had taken all; the run does not need it")
 
 
 def open_view(
@@ -65,15 +82,19 @@ def open_view(
     """The rerun view that is wanted: a file, a browser, a viewer where there is a screen and one may, or none."""
     from ..views.screen import open_live_viewer, why_not_shown
 
-    sinks = [web.sink] if web is not None else []
+    into: list[Path | str] = [rrd] if rrd is not None else []
+    if web is not None:
+        into.append(web.sink)
     if not headless and web is None:
         if reason := why_not_shown():
             instead = "give --web or --rrd FILE" if rrd is None else f"{rrd} is written instead"
             console.print(f"The viewer stays closed, {reason}: {instead}.", style="dim", markup=False)
+        elif sink := open_live_viewer():
+            into.append(sink)
         else:
-            sinks.append(open_live_viewer())
-    if rrd is None and not sinks:
+            warn("the viewer does not come up: the run goes on without it; give --web or --rrd FILE")
+    if not into:
         return None
     from ..views.rerun_view import RerunView
 
-    return LiveView(RerunView(rrd, "ema-twin live", floors, sinks=sinks, model=model))
+    return LiveView(*(RerunView(each, "ema-twin live", floors, model=model) for each in into))

@@ -184,6 +184,7 @@ def run_live(
     notify: Callable[[str], None] = lambda text: None,
     on_start: Callable[[MonitorNode], None] = lambda monitor: None,
     record_to: Path | None = None,
+    replaced: Sequence[Path] = (),
     stop: threading.Event | None = None,
 ) -> LiveResult:
     """Play a recording to a twin and a monitor, all as ROS nodes in this process, until every sample was compared.
@@ -199,6 +200,7 @@ def run_live(
         notify: called with one line of text when something happens.
         on_start: called once with the monitor, whose diagnosis_services may be asked from another thread.
         record_to: a folder that is made, with an MCAP of all topics.
+        replaced: files of an earlier bag, which go when all is ready for the new one.
         stop: set it to end early, from another thread or from a callback.
 
     SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
@@ -208,21 +210,20 @@ def run_live(
     """
     context = Context()
     stop = stop or threading.Event()
-    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     nodes: list[Node] = []
     from_start = Parameter("from_start", value=recording is not None)
     source = Parameter("input", value=input)
-    try:
-        with signals_end_the_loop():
+    with signals_end_the_loop():  # until all is closed: a second Ctrl-C would leave the bag without its end
+        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+        try:
             twin = TwinNode(model, parameters=[from_start, source], context=context)
             nodes.append(twin)
             monitor = MonitorNode(model, parameters=[from_start, source], context=context)
             nodes.append(monitor)
-            if record_to is not None:
-                nodes.append(RecordNode(parameters=[Parameter("output", value=str(record_to))], context=context))
             replay = None
             if recording is not None:
-                given = {"rate": float(rate), "loop": loop, "on_end": "wait", "subscribers": len(nodes)}
+                subscribers = len(nodes) + (record_to is not None)
+                given = {"rate": float(rate), "loop": loop, "on_end": "wait", "subscribers": subscribers}
                 replay = ReplayNode(
                     recording, parameters=[Parameter(k, value=v) for k, v in given.items()], context=context
                 )
@@ -230,6 +231,10 @@ def run_live(
             session = _Session(twin, monitor, replay, sorted(changes), on_pairs, notify, stop)
             monitor.on_pair = session.take_pair
             steady_timer(monitor, _TICK, session.tick)
+            if record_to is not None:  # last, since it replaces what was recorded before
+                for path in replaced:
+                    path.unlink()
+                nodes.append(RecordNode(parameters=[Parameter("output", value=str(record_to))], context=context))
             executor = make_executor(nodes, context)
             on_start(monitor)
             spin(executor, session.over, context)
@@ -239,7 +244,7 @@ def run_live(
                 spin(executor, lambda: time.monotonic() > end, context)
             executor.shutdown()
             return session.result(recording)
-    finally:
-        for node in nodes:
-            node.destroy_node()
-        rclpy.try_shutdown(context=context)
+        finally:
+            for node in reversed(nodes):  # the recorder first
+                node.destroy_node()
+            rclpy.try_shutdown(context=context)

@@ -89,7 +89,7 @@ def line(x: np.ndarray, y: np.ndarray, name: str, colour: str, *, width: float =
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """An axis with its quantity and unit."""
-    return {"title": {"text": title}, **more}
+    return {"title": {"text": label(title)}, **more}
 
 
 def log_axis(title: str, values: np.ndarray) -> dict[str, Any]:

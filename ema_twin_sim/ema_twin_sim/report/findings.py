@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis
     from ..discovery.discover import Discovery
 
+CURVES = ("before", "after", "runner_up")
+"""Whose curves evidence shows: the model's before a step, after it, and with the runner-up in its place."""
 Held = Mapping[str, Any]
 """``{value, std, unit}``, of a constant ``nominal`` too; ``std`` is None where it was not fitted."""
 
@@ -185,6 +187,8 @@ def _step(step: Mapping[str, Any]) -> Step:
 
 
 def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
+    if not unseen["rmse"]:
+        raise ValueError("unseen.rmse is empty")
     return UnseenErrors(
         str(unseen["signal"]),
         str(unseen["unit"]),
@@ -194,11 +198,17 @@ def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
     )
 
 
+def _curve_name(name: str) -> str:
+    if name not in CURVES:
+        raise ValueError(f"{name!r} is no curve; these are: {', '.join(CURVES)}")
+    return name
+
+
 def _signature(step: Mapping[str, Any]) -> Signature:
     best = step["views"][0]
     curves = tuple(
         {
-            "name": str(curve["name"]),
+            "name": _curve_name(curve["name"]),
             "direction": str(curve["direction"]),
             **{field: _numbers(curve[field]) for field in ("x", "median", "lower", "upper")},
         }

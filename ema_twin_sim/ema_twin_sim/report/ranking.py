@@ -13,7 +13,7 @@ from ..quantities import axis_unit, estimate
 from .backwards import searched_model
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
-from .findings import Findings, Signature
+from .findings import CURVES, Findings, Signature
 from .markup import Markup, bar, capitalised, section, table, tag
 
 _LEAST = 0.005  # probability that is shown as more than none
@@ -151,12 +151,9 @@ def signature_chart(signature: Signature) -> Chart:
     """What is left over without an effect, with it, and with its runner-up, against the quantity that shows it best."""
     size = max((abs(v) for curve in signature.curves for v in curve["median"]), default=0.0)
     scale, unit = axis_unit(size, signature.unit)
-    roles = {"before": BEFORE, "after": AFTER, "runner_up": RIVAL}
-    said = {
-        "before": "without it",
-        "after": f"with {_plain(signature.title)}",
-        "runner_up": f"with {_plain(signature.runner_up)}",
-    }
+    roles = dict(zip(CURVES, (BEFORE, AFTER, RIVAL), strict=True))
+    names = "without it", f"with {_plain(signature.title)}", f"with {_plain(signature.runner_up)}"
+    said = dict(zip(CURVES, names, strict=True))
     dashes = {"both": "solid", "forward": "solid", "backward": "dot"}
     traces: list[Trace] = []
     for curve in signature.curves:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -19,7 +18,17 @@ from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, GOOD, MEASURED, RIVAL
 from .recording_views import layout
 from .rms_window import RmsWindow
-from .stream import LIVE_APPLICATION, TIMELINE, open_for_writing, path_of, send, style
+from .stream import (
+    LIVE_APPLICATION,
+    TIMELINE,
+    begin,
+    finish_file,
+    finish_viewer,
+    open_for_writing,
+    path_of,
+    send,
+    style,
+)
 from .train_motion import by_ratios, gearing_shown
 
 SHOWN = ("output_position", "current", "speed")
@@ -38,21 +47,24 @@ _Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], M
 
 
 class RerunView:
-    """A rerun recording, to a file (``path``) and to viewers (``sinks``); takes samples in batches, live or whole.
+    """A rerun recording into a file (a path) or to a viewer (its address); takes samples in batches, live or whole.
 
     With a ``model`` whose gearbox is known, that turns too.
+
+    Attributes:
+        into: the file or the viewer.
     """
 
     def __init__(
         self,
-        path: Path | None,
+        into: Path | str,
         title: str,
         noise_floor: Mapping[str, float],
         *,
-        sinks: Sequence[str] = (),
         model: Model | None = None,
     ) -> None:
         """Raises InputError where the file cannot be written."""
+        self.into = into
         self._noise = noise_floor
         self._windows = {name: RmsWindow(_WINDOW) for name in SHOWN}
         self._gearing = gearing_shown(model) if model is not None else None
@@ -61,11 +73,8 @@ class RerunView:
         self._held: list[_Batch] = []
         self._sent = -np.inf
         self._stream = rr.RecordingStream(LIVE_APPLICATION, send_properties=False)
-        into: list[Any] = [rr.GrpcSink(sink) for sink in sinks]
-        if path is not None:
-            into.append(open_for_writing(path))
-        if into:
-            self._stream.set_sinks(*into, default_blueprint=live_blueprint(self._gearing))
+        sink = rr.GrpcSink(into) if isinstance(into, str) else open_for_writing(into)
+        begin(self._stream, sink, live_blueprint(self._gearing))
         self._stream.send_recording_name(title)
         self._style()
 
@@ -143,7 +152,7 @@ class RerunView:
         self, gearing: Gearing, index: np.ndarray, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]
     ) -> None:
         """Turn the gear train by the measured angle of the motor (else the twin's), some pictures a second."""
-        angle, current = (bench.get(name, twin.get(name)) for name in ("motor_position", "current"))
+        angle, current = (_known(name, bench, twin) for name in ("motor_position", "current"))
         if angle is None or current is None:
             return
         number = np.floor(index / _PICTURE)
@@ -161,10 +170,20 @@ class RerunView:
         self._stream.reset_time()
 
     def close(self) -> None:
-        """Write what is held back."""
+        """Write what is held back.
+
+        Raises InputError where the file cannot be written, RuntimeError where the viewer did not take all.
+        """
         self._send_held()
-        self._stream.flush()
-        self._stream.disconnect()
+        if isinstance(self.into, Path):
+            finish_file(self._stream, self.into)
+        else:
+            finish_viewer(self._stream)
+
+
+def _known(name: str, *sides: Mapping[str, np.ndarray]) -> np.ndarray | None:
+    """The first that knows a signal: live ones hold every signal, NaN where it is not measured."""
+    return next((side[name] for side in sides if name in side and np.isfinite(side[name]).any()), None)
 
 
 def _names(batch: _Batch) -> list[list[str]]:

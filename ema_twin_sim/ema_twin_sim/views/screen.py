@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+ADDRESS = "127.0.0.1"
+"""Where viewers listen: on this machine only."""
 _VIEWER = Path(sys.executable).with_name("rerun")
 _GRAPHICS = (
     ("/dev/dri", "*"),
@@ -18,6 +22,8 @@ _GRAPHICS = (
 )
 """Folders, and what in them stands for something to draw with."""
 _PORT = 9876
+_PATIENCE = 15.0
+"""s in which a viewer must listen."""
 _NOWHERE = "http://127.0.0.1:9"
 
 
@@ -46,14 +52,32 @@ def open_viewer(path: Path) -> bool:
 
 
 def open_live_viewer() -> str:
-    """Open a viewer for what will be sent; returns where to."""
-    start_viewer("--port", str(_PORT), "--bind", "127.0.0.1", "--hide-welcome-screen")
-    return f"rerun+http://127.0.0.1:{_PORT}/proxy"
+    """Open a viewer for what will be sent; returns where to, or nothing where none comes up."""
+    viewer = start_viewer("--port", str(_PORT), "--bind", ADDRESS, "--hide-welcome-screen")
+    return f"rerun+http://{ADDRESS}:{_PORT}/proxy" if comes_up(viewer, _PORT) else ""
 
 
-def start_viewer(*arguments: str) -> None:
+def start_viewer(*arguments: str) -> subprocess.Popen:
     """Start rerun's viewer as a process of its own, which stays when this one ends."""
-    subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
+    return subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
+
+
+def comes_up(process: subprocess.Popen, *ports: int) -> bool:
+    """Wait until all the ports listen; whether they do, before the process ends and in the time that it may take."""
+    end = time.monotonic() + _PATIENCE
+    while not all(_listens(port) for port in ports):
+        if process.poll() is not None or time.monotonic() > end:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def _listens(port: int) -> bool:
+    try:
+        socket.create_connection((ADDRESS, port), 0.2).close()
+    except OSError:
+        return False
+    return True
 
 
 def viewer_command() -> list[str]:

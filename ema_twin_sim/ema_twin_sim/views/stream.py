@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +22,10 @@ LIVE_APPLICATION = "ema-twin-live"
 """The same for live views, which have other tabs."""
 TIMELINE = "t"
 """Seconds since a recording's first sample."""
+_FILE_PATIENCE = 5.0
+"""s in which a file must have grown, as long as something is held back."""
+_VIEWER_PATIENCE = 10.0
+"""s in which what is held back must have reached a viewer."""
 _ROWS = 1 << 16  # of a chunk, so that a viewer draws what is in sight and no more
 
 
@@ -32,12 +37,13 @@ def new_rrd(path: Path, blueprint: rrb.Blueprint, *, force: bool = False) -> Ite
     """
     stream = rr.RecordingStream(APPLICATION, send_properties=False)
     with new_file(path, force=force) as file:
-        stream.set_sinks(rr.FileSink(str(file.name)), default_blueprint=blueprint)
         try:
+            begin(stream, rr.FileSink(str(file.name)), blueprint)
             yield stream
-        finally:
-            stream.flush()
-            stream.disconnect()
+        except BaseException:
+            _give_up(stream)  # the file goes too
+            raise
+        finish_file(stream, path, Path(file.name))
 
 
 def open_for_writing(path: Path) -> rr.FileSink:
@@ -47,6 +53,47 @@ def open_for_writing(path: Path) -> rr.FileSink:
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
     return rr.FileSink(str(path))
+
+
+def begin(stream: rr.RecordingStream, sink: rr.FileSink | rr.GrpcSink, blueprint: rrb.Blueprint) -> None:
+    """Send to a file or a viewer from now on, the layout first."""
+    stream.set_sinks(sink)  # given a blueprint too, rerun would wait without end for who does not take it
+    stream.send_blueprint(blueprint, make_active=False, make_default=True)
+
+
+def finish_file(stream: rr.RecordingStream, path: Path, written: Path | None = None) -> None:
+    """Write what is held back, and let go of the file; ``written`` where it has not its name yet.
+
+    Raises InputError where it cannot be written.
+    """
+    size = -1
+    while True:
+        try:
+            stream.flush(timeout_sec=_FILE_PATIENCE)
+        except RuntimeError:  # a slow disk, or a full one: rerun does not tell which, nor does it always see the latter
+            before, size = size, (written or path).stat().st_size
+            if size == before:
+                _give_up(stream)
+                raise InputError(f"{path}: cannot be written to its end; make room, or choose another folder") from None
+        else:
+            stream.disconnect()
+            return
+
+
+def finish_viewer(stream: rr.RecordingStream) -> None:
+    """Send what is held back, and let go of the viewer. Raises RuntimeError where it did not take all."""
+    try:
+        stream.flush(timeout_sec=_VIEWER_PATIENCE)
+    except RuntimeError:
+        _give_up(stream)
+        raise
+    stream.disconnect()
+
+
+def _give_up(stream: rr.RecordingStream) -> None:
+    """Leave a stream as it is, never freed: there, and where the process ends, rerun would wait without end."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(stream))
+    rr.unregister_shutdown()
 
 
 def style(stream: rr.RecordingStream, entity: str, name: str, colour: Colour, width: float) -> None:

@@ -10,7 +10,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.error import URLError
 
-ADDRESS = "127.0.0.1"
+from .screen import ADDRESS
+
 _PATIENCE = 10.0  # s that the viewer's files may be waited for
 _OWN = {"/": ("web_page.html", "text/html; charset=utf-8"), "/web_page.js": ("web_page.js", "text/javascript")}
 _VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "application/wasm"}

@@ -5,15 +5,12 @@ from __future__ import annotations
 import shutil
 import socket
 import subprocess
-import time
 
 from ema_bench_replay.errors import InputError
 
-from .screen import viewer_command, viewer_environment
-from .web_page import ADDRESS, WebPage
+from .screen import ADDRESS, comes_up, viewer_command, viewer_environment
+from .web_page import WebPage
 
-_PATIENCE = 15.0
-"""s in which the server must listen."""
 _ENDING = 1.0
 """s in which it must have ended: it does not hear SIGTERM while a browser is connected."""
 
@@ -41,13 +38,11 @@ class WebViewer:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            start_new_session=True,  # a terminal's Ctrl-C is for us: the server is needed until the last is sent
         )
-        end = time.monotonic() + _PATIENCE
-        while not all(_listens(port) for port in (data, files)):
-            if self._process.poll() is not None or time.monotonic() > end:
-                self.close()
-                raise InputError("--web: rerun's web viewer does not start; give --rrd FILE and look at that later")
-            time.sleep(0.05)
+        if not comes_up(self._process, data, files):
+            self.close()
+            raise InputError("--web: rerun's web viewer does not start; give --rrd FILE and look at that later")
 
     def close(self) -> None:
         """End the servers."""
@@ -66,11 +61,3 @@ def _free_ports(number: int) -> list[int]:
     for opened in sockets:
         opened.close()
     return ports
-
-
-def _listens(port: int) -> bool:
-    try:
-        socket.create_connection((ADDRESS, port), 0.2).close()
-    except OSError:
-        return False
-    return True
