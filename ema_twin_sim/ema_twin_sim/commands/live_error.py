@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -23,8 +24,8 @@ _BY_SETPOINT = ("output_position", "current", "speed")
 class ErrorPrinter:
     """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
 
-    Where the current drives the twin it is the unexplained torque that tells, and then alone is known; else the
-    output's position, current and speed.
+    Where the current drives the twin, that has no error, positions drift, and the unexplained torque tells; else the
+    output's position, current and speed do.
     """
 
     def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
@@ -59,12 +60,18 @@ class ErrorPrinter:
         for watcher in self.watchers:
             watcher(pairs)
 
+    @property
+    def _by_current(self) -> bool:
+        """Whether the current drives the twin, as far as can be seen from here: it is the measured one, exactly."""
+        square, _ = self._sums.get("current", (math.nan, 0.0))
+        return square == 0.0 or not any(name in self._sums for name in _BY_SETPOINT)
+
     def _print(self, elapsed: float) -> None:
         from ..comparison.running_comparison import UNITS
 
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []
-        for name in (_BY_CURRENT,) if _BY_CURRENT in self._sums else _BY_SETPOINT:
+        for name in (_BY_CURRENT,) if self._by_current else _BY_SETPOINT:
             square, count = self._sums.get(name, (0.0, 0.0))
             if not count:
                 continue
