@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,8 +19,10 @@ from ..model.matching import BY_TORQUE
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
-from .torque_error import TorqueError, torque_error
 from .where import STANDSTILL, Dependence, Stretch, find_dependences
+
+if TYPE_CHECKING:
+    from .torque_error import TorqueError
 
 MIXED = "mixed"
 """The input of a comparison whose recordings are driven by different signals."""
@@ -100,7 +103,7 @@ def compare(
         residuals = running.add_rows(recording.signals, twin.signals)
         for name in residuals.keys() & set(explained_signals(chosen)):
             stretches[name].append(stretch_of(recording, twin, residuals[name], model.value("machine.gear_ratio")))
-        error = torque_error(recording, model) if chosen == "current" else None
+        error = _torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
         pooled.include(running)
@@ -125,6 +128,12 @@ def compare(
         ),
         "rotary" if model.radius is None else "linear",
     )
+
+
+def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
+    from .torque_error import torque_error  # whose filters take a second to import: most comparisons need none
+
+    return torque_error(recording, model)
 
 
 def _dependences(
