@@ -30,6 +30,7 @@ class BesideBench:
         """`wanted` drives the twin, see `Follower`; `from_start`: answer also what was sent before this node came."""
         self._output = output
         self.failure: InputError | None = None
+        self._logger = node.get_logger()
         self._failed_run = 0
         self.follower = Follower(model, wanted, from_start)
         node.create_subscription(EmaState, "bench/state", self._on_sample, qos.state(from_start), raw=True)
@@ -52,6 +53,7 @@ class BesideBench:
             answer = self.follower.answer(run, sequence, stamp, sample)
         except InputError as error:  # raised here, it would be told with its whole stack
             self.failure, self._failed_run = error, run
+            self._logger.error(f"{error}; the twin starts again with the next run")
             return
         self.failure = None
         if answer is not None:

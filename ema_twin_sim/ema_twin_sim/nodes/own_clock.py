@@ -32,6 +32,7 @@ class OwnClock:
     def __init__(self, node: Node, model: Model, output: TwinOutput, command: Command, rate: float) -> None:
         """`rate` is the number of samples a second."""
         self._output = output
+        self._logger = node.get_logger()
         self.failure: InputError | None = None
         self._standalone = Standalone(model, command)
         self._period = round(1e9 / rate)
@@ -64,6 +65,7 @@ class OwnClock:
             answer = self._standalone.answer(elapsed)
         except InputError as error:  # raised here, it would be told with its whole stack
             self.failure = error
+            self._logger.error(str(error))
             return
         self._output.send(self._epoch + elapsed, self._run, self._sequence, answer)
         self._sequence += 1
