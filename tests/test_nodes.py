@@ -13,6 +13,7 @@ from ros_graph import Graph
 from std_srvs.srv import Trigger
 
 from ema_bench_replay.bags.bag_reader import read_bag
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.record import RecordNode
@@ -212,6 +213,31 @@ def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
     publisher.publish(write_state(10**9, 2, 0, bench_signals()))
     graph.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.OK)
     assert twin.mode.follower.answered == 1
+
+
+def test_a_twin_that_diverges_says_so_and_goes_on_with_the_next_run(graph, model, monkeypatch):
+    twin = graph.add(TwinNode, model)
+    tester = graph.plain_node()
+    reports, answers = [], []
+    tester.create_subscription(DiagnosticArray, "/diagnostics", reports.append, qos.DIAGNOSTICS)
+    tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    answer = twin.mode.follower.answer
+
+    def diverging(run, sequence, stamp, sample):
+        if run == 1 and sequence == 2:
+            raise InputError("model polito_bench diverges")
+        return answer(run, sequence, stamp, sample)
+
+    monkeypatch.setattr(twin.mode.follower, "answer", diverging)
+    for run, sequence in [*((1, n) for n in range(6)), *((2, n) for n in range(4))]:
+        publisher.publish(write_state(run * 10**9 + sequence * PERIOD, run, sequence, bench_signals()))
+        if (run, sequence) == (1, 5):
+            graph.spin_until(lambda: reports and "diverges; the twin starts again" in reports[-1].status[0].message)
+            assert reports[-1].status[0].level == DiagnosticStatus.ERROR
+    graph.spin_until(lambda: len(answers) == 6)
+    assert [(state.run, state.sequence) for state in answers] == [(1, 0), (1, 1), *((2, n) for n in range(4))]
+    graph.spin_until(lambda: reports[-1].status[0].level == DiagnosticStatus.OK)
 
 
 def test_a_lost_sample_leaves_the_run_incomplete(graph):
