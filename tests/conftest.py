@@ -1,5 +1,6 @@
 """What all tests share: an isolated ROS graph, and the folders of recordings."""
 
+import importlib
 import os
 from pathlib import Path
 
@@ -27,6 +28,17 @@ def outside(name):
     if not folder.is_dir():
         pytest.skip(f"{folder} is absent: its recordings are not part of the project")
     return folder
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_effects_of_other_tests():
+    """What a file of tests reads into the catalogue leaves it with that file: others run in the same process."""
+    held = importlib.import_module("ema_twin_sim.effects.catalogue")
+    before = dict(held._own)
+    yield
+    held._own.clear()
+    held._own.update(before)
+    held.catalogue.cache_clear()
 
 
 @pytest.fixture(scope="session")

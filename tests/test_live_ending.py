@@ -167,8 +167,9 @@ def test_a_run_that_does_not_start_keeps_the_bag_before(ramp, stock, tmp_path, m
         ("current drives", ("unexplained_torque",)),
     ],
 )
-def test_the_live_line_tells_what_is_known(stock, capsys, nothing_of, known):
+def test_the_live_line_tells_what_is_known(stock, capsys, monkeypatch, nothing_of, known):
     """Also beside a bench of which nothing was said before; and each run by itself."""
+    monkeypatch.setattr("ema_twin_sim.commands.live_error.is_narrow", lambda: False)
     printer = ErrorPrinter(stock, None)
 
     def pairs(stamps, value):

@@ -76,7 +76,7 @@ class ErrorPrinter:
             if not count:
                 continue
             rmse = (square / count) ** 0.5
-            label = name.removeprefix("output_") if is_narrow() else name.replace("_", " ")
+            label = (name.removeprefix("output_") if is_narrow() else name).replace("_", " ")
             floor = self._floors[name]  # 0 where the sensor's noise is not known
             times = f" {rmse / floor:5.0f}×" if floor > 0.0 else ""
             parts.append(f"{label} {quantity(rmse, UNITS[name]):>9}{times}")
