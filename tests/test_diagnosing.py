@@ -15,7 +15,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.live_keys import Keys, told
-from ema_twin_sim.discovery.discover import ALONE
+from ema_twin_sim.discovery.cautions import ALONE
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.diagnosing.answer import diagnosis_message
 from ema_twin_sim.nodes.diagnosing.apply import NotDiagnosed, settings_for

@@ -149,10 +149,7 @@ class RecordNode(Node):
         elif lost:
             level, message = diagnostics.ERROR, f"{lost} messages did not come, or were not written"
         elif self._unreadable:
-            level, message = (
-                diagnostics.WARN,
-                f"not recorded, type not installed: {', '.join(self._unreadable)}",
-            )
+            level, message = diagnostics.WARN, f"not recorded, type not installed: {', '.join(self._unreadable)}"
         else:
             level, message = diagnostics.OK, f"records {len(self.written)} topics"
         figures = {topic: f"{count} messages written" for topic, count in self.written.items()}

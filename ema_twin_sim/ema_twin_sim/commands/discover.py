@@ -22,7 +22,7 @@ from .wording import (
     options_words,
     order_sentences,
     removed_words,
-    verdict_sentence,
+    verdict_of,
     why_step,
 )
 
@@ -150,10 +150,7 @@ def _as_arguments(runs: Sequence[Path]) -> list[str]:
 
 def show(found: Discovery, without: Sequence[str] = ()) -> None:
     """Print the verdict in one sentence, the steps that led there, and the numbers."""
-    sentence = verdict_sentence(
-        found.verdict, found.added, found.depends_on, without, found.groups, left_over=found.left_over
-    )
-    say(sentence, style="bold")
+    say(verdict_of(found, without=without), style="bold")
     if found.verdict == "unknown":
         left = found.unseen
         say(

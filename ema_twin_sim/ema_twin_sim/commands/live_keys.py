@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import sys
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ema_bench_replay.errors import InputError
 
+from ..discovery.cautions import ALONE
 from ..quantities import estimate
 from .output import console, say
 from .wording import effect_words, sharing_sentence
@@ -128,8 +130,6 @@ class Keys:
 
 def told(found: Diagnosis) -> list[str]:
     """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next."""
-    from ..discovery.discover import ALONE  # nothing more can be given to a live run
-
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
     if found.verdict == "none":
@@ -148,6 +148,7 @@ def told(found: Diagnosis) -> list[str]:
         lines.append(f"Press a to add {'them' if shares else 'it'} to the running twin.")
     if found.next_recording:
         lines.append(f"To be surer, record {found.next_recording}")
+    # nothing more can be given to a live run
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 
 
@@ -155,7 +156,6 @@ def _line(entry: Effect, *, shares: bool) -> str:
     """One effect; ``shares``: it is missing for certain where the others that were found are."""
     numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
     words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
-    share = min(max(entry.error_removed, 0.0), 1.0)
     likely = f"{100.0 * entry.probability:.0f} % {'of the probability' if shares else 'likely'}"
-    removed = "" if share != share else f", takes away {100.0 * share:.0f} %"
+    removed = "" if math.isnan(entry.error_removed) else f", takes away {100.0 * entry.error_removed:.0f} %"
     return f"{effect_words(entry.id)}: {likely}{removed} ({words})"

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..discovery.discover import Step
+    from ..discovery.discover import Discovery, Step
     from ..model import Model
+    from ..report.findings import Findings
 
 NO_RUNNER_UP = "none came near"
 YOURS = "Your model"
@@ -102,6 +103,13 @@ def verdict_sentence(
     if without:
         looked_for = f"effect but perhaps {listed(map(effect_words, without), 'or')} (not looked for) explains"
     return f"{start} is missing that no {looked_for}{left}."
+
+
+def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
+    """``verdict_sentence`` of what a search found; ``without`` are effects that it did not look for."""
+    return verdict_sentence(
+        found.verdict, found.added, found.depends_on, without, found.groups, model=model, left_over=found.left_over
+    )
 
 
 def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:

@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.equivalent import as_rotary, given_back
+from .cautions import ALONE, REAL
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
 from .contradictions import contradictions
@@ -35,11 +36,6 @@ from .unknown import beside_the_unknown
 from .unseen import Unseen, judge_unseen
 
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
-REAL = (
-    "constants of this model are open: effects count as found where hardly anything is left of the torque, and what is "
-    "left is not held against the sensors' noise",
-)
-ALONE = ("one recording: what it is judged by was fitted to; give several",)
 
 
 @dataclass(frozen=True)

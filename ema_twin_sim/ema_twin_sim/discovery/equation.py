@@ -234,9 +234,9 @@ class Equation:
     ) -> np.ndarray:
         """Slopes of the weighted prediction (m, k) to the free numbers; ``known`` are slopes, unweighted, to keep."""
         known = known or {}
-        sought = [
+        sought = dict.fromkeys(
             free.path.split(".")[1] for free in h.free if free.path.startswith("effects.") and free.path not in known
-        ]
+        )
         now = {name: h.instance(name) for name in sought}
         torques = {name: self.alone(predicted, instance) for name, instance in now.items()}
 

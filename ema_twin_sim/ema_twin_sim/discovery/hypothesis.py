@@ -173,9 +173,14 @@ class Hypothesis:
         wanted: list[tuple[Free, float]] = []
         if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
             wanted += [
-                (self._of_the_output("inertia", (0.3, 3.0), 5e-3, PRIOR), now.get("scale.inertia", 1.0)),
                 (
-                    self._of_the_output("coulomb_friction", (0.0, 5.0), 1e-2, SIDES_PRIOR),
+                    self._as_open_as("scale.inertia", Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))),
+                    now.get("scale.inertia", 1.0),
+                ),
+                (
+                    self._as_open_as(
+                        "scale.coulomb_friction", Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR))
+                    ),
                     now.get("scale.coulomb_friction", 1.0),
                 ),
             ]
@@ -196,13 +201,12 @@ class Hypothesis:
             values=np.append(self.values[keep], [value for _, value in new]),
         )
 
-    def _of_the_output(self, of: str, bounds: tuple[float, float], step: float, std: float) -> Free:
-        """A scale of the output's side: as free as that of the whole where this is open, else near to it."""
-        whole = next((free for free in self.free if free.path == f"scale.{of}"), None)
-        path = {"inertia": "scale.output_inertia", "coulomb_friction": "scale.output_coulomb"}[of]
-        if whole is not None and whole.prior is None:
-            return Free(path, whole.lower, whole.upper, step)
-        return Free(path, *bounds, step, (1.0, std))
+    def _as_open_as(self, path: str, side: Free) -> Free:
+        """A scale of the output's side: as free as that of the whole, at ``path``, where this is open."""
+        whole = next((free for free in self.free if free.path == path), None)
+        if whole is None or whole.prior is not None:
+            return side
+        return replace(side, lower=whole.lower, upper=whole.upper, prior=None)
 
     def as_the_file_shares(self) -> dict[str, float]:
         """By path, the factors that keep the sums of inertia and dry friction, and the file's shares of both sides."""

@@ -13,8 +13,6 @@ from .model import Model
 
 BY_TORQUE = "driven_by"
 """The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
-
-
 _IMPOSSIBLE = 10.0  # times the drive's limit: no unit that was mistaken, but a sample that is spoilt
 
 

@@ -73,10 +73,7 @@ class BesideBench:
         elif self.pace.complaint:
             level, message = diagnostics.WARN, self.pace.complaint
         elif stream.lost:
-            level, message = (
-                diagnostics.WARN,
-                f"{stream.lost} samples of this run were lost; integrated across",
-            )
+            level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
         else:
             level, message = diagnostics.OK, "answers every sample of the bench"
         state = {

@@ -116,11 +116,10 @@ class _Session:
         elapsed = 0.0 if self.first_stamp is None else (self.last_stamp - self.first_stamp) * 1e-9
         while self.changes and self.first_stamp is not None and self.changes[0].after <= elapsed:
             self._make(self.changes.pop(0))
-        for topic in ("bench/state", "twin/state"):
-            warning = f"more than one node publishes {topic}: their samples mix; use another ROS_DOMAIN_ID"
-            if self.monitor.count_publishers(topic) > 1 and warning not in self.warnings:
-                self.warnings.append(warning)
-                self.notify(f"warning: {warning}")
+        warning = self.monitor.mixed
+        if warning and warning not in self.warnings:
+            self.warnings.append(warning)
+            self.notify(f"warning: {warning}")
         if self.monitor.pairing.compared != self.progress[0] or not (self.replay and self.replay.ended):
             self.progress = self.monitor.pairing.compared, time.monotonic()
 

@@ -128,6 +128,15 @@ class MonitorNode(Node):
         return announced.samples
 
     @property
+    def mixed(self) -> str:
+        """What is wrong where several nodes publish one of the two states, else empty."""
+        topics = [topic for topic in ("bench/state", "twin/state") if self.count_publishers(topic) > 1]
+        if not topics:
+            return ""
+        both = " and ".join(topics)
+        return f"more than one node publishes {both}: samples mix; end one, or use another ROS_DOMAIN_ID"
+
+    @property
     def complete(self) -> bool:
         """Whether every sample of the run was compared; of a run of unknown length, every one so far."""
         pairing = self.pairing
@@ -233,11 +242,8 @@ class MonitorNode(Node):
             **pairing.bench.figures("bench samples"),
             **pairing.twin.figures("twin samples"),
         }
-        mixed = [topic for topic in ("bench/state", "twin/state") if self.count_publishers(topic) > 1]
-        if mixed:
-            topics = " and ".join(mixed)
-            words = f"more than one node publishes {topics}: samples mix; end one, or use another ROS_DOMAIN_ID"
-            return diagnostics.Report(diagnostics.ERROR, words, figures)
+        if self.mixed:
+            return diagnostics.Report(diagnostics.ERROR, self.mixed, figures)
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
         )

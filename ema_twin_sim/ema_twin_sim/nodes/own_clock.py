@@ -85,9 +85,5 @@ class OwnClock:
         if self.pace.complaint:
             return diagnostics.Report(diagnostics.WARN, self.pace.complaint, figures)
         if missed:
-            return diagnostics.Report(
-                diagnostics.WARN,
-                f"{missed} periods missed; integrated across",
-                figures,
-            )
+            return diagnostics.Report(diagnostics.WARN, f"{missed} periods missed; integrated across", figures)
         return diagnostics.Report(diagnostics.OK, "follows its command in real time", figures)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..commands.wording import effect_words, groups_sentence, listed, options_words, removed_words, verdict_sentence
+from ..commands.wording import effect_words, groups_sentence, listed, options_words, removed_words, verdict_of
 from ..discovery.diagnose import Ranked
 from ..quantities import axis_unit, estimate
 from .backwards import searched_model
@@ -33,15 +33,7 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     title = f"What {model} lacks: the diagnosis"
     if findings is None:
         return section("diagnosis", title, tag("p", content.undiagnosed or "No search was made."))
-    verdict = verdict_sentence(
-        findings.verdict,
-        findings.added,
-        findings.depends_on,
-        groups=findings.groups,
-        model=model,
-        left_over=findings.left_over,
-    )
-    parts = [tag("p", verdict, class_="lead")]
+    parts = [tag("p", verdict_of(findings, model), class_="lead")]
     if findings.ranking:
         parts.append(_ranking(findings))
     if findings.groups:

@@ -9,7 +9,7 @@ from ..commands.wording import (
     groups_sentence,
     listed,
     removed_words,
-    verdict_sentence,
+    verdict_of,
     why_step,
 )
 from ..comparison.running_comparison import SignalError, excess_removed
@@ -29,14 +29,7 @@ def verdict(content: Content) -> str:
     new = new_effects(*content.models, content.findings)
     findings = content.findings
     if findings is not None and _agrees(content, new):
-        return verdict_sentence(
-            findings.verdict,
-            findings.added,
-            findings.depends_on,
-            groups=findings.groups,
-            model=before,
-            left_over=findings.left_over,
-        )
+        return verdict_of(findings, before)
     if not new:
         return f"{after} has no effect that {before} lacks."
     return f"{before} lacks {listed(effect_words(effect.name) for effect in new)}, which {after} has."
@@ -119,14 +112,7 @@ def _sure(content: Content) -> list[Markup]:
     lines = []
     new = new_effects(*content.models, findings)
     if not _agrees(content, new):
-        said = verdict_sentence(
-            findings.verdict,
-            findings.added,
-            findings.depends_on,
-            groups=findings.groups,
-            model=searched_model(content),
-            left_over=findings.left_over,
-        )
+        said = verdict_of(findings, searched_model(content))
         lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
     if findings.ranking:
         lines.append(_probabilities(content))

@@ -1,4 +1,4 @@
-"""Pictures: the rerun view of a twin beside its bench, and the page that tells a comparison."""
+"""Views in rerun: a twin beside its bench, live and from recordings, and the servers that show them."""
 
 import os
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import rerun.blueprint as rrb
 
-from ..commands.wording import verdict_sentence
+from ..commands.wording import verdict_of
 from ..model import Model
 from ..report.content import Shown
 from ..report.findings import Findings
@@ -53,15 +53,7 @@ def write_views(
         log_curves(stream, given, names)
         log_failures(stream, found, sentences(given), names)
         if findings is not None:
-            verdict = verdict_sentence(
-                findings.verdict,
-                findings.added,
-                findings.depends_on,
-                groups=findings.groups,
-                model=names[0],
-                left_over=findings.left_over,
-            )
-            log_why(stream, findings, verdict)
+            log_why(stream, findings, verdict_of(findings, names[0]))
         if len(models) > 1:
             log_after(stream, given, names, findings)
         if gearing is not None and motion is not None:

@@ -4,17 +4,28 @@ from __future__ import annotations
 
 import html
 import shutil
+import sys
 import threading
 import urllib.request
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 from urllib.error import URLError
 
 from .screen import ADDRESS
 
 _PATIENCE = 10.0  # s that the viewer's files may be waited for
 _OWN = {"/": ("web_page.html", "text/html; charset=utf-8"), "/web_page.js": ("web_page.js", "text/javascript")}
+_DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # a proxy does not know our loopback
 _VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "application/wasm"}
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, *request: Any) -> None:
+        if not isinstance(sys.exc_info()[1], ConnectionError):  # else the browser went away: nobody is left to be told
+            super().handle_error(*request)
 
 
 class WebPage:
@@ -43,7 +54,7 @@ class WebPage:
                     self.wfile.write(text.encode())
                 elif path in _VIEWERS:
                     try:
-                        with urllib.request.urlopen(viewer + path, timeout=_PATIENCE) as file:
+                        with _DIRECT.open(viewer + path, timeout=_PATIENCE) as file:
                             self._begin(_VIEWERS[path])
                             shutil.copyfileobj(file, self.wfile)
                     except (URLError, TimeoutError):
@@ -61,8 +72,7 @@ class WebPage:
             def log_message(self, *_arguments: object) -> None:
                 """Say nothing: the terminal is the command's."""
 
-        self._server = ThreadingHTTPServer((ADDRESS, 0), Handler)
-        self._server.daemon_threads = True
+        self._server = _Server((ADDRESS, 0), Handler)
         self.address = f"http://{ADDRESS}:{self._server.server_address[1]}/"
         threading.Thread(target=self._server.serve_forever, name="web page", daemon=True).start()
 

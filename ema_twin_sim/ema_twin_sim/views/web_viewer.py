@@ -27,8 +27,6 @@ class WebViewer:
         """Raises InputError where the server does not start."""
         data, files = _free_ports(2)
         self.sink = f"rerun+http://{ADDRESS}:{data}/proxy"
-        self._page = WebPage(f"http://{ADDRESS}:{files}", self.sink)
-        self.page = self._page.address
         arguments = ["--serve-web", "--bind", ADDRESS, "--port", str(data), "--web-viewer-port", str(files)]
         # where this process is killed, the server must not stay behind
         guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
@@ -41,12 +39,17 @@ class WebViewer:
             start_new_session=True,  # a terminal's Ctrl-C is for us: the server is needed until the last is sent
         )
         if not comes_up(self._process, data, files):
-            self.close()
+            self._end_server()
             raise InputError("--web: rerun's web viewer does not start; give --rrd FILE and look at that later")
+        self._page = WebPage(f"http://{ADDRESS}:{files}", self.sink)
+        self.page = self._page.address
 
     def close(self) -> None:
         """End the servers."""
         self._page.close()
+        self._end_server()
+
+    def _end_server(self) -> None:
         self._process.terminate()
         try:
             self._process.wait(_ENDING)
