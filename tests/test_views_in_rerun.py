@@ -75,5 +75,5 @@ def test_the_live_view_is_drawn(tmp_path, stock, recordings):  # noqa: F811
     view.add(run.time, run.signals, twin, {name: run.signals[name] - twin[name] for name in ("current", "speed")})
     view.tell(1.0, "backlash switched on")
     view.close()
-    for picture in drawn(tmp_path / "live.rrd", (("compare",), ("gear train",)), tmp_path):
+    for picture in drawn(tmp_path / "live.rrd", (("compare",), ("current",), ("gear train",)), tmp_path):
         assert_shows_something(picture)

@@ -94,6 +94,7 @@ def signal_column(at: str, name: str, unit: str, residual_unit: str, along: str 
     return rrb.Vertical(
         rrb.TimeSeriesView(origin=f"{at}/curves", name=above, axis_x=together, plot_legend=legend),
         rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, plot_legend=legend),
+        name=words,
     )
 
 

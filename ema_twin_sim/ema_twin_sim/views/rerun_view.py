@@ -195,8 +195,11 @@ def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
 
 
 def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
-    """The tabs of a live view."""
-    columns = [signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}") for name in SHOWN]
+    """The tabs of a live view: all signals side by side, then each alone, as a narrow screen shows it."""
+
+    def columns() -> list[rrb.Container]:
+        return [signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}") for name in SHOWN]
+
     told = [
         rrb.TimeSeriesView(
             origin="/error",
@@ -210,8 +213,8 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
             columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["Body"]),
         ),
     ]
-    compare = rrb.Vertical(rrb.Horizontal(*columns), rrb.Horizontal(*told), row_shares=[3, 1], name="compare")
-    if gearing is None:
-        return layout([compare])
-    train = train_tab("as measured", _full_colours(gearing), gearing, simulated=False)
-    return layout([compare, train])
+    compare = rrb.Vertical(rrb.Horizontal(*columns()), rrb.Horizontal(*told), row_shares=[3, 1], name="compare")
+    tabs = [compare, *columns()]
+    if gearing is not None:
+        tabs.append(train_tab("as measured", _full_colours(gearing), gearing, simulated=False))
+    return layout(tabs)
