@@ -97,12 +97,10 @@ def compare(
     pooled = RunningComparison(model, together)
     compared = []
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    twins = _POOL.map(lambda recording, chosen: simulate(model, recording, chosen, step=step), recordings, inputs)
-    for recording, chosen, twin in zip(recordings, inputs, twins, strict=True):
-        running = RunningComparison(model, chosen, period=recording.sample_period)
-        residuals = running.add_rows(recording.signals, twin.signals)
-        for name in residuals.keys() & set(explained_signals(chosen)):
-            stretches[name].append(stretch_of(recording, twin, residuals[name], model.value("machine.gear_ratio")))
+    besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step), recordings, inputs)
+    for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
+        for name, part in parts.items():
+            stretches[name].append(part)
         error = _torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
@@ -128,6 +126,18 @@ def compare(
         ),
         "rotary" if model.radius is None else "linear",
     )
+
+
+def _beside(
+    recording: Recording, model: Model, source: str, step: float | None
+) -> tuple[RunningComparison, dict[str, Stretch]]:
+    """The errors of a twin beside a recording, and those that are traced to a place; the twin itself is let go of."""
+    twin = simulate(model, recording, source, step=step)
+    running = RunningComparison(model, source, period=recording.sample_period)
+    residuals = running.add_rows(recording.signals, twin.signals)
+    ratio = model.value("machine.gear_ratio")
+    traced = [name for name in explained_signals(source) if name in residuals]
+    return running, {name: stretch_of(recording, twin, residuals[name], ratio) for name in traced}
 
 
 def _torque_error(recording: Recording, model: Model) -> TorqueError | None:

@@ -33,6 +33,7 @@ NAMED_INERTIA = 0.25  # relative, within which a factor of the inertia is a usua
 LEFT = 0.1  # of what friction leaves of the torque, in power: where an acceleration leaves more, it is not in charge
 OVER_LIMIT = 3.0  # times the drive's limit
 ALL_BUT_SPIKES = 0.999  # quantile of a current that is its largest
+PIECE = 300.0  # s that are judged at once: half an hour takes memory, and tells no more
 NOISY = 0.3  # of an acceleration: with more noise in it, a slope to it tells nothing
 
 LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
@@ -231,26 +232,11 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
         return
-    try:
-        seen = observe(recording, model)
-    except InputError:
-        return  # whoever needs the motion will say so
-    speed = seen.motion[seen.rows, SPEED]
-    needed = sum(part.value for part in parts) * seen.acceleration + _load(recording, model, seen)
-    columns = np.stack([needed, np.sign(speed), speed, np.ones(len(speed))], axis=1)
-    size = np.linalg.norm(columns, axis=0)
-    if len(speed) < FEWEST or not size.all():
-        return
-    if reading_noise(seen.acceleration) > NOISY * float(np.std(seen.acceleration)):
-        return
-    found, *_ = np.linalg.lstsq(columns / size, seen.torque, rcond=None)
-    left = seen.torque - columns / size @ found
-    without = columns[:, 1:] / size[1:]
-    rest = seen.torque - without @ np.linalg.lstsq(without, seen.torque, rcond=None)[0]
-    if float(left @ left) > LEFT * float(rest @ rest):
-        return
-    factor = float(found[0] / size[0])
-    if found[1] * factor < 0.0:  # a spring that the model lacks may turn the sign round, but not friction's
+    for start in np.arange(0.0, recording.duration, PIECE):
+        factor = _times_inertia(recording, start, model, sum(part.value for part in parts))
+        if factor is not None:
+            break  # the first piece that can tell does
+    else:
         return
     usual = {
         1000.0: "as if current were in mA and read as A",
@@ -265,6 +251,31 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
         "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
     )
+
+
+def _times_inertia(recording: Recording, start: float, model: Model, inertia: float) -> float | None:
+    """How many times the torque that the inertia [kg m^2] needs is there, from ``start`` [s] on; None: unknown."""
+    try:
+        piece = recording.between(start, start + PIECE)
+        seen = observe(piece, model)
+    except InputError:
+        return None  # whoever needs the motion will say so
+    speed = seen.motion[seen.rows, SPEED]
+    needed = inertia * seen.acceleration + _load(piece, model, seen)
+    columns = np.stack([needed, np.sign(speed), speed, np.ones(len(speed))], axis=1)
+    size = np.linalg.norm(columns, axis=0)
+    if len(speed) < FEWEST or not size.all():
+        return None
+    if reading_noise(seen.acceleration) > NOISY * float(np.std(seen.acceleration)):
+        return None
+    found, *_ = np.linalg.lstsq(columns / size, seen.torque, rcond=None)
+    left = seen.torque - columns / size @ found
+    without = columns[:, 1:] / size[1:]
+    rest = seen.torque - without @ np.linalg.lstsq(without, seen.torque, rcond=None)[0]
+    if float(left @ left) > LEFT * float(rest @ rest):
+        return None
+    factor = float(found[0] / size[0])
+    return factor if found[1] * factor >= 0.0 else None  # a spring that the model lacks turns no friction's sign round
 
 
 def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
