@@ -16,7 +16,7 @@ from .output import console, counted, say, sparkline, status
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
-from .wording import by_number
+from .wording import by_number, listed
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
@@ -133,6 +133,7 @@ def _show_errors(comparison: Comparison) -> None:
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
+    from ..comparison.compare import explained_signals
     from ..comparison.where import FEWEST_SAMPLES
 
     of = f" ({comparison.model})" if titled else ""
@@ -150,11 +151,13 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        why = (
-            f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
-            if few
-            else "where cannot be told: that takes the current and the motor's position or speed"
-        )
+        traced = explained_signals(comparison.input)
+        if few:
+            why = f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
+        elif poor.isdisjoint(traced):
+            why = f"where is told of {listed(name.replace('_', ' ') for name in traced)} only"
+        else:
+            why = "where cannot be told: that takes the current and the motor's position or speed"
         say(f"\nAbove the sensors' noise{of}: {names}; {why}.")
         return
     console.print(_where(found, f"\nWhere the model fails{of}"))
