@@ -9,6 +9,7 @@ from recorded import with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery import consistency
 from ema_twin_sim.discovery.consistency import inconsistencies
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
@@ -106,3 +107,39 @@ def test_a_load_that_the_model_knows_is_no_inertia(stock, load):
     turned = scaled(swung, current=-1.0, current_setpoint=-1.0)
     turned = replace(turned, output_angle_origin=swung.output_angle_origin)
     assert "sign were turned round" in str(next(inconsistencies(turned, loaded)))
+
+
+@pytest.fixture
+def minutes(stock, monkeypatch):
+    """A recording in three pieces, the first of them at rest, a sample of each unknown at its beginning."""
+    monkeypatch.setattr(consistency, "PIECE", 4.0)
+    loaded = stock.with_effect("gravity_load", {"torque": 2.0, "angle": 0.0})
+    swung = virtual_bench(loaded, parse_command("sine:0.05:1"), 12.0, name="swung", seed=4, origins=(0.0, math.pi))
+    signals = {name: np.where(swung.time < 4.0, values[0], values) for name, values in swung.signals.items()}
+    for values in signals.values():
+        values[::2000] = np.nan
+    return loaded, with_signals(swung, signals)
+
+
+def test_a_later_piece_tells_what_the_first_cannot(minutes):
+    loaded, swung = minutes
+    turned = scaled(swung, current=-1.0, current_setpoint=-1.0)
+    for origin in (math.pi, math.nan):  # an unknown one counts as zero
+        bench = loaded.with_value("effects.gravity_load.angle", 0.0 if origin == math.pi else math.pi)
+        assert not list(inconsistencies(replace(swung, output_angle_origin=origin), bench))
+        (found,) = inconsistencies(replace(turned, output_angle_origin=origin), bench)
+        assert "sign were turned round" in str(found)
+
+
+def test_a_clock_that_jumps_costs_nothing(driven, stock, monkeypatch):
+    stamps = driven.stamps.copy()
+    stamps[len(stamps) // 2 :] += 1_700_000_000 * 10**9
+    looked = []
+
+    def look(recording, start, *_):
+        looked.append(start)
+        assert len(looked) <= 2, "empty pieces are looked at"
+
+    monkeypatch.setattr(consistency, "_times_inertia", look)
+    assert not list(inconsistencies(replace(driven, stamps=stamps), stock))
+    assert looked

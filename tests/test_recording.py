@@ -82,6 +82,13 @@ def test_a_cut_keeps_command_and_position_on_one_zero():
     assert recording.between() is recording and recording.between(0.0, 9.0) is recording
 
 
+def test_a_cut_whose_first_position_is_unknown_begins_with_the_next():
+    recording = a_recording(signals={"motor_position": np.array([0.0, np.nan, 3.0, 6.0, 10.0])}, motor_angle_origin=1.0)
+    part = recording.between(0.002)
+    assert np.array_equal(part.signals["motor_position"], [np.nan, 0.0, 3.0, 7.0], equal_nan=True)
+    assert part.motor_angle_origin == 4.0
+
+
 def test_cuts_that_hold_nothing_are_refused():
     for start, end in ((math.nan, None), (None, math.inf), (None, -math.inf), (1e300, None), (None, -1e300), (0.01, 0)):
         with pytest.raises(InputError, match=r"run: .* it lasts from 0 s to 0\.012 s"):

@@ -3,7 +3,9 @@
 import io
 import re
 import socket
+import struct
 import subprocess
+import threading
 import time
 import urllib.error
 import urllib.parse
@@ -14,10 +16,13 @@ import pytest
 from PIL import Image
 
 from ema_twin_sim.views.palette import BEFORE, MEASURED
+from ema_twin_sim.views.web_page import WebPage
 from ema_twin_sim.views.web_viewer import WebViewer
 from tests.browser import CHROMIUM, Browser
 from tests.command_line import TWIN
 from tests.conftest import RECORDINGS
+
+DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +34,7 @@ def viewer():
 
 def answer(address, path="", **headers):
     try:
-        with urllib.request.urlopen(urllib.request.Request(address + path, headers=headers), timeout=10) as got:
+        with DIRECT.open(urllib.request.Request(address + path, headers=headers), timeout=10) as got:
             return got.status, got.headers, got.read()
     except urllib.error.HTTPError as error:
         return error.code, error.headers, b""
@@ -58,6 +63,37 @@ def test_only_what_is_asked_for_by_its_own_name(viewer):
     if not outward.startswith("127."):
         with pytest.raises(OSError):
             socket.create_connection((outward, port), 0.5)
+
+
+def test_a_proxy_is_not_asked(viewer, monkeypatch):
+    monkeypatch.setenv("http_proxy", "http://127.0.0.1:9")
+    monkeypatch.setattr(urllib.request, "_opener", None)  # else it keeps the proxies of its first use
+    assert answer(viewer.page, "re_viewer.js")[0] == 200
+
+
+@pytest.mark.parametrize("upstream", ["leaves", "is not there"])
+def test_a_viewer_that_does_not_answer_is_told_to_the_browser(upstream):
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        address = f"http://127.0.0.1:{silent.getsockname()[1]}"
+        page = WebPage(address, "rerun+http://127.0.0.1:9/proxy")
+        try:
+            if upstream == "leaves":
+                threading.Thread(target=lambda: silent.accept()[0].close(), daemon=True).start()
+            else:
+                silent.close()
+            assert answer(page.address, "re_viewer.js")[0] == 502
+        finally:
+            page.close()
+
+
+def test_a_browser_that_leaves_is_nothing_to_tell(viewer, capfd):
+    with socket.create_connection(("127.0.0.1", urllib.parse.urlsplit(viewer.page).port)) as browser:
+        browser.sendall(b"GET /re_viewer_bg.wasm HTTP/1.1\r\nHost: %s\r\n\r\n" % viewer.page[7:-1].encode())
+        assert browser.recv(100).startswith(b"HTTP/1.0 200")
+        browser.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))  # a reset, as of a closed tab
+    assert answer(viewer.page)[0] == 200
+    time.sleep(0.2)
+    assert capfd.readouterr().err == ""
 
 
 def test_it_ends():

@@ -159,7 +159,7 @@ class Recording:
         And into output_command, which is measured from the same zero as output_position.
         """
         signals = dict(self.signals)
-        shift = {name: float(signals[name][0]) for name in ("motor_position", "output_position") if name in signals}
+        shift = {name: _first(signals[name]) for name in ("motor_position", "output_position") if name in signals}
         for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
             if name in signals and origin in shift:
                 signals[name] = signals[name] - shift[origin]
@@ -175,6 +175,12 @@ class Recording:
         if not math.isfinite(time):
             raise InputError(f"{self.name}: {time} s is no time to cut at; it lasts from 0 s to {self.duration:g} s")
         return round(min(max(time, -1.0), self.duration + 1.0) * 1e9)
+
+
+def _first(values: np.ndarray) -> float:
+    """The first that is known, 0 where none is."""
+    known = values[np.isfinite(values)]
+    return float(known[0]) if known.size else 0.0
 
 
 def refuse_points(recording: Recording) -> None:

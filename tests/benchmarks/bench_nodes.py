@@ -31,10 +31,10 @@ MODULES = {
     "replay": "ema_bench_replay.nodes.replay",
     "plain": "tests.benchmarks.plain_nodes",
 }
-MOST_OF_A_CORE = 1.5
-LATEST_ANSWER = 1.5
-MEDIAN_ANSWER = 1.5
-"""Times what the plain node takes; and so the next."""
+TIMES_PLAIN = 1.5
+"""Most that a node may take, of a core and of time to answer, where the plain one takes 1."""
+SOON_ENOUGH = 5.0
+"""ms in which an answer is on time, whatever the plain node does."""
 MOST_MISSED = 0.05
 """Share of the periods beyond that which a plain timer misses."""
 SETTLING, MEASURED, WINDOWS = 3.0, 4.0, 3
@@ -134,7 +134,7 @@ def test_processor_time_at_500_hz(start, observer, trace, tmp_path, capsys):
         for name, share in shares.items():
             print(f"{name:10} {share:6.1%}")
     plain = shares.pop("plain")
-    assert max(shares.values()) <= MOST_OF_A_CORE * plain
+    assert max(shares.values()) <= TIMES_PLAIN * plain
 
 
 @pytest.mark.timeout(120)
@@ -149,8 +149,8 @@ def test_the_twin_answers_in_time(start, observer, trace, tmp_path, capsys):
         took[node] = median, late, latest = np.percentile(np.array(answered) * 1e-6, [50, 99, 100])
         with capsys.disabled():
             print(f"\n{node} node: answers after {median:.2f} ms (median), p99 {late:.2f} ms, longest {latest:.2f} ms")
-    assert took["twin"][0] <= MEDIAN_ANSWER * took["plain"][0]
-    assert took["twin"][1] <= LATEST_ANSWER * took["plain"][1]
+    for twin, plain in zip(took["twin"][:2], took["plain"][:2], strict=True):
+        assert twin <= max(SOON_ENOUGH, TIMES_PLAIN * plain)
 
 
 @pytest.mark.timeout(120)
@@ -171,12 +171,15 @@ def test_a_standalone_twin_misses_few_periods(start, observer, rate, capsys):
     observer.listen()
     start(MODULES["twin"], "input:=standalone", "command:=sine:0.02:1", f"rate:={rate}.0")
     start(MODULES["plain"], f"rate:={rate}.0")
+    both = [observer.sent[node] for node in ("twin", "plain")]
+    observer.spin_until(lambda: all(both))
+    begin = max(min(sent.values()) for sent in both)  # both are up
+    end = begin + round(MEASURED * 1e9)
+    observer.spin_until(lambda: min(max(sent.values()) for sent in both) >= end)
     missed = {}
     for node in ("twin", "plain"):
-        sent = observer.sent[node]
-        observer.spin_until(lambda sent=sent: len(sent) >= MEASURED * rate)
-        elapsed = (max(sent.values()) - min(sent.values())) * 1e-9
-        missed[node] = 1.0 - (len(sent) - 1) / (elapsed * rate)
+        sent = sum(begin <= stamp < end for stamp in observer.sent[node].values())
+        missed[node] = 1.0 - sent / (MEASURED * rate)
         with capsys.disabled():
             print(f"\n{node} node by its own timer, {rate} Hz: {missed[node]:.2%} of the periods missed")
     assert missed["twin"] <= missed["plain"] + MOST_MISSED

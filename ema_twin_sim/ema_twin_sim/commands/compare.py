@@ -133,7 +133,6 @@ def _show_errors(comparison: Comparison) -> None:
 
 
 def _show_where(comparison: Comparison, *, titled: bool) -> None:
-    from ..comparison.compare import explained_signals
     from ..comparison.where import FEWEST_SAMPLES
 
     of = f" ({comparison.model})" if titled else ""
@@ -151,10 +150,10 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
-        traced = explained_signals(comparison.input)
+        traced = dict.fromkeys(d.signal for d in comparison.where)
         if few:
             why = f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
-        elif poor.isdisjoint(traced):
+        elif traced:
             why = f"where is told of {listed(name.replace('_', ' ') for name in traced)} only"
         else:
             why = "where cannot be told: that takes the current and the motor's position or speed"

@@ -97,4 +97,5 @@ def open_view(
         return None
     from ..views.rerun_view import RerunView
 
-    return LiveView(*(RerunView(each, "ema-twin live", floors, model=model) for each in into))
+    shown = web.sink if web is not None else None
+    return LiveView(*(RerunView(each, "ema-twin live", floors, model=model, in_browser=each == shown) for each in into))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +28,8 @@ MIXED = "mixed"
 """The input of a comparison whose recordings are driven by different signals."""
 
 Signals = dict[str, SignalError]
+
+_UNITS = UNITS | {"motor_torque": "N m"}
 
 _POOL = ThreadPoolExecutor(os.cpu_count())
 """Recordings are simulated side by side: compiled code holds no lock."""
@@ -106,7 +108,10 @@ def compare(
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
         pooled.include(running)
         progress(recording.name)
-    torques = {"current": model.value("machine.torque_constant"), "unexplained_torque": 1.0}
+    constant = model.value("machine.torque_constant")
+    torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
+    if _by_torque(recordings):
+        stretches["motor_torque"] = [replace(s, residual=s.residual * constant) for s in stretches.pop("current")]
     standstill = 0.5 * HOLDING if together == POINTWISE else STANDSTILL
     where = [
         dependence
@@ -137,7 +142,8 @@ def _beside(
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
     traced = [name for name in explained_signals(source) if name in residuals]
-    return running, {name: stretch_of(recording, twin, residuals[name], ratio) for name in traced}
+    own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # no view that keeps all rows
+    return running, {name: stretch_of(recording, twin, values, ratio) for name, values in own.items()}
 
 
 def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
@@ -151,15 +157,20 @@ def _dependences(
 ) -> list[Dependence]:
     """Where a signal's residual is large, in the machine's own units; ``standstill`` [rad/s]."""
     if model.radius is None:
-        return find_dependences(name, UNITS[name], parts, torque, standstill=standstill)
-    (_, unit), (way, _) = shown(model, 1.0, UNITS[name]), shown(model, 1.0, "rad")
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=standstill)
+    (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     own = [in_own_units(model, name, part) for part in parts]
     return find_dependences(name, unit, own, torque, motion="linear", standstill=standstill * way)
 
 
+def _by_torque(recordings: Sequence[Recording]) -> bool:
+    """Whether no recording has a current: the errors are those of the drive's torque."""
+    return all(BY_TORQUE in recording.metadata for recording in recordings)
+
+
 def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
     """The errors; the current's as the drive's torque where no recording has a current."""
-    if not all(BY_TORQUE in recording.metadata for recording in recordings):
+    if not _by_torque(recordings):
         return signals
     constant = model.value("machine.torque_constant")
     found: Signals = {}
@@ -183,7 +194,7 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
 
 def in_own_units(model: Model, name: str, stretch: Stretch) -> Stretch:
     """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
-    residual, way = shown(model, 1.0, UNITS[name])[0], shown(model, 1.0, "rad")[0]
+    residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
     scaled = (stretch.residual * residual, stretch.speed * way, stretch.motor_angle * way)
     return Stretch(*scaled, stretch.output_position * way, stretch.time)
 

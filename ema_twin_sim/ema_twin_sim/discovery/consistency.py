@@ -232,7 +232,12 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
         return
-    for start in np.arange(0.0, recording.duration, PIECE):
+    recording = replace(  # unknown origins are zero of the whole, not of each piece
+        recording,
+        motor_angle_origin=float(np.nan_to_num(recording.motor_angle_origin)),
+        output_angle_origin=float(np.nan_to_num(recording.output_angle_origin)),
+    )
+    for start in PIECE * np.unique(recording.time // PIECE):
         factor = _times_inertia(recording, start, model, sum(part.value for part in parts))
         if factor is not None:
             break  # the first piece that can tell does

@@ -242,8 +242,8 @@ class MonitorNode(Node):
             **pairing.bench.figures("bench samples"),
             **pairing.twin.figures("twin samples"),
         }
-        if self.mixed:
-            return diagnostics.Report(diagnostics.ERROR, self.mixed, figures)
+        if mixed := self.mixed:
+            return diagnostics.Report(diagnostics.ERROR, mixed, figures)
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
         )

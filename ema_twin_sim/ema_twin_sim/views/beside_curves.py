@@ -83,8 +83,10 @@ def curves_tab(given: Shown) -> rrb.Container:
     return rrb.Tabs(*tabs, active_tab=given.telling, name="compare")
 
 
-def signal_column(at: str, name: str, unit: str, residual_unit: str, along: str = "") -> rrb.Container:
-    """One signal above, its residual below; ``along`` says what stands for the time."""
+def signal_column(
+    at: str, name: str, unit: str, residual_unit: str, along: str = "", tab: str | None = None
+) -> rrb.Container:
+    """One signal above, its residual below; ``along`` says what stands for the time, ``tab`` names it as a tab."""
     over = f" over {along}, a second for each unit" if along else ""
     words = signal_words(name)
     above = f"{words} [{unit}]: measured and twin{over}"
@@ -94,7 +96,7 @@ def signal_column(at: str, name: str, unit: str, residual_unit: str, along: str 
     return rrb.Vertical(
         rrb.TimeSeriesView(origin=f"{at}/curves", name=above, axis_x=together, plot_legend=legend),
         rrb.TimeSeriesView(origin=f"{at}/residual", name=below, axis_x=together, plot_legend=legend),
-        name=words,
+        name=tab,
     )
 
 

@@ -13,6 +13,7 @@ import rerun.blueprint as rrb
 from ..comparison.running_comparison import UNITS
 from ..model import Model
 from ..plant.planetary.geometry import Gearing
+from ..report.content import signal_words
 from .beside_curves import signal_column, style_noise
 from .gear_train import log_train, send_motion, train_tab
 from .palette import AFTER, BEFORE, GOOD, MEASURED, RIVAL
@@ -62,6 +63,7 @@ class RerunView:
         noise_floor: Mapping[str, float],
         *,
         model: Model | None = None,
+        in_browser: bool = False,
     ) -> None:
         """Raises InputError where the file cannot be written."""
         self.into = into
@@ -74,7 +76,8 @@ class RerunView:
         self._sent = -np.inf
         self._stream = rr.RecordingStream(LIVE_APPLICATION, send_properties=False)
         sink = rr.GrpcSink(into) if isinstance(into, str) else open_for_writing(into)
-        begin(self._stream, sink, live_blueprint(self._gearing))
+        # a browser gets what was sent before it came in another order, and leaves a layout out that is but the default
+        begin(self._stream, sink, live_blueprint(self._gearing), active=in_browser)
         self._stream.send_recording_name(title)
         self._style()
 
@@ -197,8 +200,8 @@ def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
 def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
     """The tabs of a live view: all signals side by side, then each alone, as a narrow screen shows it."""
 
-    def columns() -> list[rrb.Container]:
-        return [signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}") for name in SHOWN]
+    def column(name: str, tab: str | None = None) -> rrb.Container:
+        return signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}", tab=tab)
 
     told = [
         rrb.TimeSeriesView(
@@ -213,8 +216,10 @@ def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
             columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["Body"]),
         ),
     ]
-    compare = rrb.Vertical(rrb.Horizontal(*columns()), rrb.Horizontal(*told), row_shares=[3, 1], name="compare")
-    tabs = [compare, *columns()]
+    compare = rrb.Vertical(
+        rrb.Horizontal(*map(column, SHOWN)), rrb.Horizontal(*told), row_shares=[3, 1], name="compare"
+    )
+    tabs = [compare, *(column(name, signal_words(name)) for name in SHOWN)]
     if gearing is not None:
         tabs.append(train_tab("as measured", _full_colours(gearing), gearing, simulated=False))
     return layout(tabs)

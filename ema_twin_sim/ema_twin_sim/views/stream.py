@@ -55,11 +55,12 @@ def open_for_writing(path: Path) -> rr.FileSink:
     return rr.FileSink(str(path))
 
 
-def begin(stream: rr.RecordingStream, sink: rr.FileSink | rr.GrpcSink, blueprint: rrb.Blueprint) -> None:
-    """Send to a file or a viewer from now on, the layout first."""
+def begin(
+    stream: rr.RecordingStream, sink: rr.FileSink | rr.GrpcSink, blueprint: rrb.Blueprint, *, active: bool = False
+) -> None:
+    """Send to a file or a viewer from now on, the layout first: where ``active``, in place of the viewer's own."""
     stream.set_sinks(sink)  # given a blueprint too, rerun would wait without end for who does not take it
-    # a browser gets what was sent before it came in another order, and then leaves a mere default out
-    stream.send_blueprint(blueprint, make_active=isinstance(sink, rr.GrpcSink), make_default=True)
+    stream.send_blueprint(blueprint, make_active=active, make_default=True)
 
 
 def finish_file(stream: rr.RecordingStream, path: Path, written: Path | None = None) -> None:

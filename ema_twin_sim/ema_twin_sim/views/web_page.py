@@ -7,10 +7,10 @@ import shutil
 import sys
 import threading
 import urllib.request
+from http.client import HTTPException
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
-from urllib.error import URLError
 
 from .screen import ADDRESS
 
@@ -21,8 +21,6 @@ _VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "applicati
 
 
 class _Server(ThreadingHTTPServer):
-    daemon_threads = True
-
     def handle_error(self, *request: Any) -> None:
         if not isinstance(sys.exc_info()[1], ConnectionError):  # else the browser went away: nobody is left to be told
             super().handle_error(*request)
@@ -54,11 +52,13 @@ class WebPage:
                     self.wfile.write(text.encode())
                 elif path in _VIEWERS:
                     try:
-                        with _DIRECT.open(viewer + path, timeout=_PATIENCE) as file:
-                            self._begin(_VIEWERS[path])
-                            shutil.copyfileobj(file, self.wfile)
-                    except (URLError, TimeoutError):
+                        file = _DIRECT.open(viewer + path, timeout=_PATIENCE)
+                    except (OSError, HTTPException):
                         self.send_error(502)
+                        return
+                    with file:
+                        self._begin(_VIEWERS[path])
+                        shutil.copyfileobj(file, self.wfile)
                 else:
                     self.send_error(404)
 
