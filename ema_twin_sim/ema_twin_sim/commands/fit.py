@@ -104,7 +104,7 @@ def show(found: FitResult, before: Model) -> None:
         console.print(_parameters(found, before))
     if found.constants:
         console.print(_constants(found))
-    console.print(_errors(found))
+    console.print(errors_table(found))
     show_torque_errors(found.torque_errors, found.model.motion)
     for note in found.notes:
         say(f"Note: {note}.")
@@ -142,7 +142,8 @@ def _constants(found: FitResult) -> ReportTable:
     return table
 
 
-def _errors(found: FitResult) -> ReportTable:
+def errors_table(found: FitResult) -> ReportTable:
+    """The errors before and after, on what was not fitted to."""
     table = ReportTable(f"\nErrors: {found.judged_on}")
     table.words("signal")
     table.numbers("RMSE before", "after", "noise floor")
