@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from recorded import with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -46,6 +47,23 @@ def test_the_same_on_the_held_out_recordings_of_another_virtual_bench(bench_case
     before, after = (compare(held_out, model) for model in (stock, better))
     for signal in ("current", "output_position"):
         assert excess_removed(before.overall, after.overall, signal) > 0.9
+
+
+def test_a_drive_that_tells_its_torque_is_told_where_that_fails(stock):
+    hidden = stock.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
+    bench = virtual_bench(hidden, parse_command("sine:0.02:1"), 5.0, name="by torque", seed=1)
+    signals = dict(bench.signals)
+    signals["motor_torque"] = stock.value("machine.torque_constant") * signals.pop("current")
+    del signals["current_setpoint"]
+    by_torque, by_current = compare([with_signals(bench, signals)], stock), compare([bench], stock)
+    told, other = (
+        {d.variable: d for d in c.where if d.signal == s}
+        for c, s in ((by_torque, "motor_torque"), (by_current, "current"))
+    )
+    assert "current" not in {d.signal for d in by_torque.where} and told.keys() == other.keys()
+    for variable, dependence in told.items():
+        assert dependence.unit == "N m" and dependence.share == pytest.approx(other[variable].share)
+        assert dependence.rmse_there == pytest.approx(1.91 * other[variable].rmse_there)
 
 
 def test_the_numbers_are_those_of_their_definition(stock, recordings):
