@@ -4,7 +4,6 @@ Times stand beside those of Python and of numba alone, taken in the same run: ma
 """
 
 import csv
-import os
 import subprocess
 import sys
 import time
@@ -29,14 +28,20 @@ MOST_TO_IMPORT, MOST_TO_COMPARE = 1.5, 5.0
 """Times what Python, and the import of numba, take."""
 
 
+OBSERVER = """
+import resource, subprocess, sys, time
+begin = time.perf_counter()
+subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL, check=True)
+print(time.perf_counter() - begin, resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024.0)
+"""
+"""A small process that starts the measured one: a child's peak begins with the memory of who starts it."""
+
+
 def measured(*command):
     """(wall seconds, peak MiB) of one process."""
-    begin = time.perf_counter()
-    process = subprocess.Popen([*map(str, command)], stdout=subprocess.DEVNULL)
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode == 0
-    return time.perf_counter() - begin, usage.ru_maxrss / 1024.0
+    told = subprocess.run([sys.executable, "-c", OBSERVER, *map(str, command)], capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    return tuple(map(float, told.stdout.split()))
 
 
 @pytest.fixture
