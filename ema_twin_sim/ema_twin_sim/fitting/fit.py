@@ -138,7 +138,7 @@ def fit_model(
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     notes = list(freedom.notes)
-    notes += _doubts(before, after)
+    notes += _doubts(before, after, _parts_encoders(fitted))
     for k in loosened:
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
@@ -218,16 +218,17 @@ def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
         return math.inf
 
 
-def _doubts(before: Errors, after: Errors) -> list[str]:
-    """What to say of a fit that leaves much, or makes worse what it was not fitted to."""
+def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
+    """What to say of a fit that leaves much, or makes worse what it was not fitted to; ``hit``: teeth meet in it."""
     told = {signal: error for signal, error in after.items() if _tells(signal, error, after)}
     notes = []
     worst = max(told, key=lambda s: told[s]["rmse"] / max(told[s]["noise_floor"], 1e-300), default=None)
     if worst is not None and told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
         times = told[worst]["rmse"] / told[worst]["noise_floor"]
         notes.append(
-            f"what is left of the {worst.replace('_', ' ')} is {times:.0f} times the noise: the model lacks something, "
-            "or does not fit at all; diagnose tells what"
+            f"what is left of the {worst.replace('_', ' ')} is {times:.0f} times the noise: "
+            + ("impacts leave that much where their instants are a millisecond off; else " if hit else "")
+            + "the model lacks something, or does not fit at all; diagnose tells what"
         )
     for signal, error in told.items():
         if error["rmse"] > WORSE * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
