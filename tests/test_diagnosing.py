@@ -265,7 +265,7 @@ class TestTheKeysOfALiveRun:
     def test_what_was_added_is_told_with_the_constants_and_where_it_is_kept(self, capsys):
         services = Services(words="backlash width 4.0 mrad; and 7 constants refitted")
         assert "and 7 constants refitted. Watch" in self.pressed("a", capsys, services)
-        assert "-o NEW writes it" in self.pressed("a", capsys, services)
+        assert "live with -o NEW does" in self.pressed("a", capsys, services)
         assert "new.yaml will hold it" in self.pressed("a", capsys, services, output=Path("new.yaml"))
 
 

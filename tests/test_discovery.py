@@ -8,6 +8,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.equation import Equation
@@ -15,6 +16,7 @@ from ema_twin_sim.discovery.fit import fit
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.discovery.observation import despiked, observe, observe_all
 from ema_twin_sim.discovery.smoothing import gaussian, smooth
+from ema_twin_sim.discovery.unseen import WORSE
 from tests.recorded import COMMANDS, record, with_signals
 
 
@@ -151,6 +153,17 @@ def test_a_gap_and_a_nan_do_not_matter(stock):
     current[1000:1040] = np.nan
     found = discover([with_signals(runs[0], {**runs[0].signals, "current": current}), *runs[1:]], stock)
     assert found.added == ("constant_load",)
+
+
+def test_constants_that_a_search_would_draw_away_are_kept(stock, traces):
+    """What is left beside play lies at impacts, which torques tell less of than the simulated loop."""
+    true = stock.with_effect("backlash", {"width": 0.004})
+    true = true.with_effect("stribeck_friction", {"torque": 0.08, "speed": 2.0})
+    recordings = [load(trace) for trace in traces]
+    found = discover(recordings, true)
+    assert (found.verdict, found.added) == ("none", ()) and not found.unseen.worsens
+    before, after = (compare(recordings, model).overall["current"]["rmse"] for model in (true, found.model))
+    assert after <= WORSE * before
 
 
 def test_play_and_friction_in_the_projects_own_recordings(traces, stock):

@@ -113,8 +113,10 @@ class Keys:
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
-        kept = f"{self._output} will hold it" if self._output else "live with -o NEW writes it"
-        say(f"At the end, {kept}.", style="green")
+        if self._output:
+            say(f"At the end, {self._output} will hold it.", style="green")
+        else:
+            say("This run keeps it nowhere: live with -o NEW does.", style="green")
         self._tell(f"added: {words}")
 
     def _services(self) -> DiagnosisNode:

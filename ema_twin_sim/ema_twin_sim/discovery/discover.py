@@ -132,9 +132,10 @@ def discover(
         known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
         unseen = judge_unseen(eq, recordings, found)
-    as_given = not known and not unseen.betters
-    if as_given:  # what is unknown may draw everything beside it away
-        found = found.ended(fit(eq, null, 0), eq.reach, "beside what is unknown it makes the model no better")
+    refitted = known and not found.fit.hypothesis.added and not model.is_open
+    as_given = (not known and not unseen.betters) or (refitted and unseen.worsens)
+    if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
+        found = found.ended(fit(eq, null, 0), eq.reach, "beside what is left it makes the model no better")
         unseen = judge_unseen(eq, recordings, found, as_given=True)
     best = found.fit
     unseen = unseen.shown(model)

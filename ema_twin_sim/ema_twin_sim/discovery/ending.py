@@ -40,8 +40,9 @@ def why_ended(eq: Equation, verdict: str, found: Search, depends_on: tuple[str, 
     if not last.tried:
         return "nothing is left to try"
     if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
+        remedy = ": ema-twin fit with the new model brings them nearer" if found.fit.hypothesis.added else ""
         return (
             "no effect explains more; what the simulated current still misses lies at impacts, whose instants take "
-            "every number to the per mille: ema-twin fit with the new model brings them nearer"
+            f"every number to the per mille{remedy}"
         )
     return "no effect explains more of what is left than the sensors' noise would let it by chance"

@@ -21,6 +21,8 @@ from .side_by_side import simulations
 from .trace import Search
 from .uncertainty import held_out
 
+WORSE = 1.2  # times the error of the start, from which on the end is worse
+
 
 @dataclass(frozen=True)
 class Unseen:
@@ -44,6 +46,11 @@ class Unseen:
     def betters(self) -> bool:
         """Whether the end is nearer to the recordings than the start: in the signal, or in how the encoders part."""
         return self.rmse[-1] < self.rmse[0] or (self.encoders and self.output[-1] < self.output[0])
+
+    @property
+    def worsens(self) -> bool:
+        """Whether the end is clearly farther from the recordings than the start."""
+        return self.rmse[-1] > WORSE * max(self.rmse[0], self.noise_floor)
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
