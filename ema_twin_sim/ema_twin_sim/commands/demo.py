@@ -126,7 +126,7 @@ def run(
     )
     better = load_model(better_file)
     after = compare_models(recordings, better)
-    with status() as progress:  # the search looked at torques: impacts take the numbers that the loop itself shows
+    with status() as progress:
         fitted = fit_model(recordings, better, progress=progress)
     fitted_file = save_model(fitted.model, output / "fitted.yaml", force=True)
     console.print(errors_table(fitted))

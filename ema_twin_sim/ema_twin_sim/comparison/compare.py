@@ -30,6 +30,7 @@ MIXED = "mixed"
 Signals = dict[str, SignalError]
 
 _UNITS = UNITS | {"motor_torque": "N m"}
+"""Of what is traced to a place: the signals, and the drive's torque in the current's stead."""
 
 _POOL = ThreadPoolExecutor(os.cpu_count())
 """Recordings are simulated side by side: compiled code holds no lock."""

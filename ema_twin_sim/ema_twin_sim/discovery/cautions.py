@@ -1,6 +1,6 @@
 """Cautions that come with a finding, in words."""
 
-REAL = (
+OPEN_CONSTANTS = (
     "constants of this model are open: effects count as found where hardly anything is left of the torque, and what is "
     "left is not held against the sensors' noise",
 )

@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.equivalent import as_rotary, given_back
-from .cautions import ALONE, REAL
+from .cautions import ALONE, OPEN_CONSTANTS
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
 from .contradictions import contradictions
@@ -132,8 +132,8 @@ def discover(
         known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
         unseen = judge_unseen(eq, recordings, found)
-    refitted = known and not found.fit.hypothesis.added and not model.is_open
-    as_given = (not known and not unseen.betters) or (refitted and unseen.worsens)
+    constants_alone = known and not found.fit.hypothesis.added and not model.is_open
+    as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is left it makes the model no better")
         unseen = judge_unseen(eq, recordings, found, as_given=True)
@@ -158,7 +158,7 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
             *far_off(best),
-            *(REAL if model.is_open and known and best.hypothesis.added else ()),
+            *(OPEN_CONSTANTS if model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
         ),
         unseen,
