@@ -16,6 +16,7 @@ import rclpy
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -75,6 +76,11 @@ def spin(executor: Executor, until: Callable[[], bool], context: Context | None 
             executor.spin_once(timeout_sec=_TIMEOUT)
     except ExternalShutdownException:
         pass
+
+
+def all_received(nodes: Iterable[Node]) -> bool:
+    """Whether every reliable reader of the nodes' topics has received all that was published."""
+    return all(publisher.wait_for_all_acked(Duration()) for node in nodes for publisher in node.publishers)
 
 
 def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> Timer:

@@ -18,21 +18,26 @@ from rclpy.signals import SignalHandlerOptions
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.replay import ReplayNode
-from ema_bench_replay.nodes.spin import interrupted, make_executor, signals_end_the_loop, spin, steady_timer
+from ema_bench_replay.nodes.spin import (
+    all_received,
+    interrupted,
+    make_executor,
+    signals_end_the_loop,
+    spin,
+    steady_timer,
+)
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError
 from ..model import Model
+from .idle_time import IdleTime
 from .monitor import MonitorNode
 from .twin import TwinNode
 
 _TICK = 0.05
 """s between two batches of pairs."""
 _PATIENCE = 3.0
-"""s without a new pair after the last sample was sent, and then what is missing will not come."""
-
-_RECORDER_LAG = 0.3
-"""s after the end in which the recorder receives what is on its way."""
+"""s in which nothing arrives anywhere after the last sample was sent: then what is missing will not come."""
 
 
 class Pair(NamedTuple):
@@ -94,7 +99,7 @@ class _Session:
     last_stamp: int = 0
     began: float = 0.0  # s on the monotonic clock, and so the next
     ended: float = 0.0
-    progress: tuple[int, float] = (0, 0.0)  # pairs compared, and when that number last changed
+    idle: IdleTime = field(default_factory=lambda: IdleTime(2.0 * _TICK))
 
     def take_pair(
         self, stamp: int, bench: Mapping[str, float], twin: Mapping[str, float], residuals: Mapping[str, float]
@@ -120,8 +125,6 @@ class _Session:
         if warning and warning not in self.warnings:
             self.warnings.append(warning)
             self.notify(f"warning: {warning}")
-        if self.monitor.pairing.compared != self.progress[0] or not (self.replay and self.replay.ended):
-            self.progress = self.monitor.pairing.compared, time.monotonic()
 
     def _make(self, change: Change) -> None:
         (answer,) = self.twin.set_parameters([Parameter(change.parameter, value=change.value)])
@@ -140,7 +143,15 @@ class _Session:
             return True
         if self.replay is None or not self.replay.ended:
             return False
-        return self.monitor.complete or time.monotonic() - self.progress[1] > _PATIENCE
+        if self.monitor.expected and self.monitor.complete:  # a run that was not announced yet is complete at any time
+            return True
+        return self.idle.look(self._arrived, time.monotonic()) > _PATIENCE
+
+    @property
+    def _arrived(self) -> tuple[int, ...]:
+        """What has arrived so far at the monitor, which hears both the bench and the twin."""
+        pairing = self.monitor.pairing
+        return pairing.bench.received, pairing.twin.received, pairing.compared
 
     def result(self, recording: Recording | None) -> LiveResult:
         """What the nodes ended with."""
@@ -239,8 +250,8 @@ def run_live(
             spin(executor, session.over, context)
             session.tick()
             if record_to is not None:  # the recorder may be a few messages behind the monitor
-                end = time.monotonic() + _RECORDER_LAG
-                spin(executor, lambda: time.monotonic() > end, context)
+                lag = IdleTime(2.0 * _TICK)
+                spin(executor, lambda: all_received(nodes) or lag.look(None, time.monotonic()) > _PATIENCE, context)
             executor.shutdown()
             return session.result(recording)
         finally:
