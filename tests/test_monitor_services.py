@@ -43,7 +43,7 @@ class Bench:
         self.graph.spin_until(lambda: self.health and self.health[-1].compared > samples, PATIENCE)
 
     def whole_run(self):
-        """The last health of the next run that begins from here: RMSE over the whole recording, but for its last 0.1 s."""
+        """The last health of the next run that begins: RMSE over the whole recording, but for its last 0.1 s."""
         for _ in range(2):
             present = self.health[-1].run
             self.graph.spin_until(lambda run=present: self.health[-1].run != run, PATIENCE)
