@@ -12,9 +12,10 @@ from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.measured.scales import drum_radius
 from ema_twin_sim.model import load_model, save_model
-from ema_twin_sim.model.equivalent import drum_radius, given_back, rotary, round_the_drum
 from ema_twin_sim.model.matching import matched
+from ema_twin_sim.model.own_units import OwnUnits, model_in, native, recording_in
 from tests.command_line import refused
 from tests.recorded import record
 
@@ -42,12 +43,12 @@ def emps():
 def test_the_drum_and_back_is_the_same_model(emps):
     for id in catalogue():
         emps = emps if id in emps.effects else emps.with_effect(id)
-    drum = rotary(emps, 0.01)
-    assert (drum.motion, drum.radius) == ("rotary", 0.01)
+    drum = model_in(emps, OwnUnits(radius=0.01))
+    assert (drum.motion, drum.units.radius) == ("rotary", 0.01)
     assert drum.value("machine.motor_inertia") == pytest.approx(50.0 * 0.01**2)
     assert drum.effects["viscous_friction"].parameters["coefficient"] == pytest.approx(100.0 * 0.01**2)
-    back = given_back(drum)
-    assert (back.motion, back.radius) == ("linear", None)
+    back = native(drum)
+    assert (back.motion, back.units) == ("linear", None)
     for path, held in emps.constants.items():
         assert back.value(path) == pytest.approx(held.value, rel=1e-12)
     for name, instance in emps.effects.items():
@@ -56,8 +57,8 @@ def test_the_drum_and_back_is_the_same_model(emps):
 
 def test_power_is_the_same_round_the_drum(emps):
     recording = matched(carriage(), emps)
-    radius = drum_radius([recording], emps)
-    turned = round_the_drum(recording, radius)
+    radius = drum_radius([recording])
+    turned = recording_in(recording, OwnUnits(radius=radius))
     power = [r.signals["motor_torque"] * np.gradient(r.signals["motor_position"], r.time) for r in (recording, turned)]
     assert np.allclose(*power, rtol=1e-9)
 

@@ -12,7 +12,7 @@ import pytest
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.discovery.bench_limits import Limits, driven_limits, reached, widened
-from ema_twin_sim.discovery.command_grid import command_grid, nice
+from ema_twin_sim.discovery.command_grid import command_grid, round_number
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.doubts import doubts
 from ema_twin_sim.discovery.next_command import DECIDED
@@ -218,8 +218,8 @@ def test_every_command_of_the_grid_keeps_within_limits(limits, few):
 
 def test_round_numbers_do_not_round_up():
     values = 10.0 ** np.random.default_rng(0).uniform(-6, 3, 200)
-    assert all(0.7 * value < nice(value) <= value * (1.0 + 1e-9) for value in values)
-    assert nice(0.0) == nice(-1.0) == 0.0
+    assert all(0.7 * value < round_number(value) <= value * (1.0 + 1e-9) for value in values)
+    assert round_number(0.0) == round_number(-1.0) == 0.0
 
 
 def test_limits_know_what_exceeds_them():

@@ -13,9 +13,10 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..discovery.consistency import inconsistencies
+from ..measured.scales import to_rotary_equivalent
 from ..model import Model
-from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
+from ..model.own_units import shown
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
@@ -94,7 +95,7 @@ def compare(
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``progress``
     is called with each recording's name when it is done. Raises InputError where a recording lacks the input's signal.
     """
-    recordings, model = as_rotary(recordings, model)
+    recordings, model = to_rotary_equivalent(recordings, model)
     inputs = [choose_input(recording, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
     pooled = RunningComparison(model, together)
@@ -130,7 +131,7 @@ def compare(
             *(warning for recording in recordings for warning in recording.warnings),
             *(str(found) for recording in recordings for found in inconsistencies(recording, model)),
         ),
-        "rotary" if model.radius is None else "linear",
+        "rotary" if model.units is None else "linear",
     )
 
 
@@ -157,7 +158,7 @@ def _dependences(
     model: Model, name: str, parts: Sequence[Stretch], torque: float | None, standstill: float
 ) -> list[Dependence]:
     """Where a signal's residual is large, in the machine's own units; ``standstill`` [rad/s]."""
-    if model.radius is None:
+    if model.units is None:
         return find_dependences(name, _UNITS[name], parts, torque, standstill=standstill)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     own = [in_own_units(model, name, part) for part in parts]

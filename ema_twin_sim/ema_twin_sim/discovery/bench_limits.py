@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import Model
+from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
 from .observation import Observation
 
@@ -30,6 +31,19 @@ class Limits:
     lower: float
     upper: float
     current: float
+
+    def shown(self, model: Model) -> Limits:
+        """Limits that are told in a model's own units, in SI."""
+        return self._times(model, 1)
+
+    def told(self, model: Model) -> Limits:
+        """Limits in SI, in a model's own units."""
+        return self._times(model, -1)
+
+    def _times(self, model: Model, sign: int) -> Limits:
+        units = {"speed": "rad/s", "acceleration": "rad/s^2", "lower": "rad", "upper": "rad", "current": "A"}
+        factors = {name: shown(model, 1.0, unit)[0] ** sign for name, unit in units.items()}
+        return Limits(**{name: getattr(self, name) * factor for name, factor in factors.items()})
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -53,7 +67,7 @@ class Limits:
         )
 
     def exceeded(self, done: Limits) -> tuple[str, ...]:
-        """Which of these limits something has gone beyond, with what it reached and what they are."""
+        """Which of these limits (SI) something has gone beyond, with what it reached and what they are."""
         found = [
             f"{name} {reached:.2g} {unit} (so far {limit:.2g})"
             for name, reached, limit, unit in (

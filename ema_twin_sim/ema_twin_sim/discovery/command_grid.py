@@ -19,11 +19,13 @@ _HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # s
 
 @dataclass(frozen=True)
 class Planned:
-    """A command as ``simulate --command`` takes it, and for how long it is worth recording."""
+    """A command, and for how long it is worth recording: in own units, and in SI as ``simulate`` takes it."""
 
     command: str
     seconds: float
     turns: int  # how often its half periods end
+    asked: str  # the command in SI
+    lasts: float  # s
 
     @property
     def kind(self) -> str:
@@ -31,47 +33,71 @@ class Planned:
         return self.command.partition(":")[0]
 
 
-def command_grid(limits: Limits, slowest: float, position_gain: float, *, few: bool = False) -> tuple[Planned, ...]:
+def command_grid(
+    limits: Limits,
+    slowest: float,
+    position_gain: float,
+    *,
+    few: bool = False,
+    second: float = 1.0,
+    radian: float = 1.0,
+) -> tuple[Planned, ...]:
     """Commands whose speed and travel keep within limits; ``few`` takes a handful of them.
 
     ``slowest`` [rad/s] is the speed of the slow shaft below which nothing can be judged, ``position_gain`` [1/s of the
-    slow shaft] tells how fast the position loop answers a step.
+    slow shaft] tells how fast the position loop answers a step. All these are in own units, of which one is so many
+    ``second`` and ``radian`` in SI, where the commands have round numbers.
     """
+    velocity = radian / second
+
+    def nice(value: float, unit: float) -> float:
+        return round_number(value * unit) / unit
+
     found: dict[str, Planned] = {}
 
-    def offer(kind: str, size: float, pace: float | None, half: float, top: float, seconds: float = LONGEST) -> None:
+    def offer(
+        kind: str, size: float, pace: float | None, half: float, top: float, seconds: float | None = None
+    ) -> None:
+        seconds = longest if seconds is None else seconds
         if top >= slowest:
-            text = f"{kind}:{size:g}" + ("" if pace is None else f":{pace:g}")
-            found.setdefault(text, Planned(text, seconds, math.floor(seconds / half)))
+            size_unit = velocity if kind in ("ramp", "triangle") or kind == "speed-sine" else radian
+            if kind == "speed-triangle":
+                size_unit = velocity / second
+            pace_unit = 1.0 / second if kind.endswith("sine") else second
+            own = f"{kind}:{size:.12g}" + ("" if pace is None else f":{pace:.12g}")
+            asked = f"{kind}:{size * size_unit:g}" + ("" if pace is None else f":{pace * pace_unit:g}")
+            lasts = float(f"{seconds * second:g}")
+            found.setdefault(asked, Planned(own, seconds, math.floor(seconds / half + 1e-9), asked, lasts))
 
-    halves = _FEW_HALVES if few else _HALVES
+    halves = [nice(half, second) for half in (_FEW_HALVES if few else _HALVES)]
+    longest = nice(LONGEST, second)
     for share in _FEW_SPEEDS if few else _SPEEDS:
-        speed = nice(share * limits.speed)
+        speed = nice(share * limits.speed, velocity)
         for sign, room in ((1.0, limits.upper), (-1.0, -limits.lower)):
-            seconds = min(LONGEST, math.floor(room / speed))
+            seconds = min(longest, math.floor(room / speed * second) / second) if speed > 0.0 else 0.0
             if seconds >= _SHORTEST:
                 offer("ramp", sign * speed, None, math.inf, speed, seconds)
             for half in halves:
-                slow = min(speed, nice(room / half))  # where there is no room for that speed, the one there is room for
+                slow = min(speed, nice(room / half, velocity))  # where that speed has no room, the one that has
                 if sign > 0.0 or limits.upper < slow * half:
                     offer("triangle", sign * slow, half, half, slow)
         for half in halves:
-            swing = nice(min(share * limits.speed * half / math.pi, limits.upper, -limits.lower))
+            swing = nice(min(share * limits.speed * half / math.pi, limits.upper, -limits.lower), radian)
             offer("sine", swing, 0.5 / half, half, math.pi * swing / half)
-    for half in () if few else (2.0, 5.0):
+    for half in () if few else (nice(2.0, second), nice(5.0, second)):
         for share in (1.0, 0.4):
             if position_gain > 0.0:
-                step = nice(share * min(limits.speed / position_gain, limits.upper))
+                step = nice(share * min(limits.speed / position_gain, limits.upper), radian)
                 offer("step", step, half, half, step * position_gain)
             # speed that rises and falls in one direction, and a swing of speed that turns round
-            top = nice(share * min(limits.speed, 2.0 * limits.upper / LONGEST) / half) * half
+            top = nice(share * min(limits.speed, 2.0 * limits.upper / longest) / half, velocity / second) * half
             offer("speed-triangle", top / half, half, half, top)
-            top = nice(share * min(limits.speed, 0.5 * math.pi * limits.upper / half))
+            top = nice(share * min(limits.speed, 0.5 * math.pi * limits.upper / half), velocity)
             offer("speed-sine", top, 0.5 / half, half, top)
     return tuple(found.values())
 
 
-def nice(value: float) -> float:
+def round_number(value: float) -> float:
     """The next round number at or below a value; 0 where it is not above zero."""
     if not value > 0.0:
         return 0.0

@@ -19,7 +19,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
 from ..model import EffectInstance, Model
-from ..model.equivalent import shown_entry
+from ..model.own_units import shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover

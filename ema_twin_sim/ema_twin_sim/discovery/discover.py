@@ -10,8 +10,9 @@ from typing import Any
 from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
+from ..measured.scales import to_own_units
 from ..model import Model
-from ..model.equivalent import as_rotary, given_back
+from ..model.own_units import native_as_given
 from .cautions import ALONE, OPEN_CONSTANTS
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
@@ -108,7 +109,8 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
-    recordings, model = as_rotary(recordings, model)
+    given = model
+    recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
@@ -146,7 +148,7 @@ def discover(
     return Discovery(
         verdict,
         added,
-        given_back(awake if as_given else woken(best.hypothesis.model(), awake)).fitted_from(given_back(awake)),
+        given if as_given else native_as_given(woken(best.hypothesis.model(), awake), awake, given).fitted_from(given),
         _steps(found, unseen),
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given else constants(best, errors)),
@@ -172,7 +174,7 @@ def discover(
 
 def _impossible(model: Model) -> frozenset[str]:
     """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder."""
-    if model.radius is None:
+    if model.units is None or model.units.radius is None:
         return frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
     return frozenset(turning | {"encoder_eccentricity", "gravity_load", "output_ripple"})

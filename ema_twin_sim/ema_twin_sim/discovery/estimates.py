@@ -11,8 +11,8 @@ import numpy as np
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.equivalent import shown_entry
 from ..model.model_file import ABSENT
+from ..model.own_units import shown_entry
 from .equation import Equation
 from .fit import Fit
 from .hypothesis import INERTIAS

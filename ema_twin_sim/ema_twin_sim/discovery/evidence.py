@@ -8,7 +8,7 @@ it refused stands in the same way.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..model import Model
+from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .decoys import dependence
 from .discover import Discovery
@@ -161,6 +162,7 @@ class _Torques:
 
 
 def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
+    base = compared.fits["after"].hypothesis.base
     residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
     torques = _torques(eq, compared.fits["after"], residuals)
     views = _torque_views(torques)
@@ -169,7 +171,8 @@ def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
     moved = (residuals["before"] - residuals["after"]) ** 2
     main = "encoder_difference" if moved[eq.size :].sum() > moved[: eq.size].sum() else "torque"
     views.sort(key=lambda view: (view.kind != main, -view.share))
-    return StepEvidence(compared, tuple(views), _spectrum(eq, torques, compared.fits["after"].hypothesis.base))
+    views = [_as_people_know_it(view, base) for view in views]
+    return StepEvidence(compared, tuple(views), _spectrum(eq, torques, base))
 
 
 def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
@@ -250,6 +253,18 @@ def _view(
     return View(kind, against, unit, order, explained / total if total > 0.0 else 0.0, tuple(curves))
 
 
+def _as_people_know_it(view: View, base: Model) -> View:
+    """A view told in the units of the machine's file."""
+    folded = view.order is not None
+    along, unit = (1.0, view.unit) if folded else shown(base, 1.0, view.unit)
+    size, _ = shown(base, 1.0, _UNITS[view.kind])
+    curves = tuple(
+        replace(c, x=along * c.x, median=size * c.median, lower=size * c.lower, upper=size * c.upper)
+        for c in view.curves
+    )
+    return replace(view, unit=unit, curves=curves)
+
+
 def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
     """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed.
 
@@ -266,6 +281,8 @@ def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
         lines[name] = found.spectrum
     highest = max(LEAST_SHOWN, SHOWN * max(model.orders.values(), default=ORDERS[-1]))
     bands = np.array_split(np.flatnonzero(highest >= ORDERS), BANDS)
+    size, _ = shown(model, 1.0, "N m")
+    lines = {name: size * line for name, line in lines.items()}
     largest = {name: np.array([line[band].max() for band in bands]) for name, line in lines.items()}
     named = [
         (order, label, {name: float(line[np.abs(ORDERS - order) <= NEAR].max()) for name, line in lines.items()})

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
+from ..model import Model
+from ..model.own_units import shown
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from ..quantities import quantity
 from .equation import Equation
@@ -32,6 +34,8 @@ def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) ->
     ways = {", moving forward": speed > STANDSTILL, ", moving backward": speed < -STANDSTILL}
     if against == "speed":
         ways = {"": np.ones(len(x), bool)}
+    base = f.hypothesis.base
+    size, unit = shown(base, 1.0, "N m")
     edges = bin_edges(x, _BINS, narrow=against in ("speed", "load"))
     best = (0.0, "")
     for way, chosen in ways.items():
@@ -41,7 +45,9 @@ def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) ->
         _, median, _ = quartiles(left[chosen], rows)
         ends = (int(np.argmin(median)), int(np.argmax(median)))
         places = sorted((float(np.median(x[chosen][rows[k]])), float(median[k])) for k in ends)
-        words = " to ".join(f"{quantity(torque, 'N m')} at {_place(at, against)}" for at, torque in places)
+        words = " to ".join(
+            f"{quantity(size * torque, unit)} at {_place(base, at, against)}" for at, torque in places
+        )
         best = max(best, (float(np.ptp(median)), f"from {words}{way}"))
     return best[1]
 
@@ -67,7 +73,8 @@ def _along(eq: Equation, f: Fit, against: str) -> tuple[np.ndarray, np.ndarray]:
     return at[:, SPEED if against == "speed" else TIME], at[:, SPEED]
 
 
-def _place(value: float, against: str) -> str:
+def _place(base: Model, value: float, against: str) -> str:
+    value, unit = shown(base, value, _UNITS[against])
     if against == "output_position":
-        return f"{value:.3g} rad"  # of the output's counter: milliradians would tell nothing
-    return quantity(value, _UNITS[against])
+        return f"{value:.3g} {unit}"  # of the output's counter: milliradians would tell nothing
+    return quantity(value, unit)

@@ -18,6 +18,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..model.own_units import shown
 from ..plant.measured_motion import SPEED, TIME
 from ..simulation.command import parse_command
 from ..simulation.lumped_model import lumped_model
@@ -136,7 +137,8 @@ class _Field:
         """The commands within limits."""
         ratio = self.base.value("machine.gear_ratio")
         gain = self.base.value("drive.position_gain") / ratio
-        return command_grid(limits, _SLOWEST * STANDSTILL / ratio, gain, few=few)
+        second, radian = (shown(self.base, 1.0, unit)[0] for unit in ("s", "rad"))
+        return command_grid(limits, _SLOWEST * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
 
     def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
         """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
@@ -293,8 +295,8 @@ def best_command(
 ) -> Choice:
     """The command that decides most of these doubts (one or more), by the largest smallest separation.
 
-    ``signals`` are those that the bench records. Without ``limits`` it stays within what the recordings have driven,
-    unless only a command beyond that decides. ``few`` tries a handful of commands only.
+    ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within what the
+    recordings have driven, unless only a command beyond that decides. ``few`` tries a handful of commands only.
     """
     field = _Field(eq, held, signals)
     allowed = limits or driven_limits(eq.observations, field.base.value("machine.gear_ratio"))
@@ -314,10 +316,10 @@ def best_command(
     chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
     proposals = [
         Proposal(
-            e.trial.command,
-            e.trial.seconds,
+            e.trial.asked,
+            e.trial.lasts,
             e.separation,
-            allowed.exceeded(e.done) if limits is None else (),
+            allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else (),
             field.why(e) if k == 0 else "",
         )
         for k, e in enumerate(chosen[: 1 + _RUNNERS_UP])
@@ -333,7 +335,7 @@ def _there_and_back(field: _Field, limits: Limits) -> Proposal | None:
         return None
     trial = min(triangles, key=lambda trial: abs(trial.turns - _TURNS))
     return Proposal(
-        trial.command, trial.seconds, {}, (), "no recording so far reverses; what it will show, none can tell"
+        trial.asked, trial.lasts, {}, (), "no recording so far reverses; what it will show, none can tell"
     )
 
 

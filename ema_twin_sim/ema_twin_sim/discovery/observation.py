@@ -18,6 +18,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import counter_noise
 from ..model import Model
+from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import reading_noise
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
@@ -130,14 +131,15 @@ def observe(recording: Recording, model: Model) -> Observation:
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(
-            f"{recording.name}: {longest.duration:.4g} s are missing at {longest.time:.4g} s; "
+            f"{recording.name}: {shown(model, longest.duration, 's')[0]:.4g} s are missing at "
+            f"{shown(model, longest.time, 's')[0]:.4g} s; "
             "cut it there (--to, --from)"
         )
     period, time, signals, whole = _even(recording)
     if np.ptp(signals["current"]) == 0.0:
         raise InputError(
-            f"{recording.name}: its current is {signals['current'][0]:g} A all along; is that the right column of the "
-            "trace? Name it in the import map"
+            f"{recording.name}: its current is {shown(model, signals['current'][0], 'A')[0]:g} A all along; is that "
+            "the right column of the trace? Name it in the import map"
         )
     width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
     # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
@@ -148,7 +150,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     kernel = gaussian(width, period)
     if len(time) < 4 * len(kernel):
         raise InputError(
-            f"{recording.name}: lasts {recording.duration:.3g} s; a diagnosis needs recordings of some seconds"
+            f"{recording.name}: lasts {shown(model, recording.duration, 's')[0]:.3g} s; a diagnosis needs longer ones"
         )
     ratio = model.value("machine.gear_ratio")
     motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)
@@ -258,10 +260,11 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         raise InputError("no recording is given; a diagnosis needs at least one")
     found = [observe(recording, model) for recording in recordings]
     moving = sum(len(o.rows) * o.period * float(np.diff(o.rows).min(initial=len(o.motion))) for o in found)
+    standstill, unit = shown(model, STANDSTILL, "rad/s")
     if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
         raise InputError(
-            f"{', '.join(o.name for o in found)}: {moving:.2g} s of motion faster than {STANDSTILL:g} rad/s at the "
-            "motor; a diagnosis needs seconds of it: record longer, or move faster"
+            f"{', '.join(o.name for o in found)}: {shown(model, moving, 's')[0]:.2g} s of motion faster than "
+            f"{standstill:.2g} {unit} at the motor; a diagnosis needs more of it: record longer, or move faster"
         )
     return found
 

@@ -100,11 +100,13 @@ def plan(
     found = discover(recordings, model, without=without, progress=progress)
     progress("asking what is in doubt")
     eq = found.equation
-    allowed = limits or driven_limits(eq.observations, model.value("machine.gear_ratio"))
+    own = found.search.fit.hypothesis.base
+    limits = None if limits is None else limits.told(own)
+    allowed = limits or driven_limits(eq.observations, own.value("machine.gear_ratio"))
     held = doubts(eq, found.search, found.rivalries, frozenset(without))
     choice = Choice(None, (), ())
     if held:
-        choice = best_command(eq, held, signals_of(recordings), limits=limits, progress=progress)
+        choice = best_command(eq, held, signals_of(found.recordings), limits=limits, progress=progress)
     return Plan(
         found.verdict,
         found.added,
@@ -112,7 +114,7 @@ def plan(
         choice.best,
         choice.runners_up,
         choice.inseparable,
-        allowed,
+        allowed.shown(own),
         found.depends_on,
         found.warnings,
     )

@@ -13,7 +13,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import noise_floors
 from ..model import Model
-from ..model.equivalent import shown
+from ..model.own_units import shown
 from ..simulation.simulate import choose_input, simulate
 from .equation import Equation
 from .fit import Fit

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..effects import catalogue
 from ..model import Model
-from ..model.equivalent import shown
+from ..model.own_units import shown
 from .absurd import Circumstances, absurdities
 from .equation_misfit import BLIND, LAG
 from .freedom import Number, split

@@ -22,9 +22,10 @@ from ..discovery.observation import observe_all
 from ..discovery.shown_by_points import at_rest, woken
 from ..discovery.switching_ripple import with_switching_ripple
 from ..effects import catalogue
+from ..measured.scales import to_own_units
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.equivalent import as_rotary, given_back, shown, shown_entry
+from ..model.own_units import native_as_given, shown, shown_entry
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
@@ -115,7 +116,8 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
-    recordings, model = as_rotary(recordings, model)
+    given = model
+    recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
@@ -143,7 +145,7 @@ def fit_model(
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        given_back(woken(fitted, awake)).fitted_from(given_back(awake)),
+        native_as_given(woken(fitted, awake), awake, given).fitted_from(given),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.units import unit_in
@@ -14,6 +15,9 @@ from ema_bench_replay.units import unit_in
 from ..effects import Effect, Parameter, find_effect
 from ..effects.effect import OUTPUT_TORQUE
 from .constants import CONSTANTS
+
+if TYPE_CHECKING:
+    from .own_units import OwnUnits
 
 _SIZES = 1e6  # by how much a linear machine's numbers may go beyond those of rotary ones
 POLE_PAIRS = "pole pairs"  # name of an order: that of the electrical angle
@@ -77,7 +81,7 @@ class Model:
     effects: Mapping[str, EffectInstance] = field(default_factory=dict)
     motion: str = "rotary"  # or linear: then inertias are masses, torques forces, and an angle of the motor is its way
     lumped: bool = False  # whether all inertia is one number
-    radius: float | None = None  # m, of the drum that stands in for a carriage (equivalent.py)
+    units: OwnUnits | None = None  # in which its numbers are told; None: SI
     orders: Mapping[str, float] = field(default_factory=dict)  # by name, cycles per turn of the motor
     other_orders: bool = True  # whether anything else of it may repeat
     choices: Mapping[str, str] = field(default_factory=dict)  # by path, of what its fidelities may choose among

@@ -12,9 +12,10 @@ from ema_bench_replay.recording import Recording
 from ..comparison.compare import explained_signals, in_own_units, stretch_of
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
 from ..comparison.where import STANDSTILL, Stretch
+from ..measured.scales import to_rotary_equivalent
 from ..model import Model
-from ..model.equivalent import as_rotary, shown
 from ..model.matching import BY_TORQUE
+from ..model.own_units import shown
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE, choose_input, simulate
 
@@ -50,7 +51,7 @@ def beside(
 
     Raises InputError where a recording lacks the input's signal.
     """
-    matched, model = as_rotary(recordings, model)
+    matched, model = to_rotary_equivalent(recordings, model)
     return [_beside(recording, model, choose_input(recording, source), step) for recording in matched]
 
 

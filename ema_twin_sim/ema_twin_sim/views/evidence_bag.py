@@ -25,6 +25,7 @@ from ema_bench_replay.recording import Recording
 from ..discovery.discover import Discovery
 from ..discovery.evidence import Compared, compared_fits
 from ..discovery.halves import HALF_OF
+from ..model.own_units import shown
 from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 
 _CHUNK = 1_000_000_000  # ns
@@ -71,18 +72,21 @@ def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compare
         return
     eq = found.equation
     residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
+    base = compared.fits["after"].hypothesis.base
+    second, size, way = (shown(base, 1.0, unit)[0] for unit in ("s", "N m", "rad"))
     parts = zip(recordings, eq.observations, eq.torque_parts, eq.encoder_parts, strict=True)
     for recording, o, torque, encoder in parts:
         here = f"{at}/{_name(recording.name)}"
-        left = {name: r[torque] * o.torque_noise for name, r in residuals.items()}
-        stamps = _stamps(recording, o.motion[o.rows, 0])
-        models = {f"model {name}": o.torque - left[name] for name in ("before", "after")}
-        yield _Topic(f"{here}/torque", "effort", stamps, {"measured": o.torque, **models})
+        left = {name: size * r[torque] * o.torque_noise for name, r in residuals.items()}
+        stamps = _stamps(recording, second * o.motion[o.rows, 0])
+        drive = size * o.torque
+        models = {f"model {name}": drive - left[name] for name in ("before", "after")}
+        yield _Topic(f"{here}/torque", "effort", stamps, {"measured": drive, **models})
         yield _Topic(f"{here}/left_over", "effort", stamps, _titled(left, compared))
         if len(o.encoder_rows):
-            apart = {name: r[encoder] * o.encoder_noise for name, r in residuals.items()}
-            stamps = _stamps(recording, o.motion[o.encoder_rows, 0])
-            series = {"measured": o.encoder - np.median(o.encoder), **_titled(apart, compared)}
+            apart = {name: way * r[encoder] * o.encoder_noise for name, r in residuals.items()}
+            stamps = _stamps(recording, second * o.motion[o.encoder_rows, 0])
+            series = {"measured": way * (o.encoder - np.median(o.encoder)), **_titled(apart, compared)}
             yield _Topic(f"{here}/encoder_difference", "position", stamps, series)
 
 
@@ -95,14 +99,16 @@ def _topics_of_points(
     """
     eq = found.equation
     residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
+    size = shown(compared.fits["after"].hypothesis.base, 1.0, "N m")[0]
     wholes: dict[str, list[int]] = {}
     for k, recording in enumerate(recordings):
         wholes.setdefault(recording.metadata.get(HALF_OF, recording.name), []).append(k)
     for whole, halves in wholes.items():
         parts = [(eq.observations[k], eq.torque_parts[k]) for k in halves]
         motion = np.concatenate([o.motion[o.rows] for o, _ in parts])
-        measured = np.concatenate([o.torque for o, _ in parts])
-        left = {name: np.concatenate([r[part] * o.torque_noise for o, part in parts]) for name, r in residuals.items()}
+        measured = size * np.concatenate([o.torque for o, _ in parts])
+        torques = {name: [r[part] * o.torque_noise for o, part in parts] for name, r in residuals.items()}
+        left = {name: size * np.concatenate(each) for name, each in torques.items()}
         by, column = ("position", MOTOR_ANGLE) if np.ptp(motion[:, MOTOR_ANGLE]) > 0.0 else ("speed", SPEED)
         over = motion[:, column] - motion[:, column].min()
         for way, sense in (("forward", 1.0), ("backward", -1.0)):

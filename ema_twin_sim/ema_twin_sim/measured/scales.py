@@ -1,0 +1,102 @@
+"""The scales of a machine: the units of time, torque, current and way in which it has the size that criteria are for.
+
+In own units every machine has the inertia, the typical torque and the torque constant of the bench of the Politecnico
+di Torino, on which the criteria were calibrated. The unit of torque follows from the rms of the drive's torque, the
+unit of time from how long that torque takes to turn the inertia by a radian, sqrt(J / T).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..effects.catalogue import own_files
+from ..model import Model
+from ..model.matching import matched
+from ..model.own_units import OwnUnits, model_in, recording_in
+
+# The bench of the Politecnico di Torino, in SI: rms torque over ramps, sines, triangles and steps (six recordings of
+# bench_cases, median of 28 cases), inertia and torque constant of its model.
+REFERENCE_TORQUE = 0.34  # N m
+REFERENCE_INERTIA = 1.77175e-3  # kg m^2
+REFERENCE_TORQUE_CONSTANT = 1.91  # N m/A
+REFERENCE_SPEED = 10.0  # rad/s, of the drum that a carriage runs round
+FASTEST = 0.95  # quantile of the speeds
+SPIKES = 0.999  # quantile of a torque's size beyond which it is cut off: a spoilt sample sets no scale
+
+INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
+
+
+def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
+    """Recordings and model as a twin takes them: matched, and of the drum where the machine is linear; else in SI.
+
+    Raises InputError where they do not belong together.
+    """
+    found = [matched(recording, model) for recording in recordings]
+    if model.motion == "rotary":
+        return found, model
+    return _told(found, model, OwnUnits(radius=drum_radius(found)))
+
+
+def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
+    """Recordings and model as a search takes them: matched, and in the machine's own units.
+
+    Raises InputError where they do not belong together.
+    """
+    found = [matched(recording, model) for recording in recordings]
+    return _told(found, model, own_units(found, model))
+
+
+def _told(recordings: Sequence[Recording], model: Model, units: OwnUnits) -> tuple[list[Recording], Model]:
+    return [recording_in(recording, units) for recording in recordings], model_in(model, units)
+
+
+def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
+    """The units in which a machine has the reference's size; SI where its equations hold numbers of their own.
+
+    Those are machines whose wheels or phases are simulated, and users' own effects, whose functions may hold numbers in
+    SI.
+    """
+    radius = drum_radius(recordings) if model.motion == "linear" else None
+    torque = rms_torque(recordings, model) * (radius or 1.0)
+    inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
+    fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
+    if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
+        return OwnUnits(radius=radius)
+    size = torque / REFERENCE_TORQUE
+    time = math.sqrt((inertia / REFERENCE_INERTIA) / size)
+    constant = model.value("machine.torque_constant") * (radius or 1.0)
+    return OwnUnits(time, size, size * REFERENCE_TORQUE_CONSTANT / constant, radius)
+
+
+def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
+    """The rms of the drive's torque [N m, N where the machine is linear] over all recordings; 0 where none has one."""
+    parts = [np.abs(recording.signals["current"]) for recording in recordings if recording.has("current")]
+    sizes = np.concatenate([part[np.isfinite(part)] for part in parts]) if parts else np.zeros(0)
+    if not len(sizes):
+        return 0.0
+    sizes = np.minimum(sizes, np.quantile(sizes, SPIKES))
+    return float(model.value("machine.torque_constant") * np.sqrt(np.mean(sizes**2)))
+
+
+def drum_radius(recordings: Sequence[Recording]) -> float:
+    """Radius [m] of a drum that turns at usual speeds beside a linear machine's recordings."""
+    known = np.concatenate([np.zeros(0), *_speeds(recordings)])
+    fastest = float(np.quantile(known, FASTEST)) if len(known) else 0.0
+    return 10.0 ** round(math.log10(fastest / REFERENCE_SPEED)) if fastest > 0.0 else 1.0
+
+
+def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:
+    """Sizes (m,) of each speed [m/s]: measured, or of the motor's position where samples follow each other in time."""
+    for recording in recordings:
+        if recording.has("speed"):
+            speed = np.abs(recording.signals["speed"])
+        elif recording.has("motor_position") and not recording.of_points:
+            speed = np.abs(np.diff(recording.signals["motor_position"]) / np.diff(recording.time))
+        else:
+            continue
+        yield speed[np.isfinite(speed)]

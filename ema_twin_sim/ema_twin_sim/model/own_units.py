@@ -1,0 +1,142 @@
+"""A machine's own units: its seconds, newton metres and amperes, and the drum of a linear one.
+
+Mechanics is covariant. With time times a, torque times m and current times i, a recording of one machine is a recording
+of another, whose constants follow from their units. What is known beforehand of a search (how slow is standstill, how
+wide is a kernel, how large may an effect be) is known of one machine. So recordings and model are told in the units of
+the machine at hand, in which it has the size of that one, and what was found is told back in SI.
+
+A linear machine is told as the rotary one whose carriage runs round a drum of some radius: x = r θ, F = T / r.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ema_bench_replay.recording import MOTION, Recording
+from ema_bench_replay.units import signal_unit, unit_in
+
+from ..effects import find_effect
+from .constants import CONSTANTS
+from .model import Model
+
+_POWERS: dict[str, tuple[int, int, int, int]] = {
+    "rad": (1, 0, 0, 0),
+    "rad/s": (1, -1, 0, 0),
+    "rad/s^2": (1, -2, 0, 0),
+    "1/rev": (-1, 0, 0, 0),
+    "s": (0, 1, 0, 0),
+    "1/s": (0, -1, 0, 0),
+    "N m": (-1, 0, 1, 0),
+    "N m/rad": (-2, 0, 1, 0),
+    "N m s/rad": (-2, 1, 1, 0),
+    "N m s^2/rad^2": (-3, 2, 1, 0),
+    "kg m^2": (-2, 2, 1, 0),
+    "A": (0, 0, 0, 1),
+    "V": (0, -1, 1, -1),
+    "N m/A": (-1, 0, 1, -1),
+    "V s/rad": (-1, 0, 1, -1),
+    "ohm": (0, -1, 1, -2),
+    "H": (0, 0, 1, -2),
+}
+"""By the unit of a rotary machine, the powers of radius, time, torque and current that lead from own to native numbers.
+Volts follow from power: V A = N m / s. Any other unit stays."""
+
+
+@dataclass(frozen=True)
+class OwnUnits:
+    """What one of each own unit is: s, N m and A; and the drum's radius [m] where the machine is linear (else None)."""
+
+    time: float = 1.0
+    torque: float = 1.0
+    current: float = 1.0
+    radius: float | None = None
+
+    def factor(self, unit: str) -> float:
+        """What an own number in a rotary unit is multiplied by to be the machine's native one."""
+        powers = _POWERS.get(unit)
+        if powers is None:
+            return 1.0
+        turn = 2.0 * math.pi if unit == "1/rev" and self.radius is not None else 1.0  # counts of a carriage are per m
+        sizes = (self.radius or 1.0, self.time, self.torque, self.current)
+        return math.prod(size**power for size, power in zip(sizes, powers, strict=True)) / turn
+
+
+def model_in(model: Model, units: OwnUnits) -> Model:
+    """A native model in own units, which it remembers."""
+    return replace(_scaled(model, units, -1), motion="rotary", units=units)
+
+
+def native(model: Model) -> Model:
+    """A model in own units as its machine has it; another model as it is."""
+    if model.units is None:
+        return model
+    motion = "rotary" if model.units.radius is None else "linear"
+    return replace(_scaled(model, model.units, 1), motion=motion, units=None)
+
+
+def native_as_given(model: Model, began: Model, given: Model) -> Model:
+    """A model in own units as its machine has it. What did not move from ``began`` is told to the digit as in
+    ``given``, of which ``began`` is the model in own units.
+    """
+    told = native(model)
+    constants = {
+        path: given.constants[path] if held == began.constants[path] else told.constants[path]
+        for path, held in model.constants.items()
+    }
+    effects = {
+        name: given.effects[name] if instance == began.effects.get(name) else told.effects[name]
+        for name, instance in model.effects.items()
+    }
+    return replace(told, constants=constants, effects=effects)
+
+
+def recording_in(recording: Recording, units: OwnUnits) -> Recording:
+    """A native recording in own units."""
+    if units == OwnUnits():
+        return recording
+    way = units.factor("rad")
+    metadata = dict(recording.metadata)
+    if units.radius is not None:
+        metadata[MOTION] = "rotary"
+    return replace(
+        recording,
+        stamps=np.rint(recording.stamps / units.time).astype(np.int64),
+        signals={name: values / units.factor(signal_unit(name)) for name, values in recording.signals.items()},
+        motor_angle_origin=recording.motor_angle_origin / way,
+        output_angle_origin=recording.output_angle_origin / way,
+        metadata=metadata,
+    )
+
+
+def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
+    """A number of a model in a rotary unit, and that unit, as people know them: SI, a carriage's where it is one."""
+    if model.units is None:
+        return value, unit_in(unit, model.motion)
+    linear = model.units.radius is not None
+    return value * model.units.factor(unit), unit_in(unit, "linear" if linear else "rotary")
+
+
+def shown_entry(model: Model, value: float, std: float | None, unit: str, *, angle: bool = False) -> dict[str, Any]:
+    """``{value, std, unit}`` as people know them; ``unit`` is the rotary one, of an ``angle`` that of any machine."""
+    if angle:
+        return {"value": value, "std": std, "unit": unit}
+    own, written = shown(model, value, unit)
+    return {"value": own, "std": None if std is None else shown(model, std, unit)[0], "unit": written}
+
+
+def _scaled(model: Model, units: OwnUnits, sign: int) -> Model:
+    constants = {
+        path: replace(held, value=held.value * units.factor(CONSTANTS[path].unit) ** sign)
+        for path, held in model.constants.items()
+    }
+    effects = {}
+    for name, instance in model.effects.items():
+        rows = find_effect(instance.effect, name).parameters
+        factors = {p.name: 1.0 if p.periodic else units.factor(p.unit) for p in rows}
+        parameters = {k: v * factors[k] ** sign for k, v in instance.parameters.items()}
+        effects[name] = replace(instance, parameters=parameters)
+    return replace(model, constants=constants, effects=effects)
