@@ -10,9 +10,9 @@ from typing import Any
 from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
-from ..measured.scales import to_own_units
+from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..model import Model
-from ..model.own_units import native_as_given
+from ..model.own_units import in_si, native_as_given
 from .cautions import ALONE, OPEN_CONSTANTS
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
@@ -75,7 +75,7 @@ class Discovery:
     search: Search
     equation: Equation
     rivalries: tuple[Rivalry, ...]
-    recordings: tuple[Recording, ...]  # as they were searched: matched, of the drum where the machine is linear
+    recordings: tuple[Recording, ...]  # as they were searched: matched, in own units
     left_over: str = ""  # how large, and where along the first of ``depends_on``
 
     def as_json(self) -> dict[str, object]:
@@ -109,7 +109,7 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
-    given = model
+    given, in_seconds = model, halves(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
@@ -129,18 +129,18 @@ def discover(
     known = known and explained(eq, found.fit, start)
     found = with_best_split(eq, recordings, found)
     progress("judging on recordings that were not fitted to")
-    unseen = judge_unseen(eq, recordings, found)
+    unseen = judge_unseen(eq, in_seconds, found)
     if known and (idle := _idle(found, unseen)):
         known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
-        unseen = judge_unseen(eq, recordings, found)
+        unseen = judge_unseen(eq, in_seconds, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is left it makes the model no better")
-        unseen = judge_unseen(eq, recordings, found, as_given=True)
+        unseen = judge_unseen(eq, in_seconds, found, as_given=True)
     best = found.fit
-    unseen = unseen.shown(model)
+    unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     errors = standard_errors(eq, best)

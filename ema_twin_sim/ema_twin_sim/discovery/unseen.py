@@ -13,7 +13,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import noise_floors
 from ..model import Model
-from ..model.own_units import shown
+from ..model.own_units import in_si, shown
 from ..simulation.simulate import choose_input, simulate
 from .equation import Equation
 from .fit import Fit
@@ -101,7 +101,7 @@ def squares(model: Model, recording: Recording, source: str, signals: Sequence[s
 
 
 def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *, as_given: bool = False) -> Unseen:
-    """Simulate every recording after every round with the numbers that the other recordings gave.
+    """Simulate every recording (SI) after every round with the numbers that the other recordings gave.
 
     The end is the model ``as_given`` where nothing of it was changed.
     """
@@ -125,13 +125,13 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
             of_output.append(_parting(eq, f, numbers))
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
             model = base if untouched else f.hypothesis.at(values).model()
-            jobs.append((k, recording, source, model))
+            jobs.append((k, recording, source, in_si(model)))
 
     signals = (signal, "output_position")
     table = np.array(list(simulations(lambda job: squares(job[3], job[1], job[2], signals), jobs)))
     table = table.reshape(len(fits), len(recordings), 4)
     rows, counts = table[:, :, 0], table[:, :, 1]
-    floors = [noise_floors(base, has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
+    floors = [noise_floors(in_si(base), has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
     each = np.sqrt(rows / np.maximum(counts, 1))
     output = table[:, :, 2:].sum(axis=1)
     if not driven and output[:, 1].all():

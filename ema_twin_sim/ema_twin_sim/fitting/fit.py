@@ -22,10 +22,10 @@ from ..discovery.observation import observe_all
 from ..discovery.shown_by_points import at_rest, woken
 from ..discovery.switching_ripple import with_switching_ripple
 from ..effects import catalogue
-from ..measured.scales import to_own_units
+from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.own_units import native_as_given, shown, shown_entry
+from ..model.own_units import in_si, native_as_given, shown, shown_entry
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
@@ -116,7 +116,7 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
-    given = model
+    given, in_seconds = model, halves(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
@@ -130,7 +130,7 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")
-    before, after, judged_on = judge(recordings, sources, misfit, solution, freedom)
+    before, after, judged_on = judge(in_seconds, sources, misfit, solution, freedom)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
@@ -150,8 +150,8 @@ def fit_model(
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
         _constants(model, fitted, solution, sure, untold),
-        shown_errors(model, before),
-        shown_errors(model, after),
+        shown_errors(in_si(model), before),
+        shown_errors(in_si(model), after),
         judged_on,
         tuple(model.shown_path(solution.freedom.numbers[k].path) for k in shown),
         tuple(tuple(float(sure.correlation[a, b]) for b in shown) for a in shown),
@@ -159,8 +159,8 @@ def fit_model(
         tuple(notes),
         {
             recording.name: error
-            for recording, chosen in zip(recordings, sources, strict=True)
-            if chosen == "current" and (error := torque_error(recording, fitted)) is not None
+            for recording, chosen in zip(in_seconds, sources, strict=True)
+            if chosen == "current" and (error := torque_error(recording, in_si(fitted))) is not None
         },
     )
 

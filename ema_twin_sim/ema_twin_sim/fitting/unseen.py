@@ -14,6 +14,7 @@ from ..comparison.compare import MIXED
 from ..comparison.running_comparison import RunningComparison, SignalError
 from ..discovery.halves import HALF_OF
 from ..model import Model
+from ..model.own_units import in_si
 from ..simulation.simulate import simulate
 from .freedom import Freedom
 from .misfit import Misfit
@@ -28,7 +29,7 @@ Errors = dict[str, SignalError]
 def judge(
     recordings: Sequence[Recording], sources: Sequence[str], misfit: Misfit, solution: Solution, freedom: Freedom
 ) -> tuple[Errors, Errors, str]:
-    """(errors before, errors after, what they were judged on): each recording with the numbers of the others."""
+    """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others."""
     if len(recordings) > 1:
         which = np.empty(misfit.rows, int)
         for recording, part in misfit.parts:
@@ -48,8 +49,8 @@ def judge(
     models = []
     for found in left_out(misfit, solution, which, len(recordings)):
         inside = np.clip(found[: len(numbers)], lower, upper)  # a straight line may lead anywhere
-        models.append(freedom.at(np.array([n.outward(x) for n, x in zip(numbers, inside, strict=True)])))
-    given = [freedom.model] * len(recordings)
+        models.append(in_si(freedom.at(np.array([n.outward(x) for n, x in zip(numbers, inside, strict=True)]))))
+    given = [in_si(freedom.model)] * len(recordings)
     return _errors(recordings, sources, given, given, first), _errors(recordings, sources, models, given, first), said
 
 

@@ -39,7 +39,8 @@ def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple
     found = [matched(recording, model) for recording in recordings]
     if model.motion == "rotary":
         return found, model
-    return _told(found, model, OwnUnits(radius=drum_radius(found)))
+    units = OwnUnits(radius=drum_radius(found))
+    return [recording_in(recording, units) for recording in found], model_in(model, units)
 
 
 def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
@@ -48,11 +49,8 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
     Raises InputError where they do not belong together.
     """
     found = [matched(recording, model) for recording in recordings]
-    return _told(found, model, own_units(found, model))
-
-
-def _told(recordings: Sequence[Recording], model: Model, units: OwnUnits) -> tuple[list[Recording], Model]:
-    return [recording_in(recording, units) for recording in recordings], model_in(model, units)
+    units = own_units(found, model)
+    return [recording_in(recording, units) for recording in found], model_in(model, units)
 
 
 def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:

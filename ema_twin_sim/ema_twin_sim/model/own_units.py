@@ -78,6 +78,14 @@ def native(model: Model) -> Model:
     return replace(_scaled(model, model.units, 1), motion=motion, units=None)
 
 
+def in_si(model: Model) -> Model:
+    """A model in own units in SI, still as the drum of a linear machine: what a twin is compared with."""
+    if model.units is None:
+        return model
+    told = native(model)
+    return told if model.units.radius is None else model_in(told, OwnUnits(radius=model.units.radius))
+
+
 def native_as_given(model: Model, began: Model, given: Model) -> Model:
     """A model in own units as its machine has it. What did not move from ``began`` is told to the digit as in
     ``given``, of which ``began`` is the model in own units.
