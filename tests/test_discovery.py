@@ -15,8 +15,8 @@ from ema_twin_sim.discovery.equation import Equation
 from ema_twin_sim.discovery.fit import fit
 from ema_twin_sim.discovery.hypothesis import null_hypothesis
 from ema_twin_sim.discovery.observation import despiked, observe, observe_all
-from ema_twin_sim.discovery.smoothing import gaussian, smooth
 from ema_twin_sim.discovery.unseen import WORSE
+from ema_twin_sim.measured.smoothing import gaussian, smooth
 from tests.recorded import COMMANDS, record, with_signals
 
 

@@ -117,7 +117,7 @@ def test_a_fit_of_a_similar_machine_is_the_same_scaled(stock, runs):
 def test_what_did_not_move_is_told_to_the_digit(stock):
     own = model_in(stock, UNITS)
     moved = own.with_value("machine.motor_inertia", 2.0 * own.value("machine.motor_inertia"))
-    told = native_as_given(moved, own, stock)
+    told = native_as_given(moved, stock)
     assert told.value("machine.motor_inertia") == pytest.approx(2.0 * stock.value("machine.motor_inertia"))
     changed = [path for path, held in told.constants.items() if held != stock.constants[path]]
     assert changed == ["machine.motor_inertia"] and dict(told.effects) == dict(stock.effects)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .smoothing import gaussian, smooth
+from ..measured.smoothing import gaussian, smooth
 
 NARROWER = 0.7  # from one width that is tried to the next
 QUIET = 0.02  # of the acceleration's rms that noise may make

@@ -16,6 +16,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..measured.smoothing import smooth_at
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..plant.measured_motion import SPEED
@@ -23,7 +24,6 @@ from ..reading_noise import reading_noise
 from ..simulation.assembly import assemble
 from ..simulation.required import required_torque
 from .observation import Observation, observe
-from .smoothing import smooth_at
 
 WINDOW = 0.1  # s over which ways are compared
 MOVING = 0.3  # of the largest: less of a signal tells no factor

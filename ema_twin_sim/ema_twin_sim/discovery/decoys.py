@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..measured.smoothing import smooth_at
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
 from .equation import Equation
 from .fit import Fit
-from .smoothing import smooth_at
 
 KNOTS = 9  # of a dependence on speed or position
 KNOT = 2.5  # s between the knots of a dependence on time

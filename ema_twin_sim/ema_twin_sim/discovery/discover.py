@@ -131,8 +131,11 @@ def discover(
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, in_seconds, found)
     if known and (idle := _idle(found, unseen)):
-        known, depends_on = False, tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
+        shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
+        # of a machine that is not known to the noise, the rest may explain it as well as anything does
+        known = model.is_open and explained(eq, found.fit, start)
+        depends_on = () if known else shown_over
         unseen = judge_unseen(eq, in_seconds, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
@@ -148,7 +151,7 @@ def discover(
     return Discovery(
         verdict,
         added,
-        given if as_given else native_as_given(woken(best.hypothesis.model(), awake), awake, given).fitted_from(given),
+        given if as_given else native_as_given(woken(best.hypothesis.model(), awake), given).fitted_from(given),
         _steps(found, unseen),
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given else constants(best, errors)),
@@ -213,7 +216,9 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         if unseen.rmse[k] <= NOISY * unseen.noise_floor:
             continue
         removed = unseen.removed(k, len(unseen.rmse) - 1)
-        if parting and removed is not None and removed < FOLLOWED:
+        # a measured current drives no loop that would meet the teeth: there the encoders tell
+        followed = unseen.parting_removed(k, len(unseen.rmse) - 1) >= FOLLOWED
+        if parting and not followed and removed is not None and removed < FOLLOWED:
             return parting
         there = unseen.removed(k, k + 1)
         by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..effects import catalogue
+from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME, require, require_of
@@ -17,7 +18,6 @@ from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
 from .side_by_side import predictions
-from .smoothing import smooth_at
 
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own

@@ -17,6 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import counter_noise
+from ..measured.smoothing import gaussian, smooth, smooth_at
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -25,7 +26,6 @@ from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.simulate import LONGEST_GAP
 from .bandwidth import narrowest, narrowest_for_speed
-from .smoothing import gaussian, smooth, smooth_at
 
 NEEDED = ("current", "motor_position")
 PASSING = 0.5  # of a kernel: a machine without gearbox that passes through standstill so fast does not stick there

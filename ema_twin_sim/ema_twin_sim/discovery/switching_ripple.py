@@ -16,11 +16,11 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..measured.smoothing import gaussian, smooth
 from ..model import Model
 from ..plant.measured_motion import MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..simulation.simulate import simulate
 from .observation import Observation
-from .smoothing import gaussian, smooth
 
 _FINER = 16
 """Times as often as the trace: every control cycle of 125 us, where the trace has 2 ms."""

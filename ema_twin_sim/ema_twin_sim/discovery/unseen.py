@@ -57,6 +57,12 @@ class Unseen:
         excess = self.rmse[before] ** 2 - self.noise_floor**2
         return (self.rmse[before] ** 2 - self.rmse[after] ** 2) / excess if excess > 0.0 else None
 
+    def parting_removed(self, before: int, after: int) -> float:
+        """Share, in power, that went away between two rounds of how far the encoders part; 0 where that is not judged."""
+        if not self.encoders or not self.output[before]:
+            return 0.0
+        return 1.0 - (self.output[after] / self.output[before]) ** 2
+
     def shown(self, model: Model) -> Unseen:
         """The same in the units of the model's machine."""
         per, unit = shown(model, 1.0, self.unit)

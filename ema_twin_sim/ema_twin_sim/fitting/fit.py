@@ -145,7 +145,7 @@ def fit_model(
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        native_as_given(woken(fitted, awake), awake, given).fitted_from(given),
+        native_as_given(woken(fitted, awake), given).fitted_from(given),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),

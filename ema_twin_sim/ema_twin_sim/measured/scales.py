@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..effects import find_effect
 from ..effects.catalogue import own_files
 from ..model import Model
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
+from .balance_estimate import estimate_balance
 
 # The bench of the Politecnico di Torino, in SI: rms torque over ramps, sines, triangles and steps (six recordings of
 # bench_cases, median of 28 cases), inertia and torque constant of its model.
@@ -49,8 +52,35 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
     Raises InputError where they do not belong together.
     """
     found = [matched(recording, model) for recording in recordings]
-    units = own_units(found, model)
-    return [recording_in(recording, units) for recording in found], model_in(model, units)
+    begun = begun_near(found, model)
+    units = own_units(found, begun)
+    return [recording_in(recording, units) for recording in found], model_in(begun, units)
+
+
+def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
+    """The model with what is open in its inertia and friction near to what the recordings show.
+
+    What is open has a value that somebody guessed: neither a scale nor an answer may hang on it.
+    """
+    paths = [path for path in INERTIAS if model.value(path) > 0.0]
+    if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
+        return model
+    torque = rms_torque(recordings, model)
+    estimate = estimate_balance(recordings, model, torque) if torque > 0.0 else None
+    if estimate is None:
+        return model
+    factor = estimate.inertia / sum(model.value(path) for path in paths)
+    constants = {path: model.constants[path].at(factor * model.value(path)) for path in paths}
+    effects = dict(model.effects)
+    for id, size in (("viscous_friction", estimate.viscous), ("coulomb_friction", estimate.coulomb)):
+        held = {name: effect for name, effect in model.active.items() if effect.effect == id}
+        parameter = find_effect(id, id).parameters[0].name
+        total = sum(effect.parameters[parameter] for effect in held.values())
+        if held and size > 0.0 and total > 0.0 and all(effect.open for effect in held.values()):
+            for name, effect in held.items():
+                parameters = {**effect.parameters, parameter: effect.parameters[parameter] * size / total}
+                effects[name] = effect.at(parameters)
+    return replace(model, constants={**model.constants, **constants}, effects=effects)
 
 
 def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:

@@ -86,11 +86,11 @@ def in_si(model: Model) -> Model:
     return told if model.units.radius is None else model_in(told, OwnUnits(radius=model.units.radius))
 
 
-def native_as_given(model: Model, began: Model, given: Model) -> Model:
-    """A model in own units as its machine has it. What did not move from ``began`` is told to the digit as in
-    ``given``, of which ``began`` is the model in own units.
-    """
-    told = native(model)
+def native_as_given(model: Model, given: Model) -> Model:
+    """A model in own units as its machine has it; what did not move from the ``given`` native one, to the digit."""
+    if model.units is None:
+        return model
+    told, began = native(model), model_in(given, model.units)
     constants = {
         path: given.constants[path] if held == began.constants[path] else told.constants[path]
         for path, held in model.constants.items()
