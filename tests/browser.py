@@ -9,6 +9,8 @@ import subprocess
 import time
 from pathlib import Path
 
+from tests.command_line import ENDING
+
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
@@ -40,7 +42,7 @@ class Browser:
     def close(self):
         os.close(self._write)
         self._process.terminate()
-        self._process.wait(timeout=20)
+        self._process.wait(timeout=ENDING)
         os.close(self._read)
 
     def call(self, method, **parameters):

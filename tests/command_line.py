@@ -7,13 +7,16 @@ from pathlib import Path
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
 MODEL = ("--model", "polito_bench")
-
+LONGEST = 300.0
+"""s that a command may take: a kernel may have to be compiled first, on a busy machine."""
+ENDING = 60.0
+"""s in which a process must end that was told to, or that has little to do; alone on a machine it takes far less."""
 
 # as wide as without a terminal: readline, which pytest loads, leaves a COLUMNS behind that only its children see
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
 
 
-def twin(*arguments, cwd=None, timeout=60, answers=None):
+def twin(*arguments, cwd=None, timeout=LONGEST, answers=None):
     return subprocess.run(
         [TWIN, *map(str, arguments)],
         capture_output=True,
@@ -37,6 +40,11 @@ def done_here(*arguments):
     from ema_twin_sim.commands.main import app
 
     assert not app([*map(str, arguments)], standalone_mode=False, prog_name="ema-twin")
+
+
+def told(errors):
+    """The lines on the error output, but for what nodes log, and that a kernel is compiled first."""
+    return [line for line in errors.splitlines() if not line.startswith(("[INFO]", "[WARN]", "compiling "))]
 
 
 def refused(*arguments, naming=(), **options):

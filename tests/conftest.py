@@ -12,9 +12,10 @@ import tests.ros_domain  # noqa: F401 - takes a graph of its own
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the package does where it is imported first
 
 
-# the same examples at every run; HYPOTHESIS_PROFILE=explore looks for new ones
-settings.register_profile("steady", derandomize=True)
-settings.register_profile("explore")
+# the same examples at every run; HYPOTHESIS_PROFILE=explore looks for new ones. None has a deadline: on a busy machine
+# any example may take long
+settings.register_profile("steady", derandomize=True, deadline=None)
+settings.register_profile("explore", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "steady"))
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -1,5 +1,6 @@
 """What the ROS tests share: nodes in this process on a graph of their own, and nodes as processes."""
 
+import inspect
 import os
 import subprocess
 import sys
@@ -35,10 +36,11 @@ class Graph:
     def plain_node(self, name="tester"):
         return self.join(rclpy.create_node(name, context=self.context))
 
-    def spin_until(self, condition, timeout=60.0):
+    def spin_until(self, condition, timeout=60.0, what=""):
+        """Serve the nodes until the condition holds; where it never does, tell `what` was waited for, or its source."""
         end = time.monotonic() + timeout
         while not condition():
-            assert time.monotonic() < end, "nothing came of it in time"
+            assert time.monotonic() < end, f"waited {timeout:g} s in vain for: {what or source_of(condition)}"
             self.executor.spin_once(timeout_sec=0.05)
 
     def spin_for(self, seconds):
@@ -51,7 +53,7 @@ class Graph:
         client = node.create_client(service_type, name)
         assert client.wait_for_service(timeout_sec=30.0)
         future = client.call_async(service_type.Request(**request))
-        self.spin_until(future.done)
+        self.spin_until(future.done, what=f"the answer of {name}")
         node.destroy_client(client)
         return future.result()
 
@@ -60,6 +62,14 @@ class Graph:
         for node in self.nodes:
             node.destroy_node()
         rclpy.try_shutdown(context=self.context)
+
+
+def source_of(condition):
+    """The lines that a condition is written in; what is not written in Python stands for itself."""
+    try:
+        return inspect.getsource(condition).strip()
+    except (OSError, TypeError):
+        return repr(condition)
 
 
 def start_process(module, *parameters, **options):

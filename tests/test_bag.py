@@ -21,6 +21,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import SIGNALS, Recording
 from tests.bags import DEFINITION, a_recording, assert_same
+from tests.command_line import ENDING
 
 
 class TestRoundTrip:
@@ -147,7 +148,7 @@ class TestFormat:
             "rr.init('bag'); rr.save(sys.argv[2]); rr.log_file_from_path(sys.argv[1]); rr.disconnect()\n"
         )
         out = tmp_path / "bag.rrd"
-        run = subprocess.run([sys.executable, "-c", script, mcap, out], capture_output=True, text=True, timeout=60)
+        run = subprocess.run([sys.executable, "-c", script, mcap, out], capture_output=True, text=True, timeout=ENDING)
         assert run.returncode == 0, run.stderr
         assert b"/bench/state" in out.read_bytes()
 

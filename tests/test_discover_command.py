@@ -28,7 +28,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from tests.command_line import MODEL, done, refused
+from tests.command_line import LONGEST, MODEL, done, refused
 
 HIDDEN = ("backlash", "stribeck_friction")
 
@@ -39,7 +39,7 @@ def found(tmp_path_factory, traces):
     folder = tmp_path_factory.mktemp("discover")
     outputs = ("-o", folder / "new.yaml", "--json", folder / "found.json", "--evidence", folder / "found.mcap")
     page = ("--report", folder / "found.html")
-    result = done("discover", *traces, *MODEL, "--to", 10, *outputs, *page, timeout=110)
+    result = done("discover", *traces, *MODEL, "--to", 10, *outputs, *page)
     return folder, result.stdout, result.stderr
 
 
@@ -151,7 +151,7 @@ def test_rerun_opens_the_evidence(found, tmp_path):
         "rr.init('evidence'); rr.save(sys.argv[2]); rr.log_file_from_path(sys.argv[1]); rr.disconnect()\n"
     )
     arguments = [found[0] / "found.mcap", tmp_path / "found.rrd"]
-    subprocess.run([sys.executable, "-c", script, *arguments], check=True, capture_output=True, timeout=60)
+    subprocess.run([sys.executable, "-c", script, *arguments], check=True, capture_output=True, timeout=LONGEST)
     assert b"left_over/effort" in (tmp_path / "found.rrd").read_bytes()
 
 
@@ -170,7 +170,7 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
         model = model.with_effect(id, parameters)
     runs = record(tmp_path, model)
     outputs = ("--json", tmp_path / "d.json", "--evidence", tmp_path / "d.mcap")
-    text = done("diagnose", *runs, *MODEL, *outputs, timeout=110).stdout
+    text = done("diagnose", *runs, *MODEL, *outputs).stdout
     content = json.loads((tmp_path / "d.json").read_text())
     assert content["verdict"] in hidden and text.startswith("Your model lacks ")
     assert all(words in text.splitlines()[0] for words in ("cogging", "Stribeck friction"))
@@ -195,11 +195,11 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
 
 def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_path, stock):
     runs = record(tmp_path, stock)
-    done("diagnose", *runs, *MODEL, "--json", tmp_path / "d.json", timeout=110)
+    done("diagnose", *runs, *MODEL, "--json", tmp_path / "d.json")
     content = json.loads((tmp_path / "d.json").read_text())
     assert content["verdict"] == "none" and content["none"] > 0.9
     outputs = ("-o", tmp_path / "new.yaml", "--json", tmp_path / "n.json")
-    text = done("discover", *runs, *MODEL, *outputs, timeout=110).stdout
+    text = done("discover", *runs, *MODEL, *outputs).stdout
     assert text.startswith("Nothing is missing that these recordings could show.")
     assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
@@ -209,7 +209,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
 def test_what_is_unknown_is_told_with_its_size_and_place(tmp_path, bench_cases):
     runs = sorted((bench_cases / "dev13" / "train").glob("*.CSV"))
     outputs = ("-o", tmp_path / "same.yaml", "--json", tmp_path / "u.json", "--report", tmp_path / "u.html")
-    text = done("discover", *runs, *MODEL, *outputs, timeout=110).stdout
+    text = done("discover", *runs, *MODEL, *outputs).stdout
     told = re.search(
         r"depends on the output's position: from (-\d\d\.\d) mN m at 2\.\d+ rad "
         r"to (\d\d\.\d) mN m at 2\.8\d rad, moving forward\.\n",

@@ -17,6 +17,9 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.fidelities import LONGEST
+
+pytestmark = pytest.mark.timeout(LONGEST)
 
 FAULTS = {
     "phase_short": ({"fraction": 0.3}, {"phase": "v"}, 8.0),

@@ -7,6 +7,9 @@ from run_train import planetary_model, teeth_alone
 
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.twin import Twin
+from tests.fidelities import LONGEST
+
+pytestmark = pytest.mark.timeout(LONGEST)
 
 TOLERANCE = 1e-6  # of the throughput
 LOSSES = (

@@ -9,6 +9,9 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.fidelities import LONGEST
+
+pytestmark = pytest.mark.timeout(LONGEST)
 
 
 def settled(recording, name, since=0.5):

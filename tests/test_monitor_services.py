@@ -1,7 +1,7 @@
 """The monitor's services on a real ROS graph, seen from topics and services only: ask, add, and the error falls."""
 
 import os
-import time
+from itertools import pairwise
 
 import pytest
 from rcl_interfaces.srv import GetParameters, SetParameters
@@ -9,19 +9,23 @@ from rclpy.parameter import Parameter
 from ros_graph import Graph, start_process
 
 from ema_bench_replay.nodes import qos
-from ema_twin_msgs.msg import Diagnosis, Health, Residual
+from ema_twin_msgs.msg import Diagnosis, EmaState, Health, Residual
 from ema_twin_msgs.srv import Apply, Diagnose
+from tests.command_line import ENDING
 from tests.conftest import outside
 
-pytestmark = pytest.mark.timeout(400)
+pytestmark = pytest.mark.timeout(900)
 
 NODES = ("ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor")
-PATIENCE = 90.0
+PATIENCE = 240.0
 """s that a diagnosis may take here: other tests run beside it. How long it takes alone, the benchmark tells."""
 
 GONE = 0.1
 """Share of the squared error above the noise that may stay. The numbers that a diagnosis finds differ a little with the
 window that it is asked in, and impacts amplify that; without the effects the share would be 1."""
+
+STREAM = 50
+"""Residuals that come while a diagnosis is made, at the least: 0.1 s of them, where one takes a second or more."""
 
 
 class Bench:
@@ -29,37 +33,43 @@ class Bench:
 
     def __init__(self, recording):
         self.processes = [start_process(module) for module in NODES]
-        played = (f"recording:={recording}", "loop:=true", "subscribers:=2")
+        played = (f"recording:={recording}", "loop:=true", "subscribers:=2", "patience:=60.0")
         self.processes.append(start_process("ema_bench_replay.nodes.replay", *played))
         self.graph = Graph()
         self.node = self.graph.plain_node()
+        self.clients = {}
         self.health, self.residuals, self.diagnoses = [], [], []
         self.node.create_subscription(Health, "/monitor/health", self.health.append, qos.LATEST)
-        self.node.create_subscription(Residual, "/monitor/residual", self.residuals.append, qos.RESIDUAL)
+        # all are kept until they are read here, however late: what is missing is the monitor's fault
+        self.node.create_subscription(Residual, "/monitor/residual", self.residuals.append, qos.STATE_FROM_NOW)
         self.node.create_subscription(Diagnosis, "/monitor/diagnosis", self.diagnoses.append, qos.LATEST)
 
     def compared(self, samples):
-        """Wait until the present run has compared so many."""
+        """Wait until the present run has compared so many; its number."""
         self.graph.spin_until(lambda: self.health and self.health[-1].compared > samples, PATIENCE)
+        return self.health[-1].run
 
-    def whole_run(self):
-        """The last health of the next run that begins: RMSE over the whole recording, but for its last 0.1 s."""
-        for _ in range(2):
-            present = self.health[-1].run
-            self.graph.spin_until(lambda run=present: self.health[-1].run != run, PATIENCE)
-        return next(health for health in reversed(self.health) if health.run == present)
+    def whole_run(self, number):
+        """The last health of that run, when it is over: RMSE over the whole recording, but for its last 0.1 s."""
+        self.graph.spin_until(lambda: self.health[-1].run > number, PATIENCE)
+        return next(health for health in reversed(self.health) if health.run == number)
 
-    def play_at(self, rate):
-        wanted = Parameter("rate", value=rate).to_parameter_msg()
-        assert self.answer(self.ask(SetParameters, "/replay/set_parameters", parameters=[wanted])).results[0].successful
+    def run_of_twin(self):
+        """The run that the twin answers now; the monitor may still compare what it answered before."""
+        answers = []
+        heard = self.node.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE_FROM_NOW)
+        self.graph.spin_until(lambda: answers, PATIENCE)
+        self.node.destroy_subscription(heard)
+        return answers[0].run
 
     def ask(self, service, name, **request):
-        client = self.node.create_client(service, name)
-        assert client.wait_for_service(timeout_sec=30.0)
-        return client.call_async(service.Request(**request))
+        if name not in self.clients:
+            self.clients[name] = self.node.create_client(service, name)
+        assert self.clients[name].wait_for_service(timeout_sec=ENDING)
+        return self.clients[name].call_async(service.Request(**request))
 
     def answer(self, future):
-        self.graph.spin_until(future.done, PATIENCE)
+        self.graph.spin_until(future.done, PATIENCE, "a service's answer")
         return future.result()
 
     def close(self):
@@ -67,7 +77,7 @@ class Bench:
         for process in self.processes:
             process.terminate()
         for process in self.processes:
-            _, errors = process.communicate(timeout=20.0)
+            _, errors = process.communicate(timeout=ENDING)
             assert process.returncode == 0 and "Traceback" not in errors, errors
 
 
@@ -77,6 +87,11 @@ def bench(request, traces):
     bench = Bench(request.param(traces))
     yield bench
     bench.close()
+
+
+def effects_found(diagnosis):
+    """With their options: of another kind, an effect is another."""
+    return {(entry.id, tuple(entry.option)) for entry in diagnosis.ranking if entry.found}
 
 
 def own(traces):
@@ -89,15 +104,13 @@ def dev10(traces):
 
 @pytest.mark.parametrize("bench", [own, dev10], indirect=True)
 def test_what_is_missing_is_named_added_and_the_error_falls(bench):
-    bench.compared(4500)
-    run, first = bench.residuals[-1].run, bench.residuals[-1].sequence
-    asked = time.monotonic()
-    future = bench.ask(Diagnose, "/monitor/diagnose")
-    bench.graph.spin_for(0.3)
-    second = bench.answer(bench.ask(Diagnose, "/monitor/diagnose"))
-    assert not second.success and "is being made" in second.message  # refused at once, not queued
-    found = bench.answer(future)
-    lasted = time.monotonic() - asked
+    run = bench.compared(4500)
+    asked = len(bench.residuals)
+    futures = [bench.ask(Diagnose, "/monitor/diagnose") for _ in range(2)]
+    # whichever came second is refused at once, not queued
+    refused, found = sorted(map(bench.answer, futures), key=lambda answer: answer.success)
+    answered = len(bench.residuals)
+    assert not refused.success and "is being made" in refused.message
     assert found.success, found.message
     diagnosis = found.diagnosis
     assert diagnosis.verdict in {entry.id for entry in diagnosis.ranking if entry.found}
@@ -107,25 +120,26 @@ def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     bench.graph.spin_until(lambda: bench.diagnoses)
     assert str(bench.diagnoses[-1]) == str(diagnosis)  # with NaN in it, it does not equal itself
 
-    # the stream went on meanwhile: 500 samples a second, none of them missing
-    judged = [residual for residual in bench.residuals if (residual.run, residual.sequence) > (run, first)]
-    assert len(judged) > 0.9 * 500.0 * lasted - 500.0
+    # the stream went on meanwhile, and none of it is missing: how quickly, the benchmark tells
+    assert answered - asked > STREAM
+    for residual, following in pairwise(bench.residuals):
+        assert following.sequence == (residual.sequence + 1 if following.run == residual.run else 0)
     assert all(health.missing == 0 for health in bench.health)
 
-    bench.play_at(3.0)
-    before = bench.whole_run()
+    before = bench.whole_run(run)
     added = bench.answer(bench.ask(Apply, "/monitor/apply"))
     assert added.success and diagnosis.verdict in added.message
-    after = bench.whole_run()
+    after = bench.whole_run(bench.run_of_twin() + 1)  # the first that the changed twin answers from its beginning
     for signal in ("current", "output_position"):
         excess = [
             getattr(health.rmse, signal) ** 2 - getattr(health.noise_floor, signal) ** 2 for health in (before, after)
         ]
         assert excess[1] < GONE * excess[0], signal
 
-    bench.play_at(1.0)
-    again = bench.answer(bench.ask(Diagnose, "/monitor/diagnose")).diagnosis
-    assert again.verdict == "none" and not [entry for entry in again.ranking if entry.found]
+    # what else a window shows depends on where it ends; what was added is in none of them missing
+    again = bench.answer(bench.ask(Diagnose, "/monitor/diagnose"))
+    assert again.success, again.message
+    assert not effects_found(again.diagnosis) & effects_found(diagnosis)
 
 
 @pytest.mark.parametrize("bench", [own], indirect=True)

@@ -93,7 +93,7 @@ def test_pause_and_seek_back_change_nothing(graph, recording, model):
     assert not answer.successful
     assert replay.set_parameters([Parameter("rate", value=20)])[0].successful
     assert graph.call(tester, Seek, "/replay/seek", position=0.0).success
-    graph.spin_until(lambda: replay.ended and monitor.complete, timeout=20.0)
+    graph.spin_until(lambda: replay.ended and monitor.complete)
     assert replay.run != run
     assert_same(monitor.comparison.result(), recording, model)
     assert [message.run for message in runs] == [run, replay.run]
@@ -249,7 +249,7 @@ def test_a_lost_sample_leaves_the_run_incomplete(graph):
     tester.create_subscription(Residual, "/monitor/residual", residuals.append, qos.RESIDUAL)
     tester.create_publisher(Run, "/bench/run", qos.LATEST).publish(Run(run=4, samples=10))
     publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
-    graph.spin_for(0.2)
+    graph.spin_until(lambda: monitor.announced)
     for sequence in (0, 1, 2, 3, 6, 7, 8, 9):
         publisher.publish(write_state(10**9 + sequence * PERIOD, 4, sequence, bench_signals()))
     graph.spin_until(lambda: healths and healths[-1].compared == 8)
@@ -287,7 +287,8 @@ def test_a_standalone_twin_keeps_real_time(graph, rate):
     samples = []
     tester.create_subscription(EmaState, "/twin/state", samples.append, qos.STATE)
     graph.spin_until(lambda: samples and stamp_of(samples[-1]) - stamp_of(samples[0]) > 1.2e9)
-    assert began < stamp_of(samples[0]) <= stamp_of(samples[-1]) < time.time_ns()
+    period = 1e9 / rate  # a sample may be up to half of it early
+    assert began < stamp_of(samples[0]) <= stamp_of(samples[-1]) < time.time_ns() + period
     elapsed = [(stamp_of(sample) - stamp_of(samples[0])) * rate * 1e-9 for sample in samples]
     assert all(abs(periods - round(periods)) < 1e-6 for periods in elapsed)
     assert [sample.sequence for sample in samples] == list(range(len(samples)))

@@ -29,6 +29,9 @@ from ema_twin_sim.plant.planetary.stiffness import (
     tooth_stiffness,
 )
 from ema_twin_sim.plant.planetary.torsional_stiffness import stiffness_over_positions, torsional_stiffness
+from tests.fidelities import LONGEST
+
+pytestmark = pytest.mark.timeout(LONGEST)
 
 BENCH = Gearing()
 TABLE = mesh_table(BENCH)

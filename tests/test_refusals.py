@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.command_line import MODEL, done, refused
+from tests.command_line import ENDING, MODEL, done, refused
 
 
 def test_unknown_verbs_and_options_are_refused_in_one_line():
@@ -169,7 +169,7 @@ def test_an_internal_error_is_one_line_with_status_1(tmp_path):
         f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv = ['ema-twin', 'effects'];"
         "from ema_twin_sim.commands.main import main; main()"
     )
-    result = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True, timeout=60, check=False)
+    result = subprocess.run([sys.executable, "-c", start], capture_output=True, text=True, timeout=ENDING, check=False)
     assert result.returncode == 1
     assert result.stderr.startswith("internal error: RuntimeError: broken on purpose")
     assert "Traceback" not in result.stderr

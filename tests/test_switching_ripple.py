@@ -10,6 +10,9 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.measured_motion import SPEED
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.fidelities import LONGEST
+
+pytestmark = pytest.mark.timeout(LONGEST)
 
 
 @pytest.fixture(scope="module")

@@ -13,12 +13,12 @@ from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold
-from tests.command_line import MODEL, TWIN, done
+from tests.command_line import LONGEST, MODEL, TWIN, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
 
-def on_terminal(*arguments, columns=80, timeout=110):
+def on_terminal(*arguments, columns=80, timeout=LONGEST):
     """What a command prints on a terminal, its lines without colours."""
     ours, theirs = pty.openpty()
     environment = {**os.environ, "COLUMNS": str(columns), "TERM": "xterm"}
@@ -84,7 +84,7 @@ def test_compare(traces, better, columns):
 
 def piped(columns, *arguments):
     environment = {**os.environ, "COLUMNS": columns}
-    run = subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=110)
+    run = subprocess.run([TWIN, *map(str, arguments)], capture_output=True, text=True, env=environment, timeout=LONGEST)
     assert run.returncode == 0, run.stderr
     return run.stdout.split("\n")
 

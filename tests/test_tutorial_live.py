@@ -20,14 +20,15 @@ from tests.command_line import ENVIRONMENT, TWIN
 from tests.launch_files import started
 from tests.tutorials import check, page, prepare, run, steps
 
-PATIENCE = 120.0
+PATIENCE = 240.0
 """s that anything may take here, since other tests run beside it."""
 KEYS = (
     ("d", r"\n *10\.0 of 20 s"),
     ("a", r"Press a to add"),
-    ("q", r"Watch the error fall(.*\n){1,60}? .*position [^\n]* 1×  current [^\n]* 1×"),
+    ("q", r"Watch the error fall(.*\n)+? .*position [^\n]* [1-3]×  current [^\n]* [1-3]×"),
 )
-"""What is pressed, and what must be on the terminal before: the last, an error that has fallen."""
+"""What is pressed, and what must be on the terminal before: the last, an error that has fallen to about the noise. What
+exactly stays depends on the samples that were judged."""
 FASTER = ("--rate", "4")
 """Than a person would want it."""
 WIDE = struct.pack("HHHH", 50, 240, 0, 0)
@@ -77,7 +78,7 @@ class Terminal:
         os.close(self.end)
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(900)
 def test_three_keys(tmp_path):
     step = steps(page("live"))[0]
     folder = prepare(tmp_path)
@@ -95,7 +96,7 @@ def test_three_keys(tmp_path):
     assert "backlash" in model and "stribeck_friction" in model
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(900)
 def test_the_nodes_and_a_client_of_the_services(tmp_path):
     step = steps(page("live"))[1]
     printed = run(step, prepare(tmp_path))

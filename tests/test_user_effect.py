@@ -31,7 +31,7 @@ from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
-from tests.command_line import done, refused
+from tests.command_line import ENDING, done, refused
 
 EXAMPLE = Path(__file__).resolve().parent.parent / "docs" / "examples" / "position_friction.py"
 HIDDEN = {"torque": 0.1, "count": 20.0, "phase": 0.5}
@@ -348,6 +348,6 @@ def test_a_running_twin_has_its_parameters(graph, hiding):
 
 def test_a_node_refuses_a_wrong_file_in_one_line(own):
     process = start_process("ema_twin_sim.nodes.twin", f"effect_files:=[{own(WRONG['a text'][0])}]")
-    error = process.communicate(timeout=30)[1]
+    error = process.communicate(timeout=ENDING)[1]
     assert process.returncode == 2 and len(error.splitlines()) == 1
     assert "own.py: line 4" in error

@@ -19,7 +19,7 @@ from ema_twin_sim.views.palette import BEFORE, MEASURED
 from ema_twin_sim.views.web_page import WebPage
 from ema_twin_sim.views.web_viewer import WebViewer
 from tests.browser import CHROMIUM, Browser
-from tests.command_line import TWIN
+from tests.command_line import ENDING, TWIN
 from tests.conftest import RECORDINGS
 
 DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
@@ -34,7 +34,7 @@ def viewer():
 
 def answer(address, path="", **headers):
     try:
-        with DIRECT.open(urllib.request.Request(address + path, headers=headers), timeout=10) as got:
+        with DIRECT.open(urllib.request.Request(address + path, headers=headers), timeout=ENDING) as got:
             return got.status, got.headers, got.read()
     except urllib.error.HTTPError as error:
         return error.code, error.headers, b""
@@ -139,4 +139,4 @@ def test_a_browser_shows_the_live_run(tmp_path, width):
         if browser is not None:
             browser.close()
         live.terminate()
-        live.communicate(timeout=30)
+        live.communicate(timeout=ENDING)

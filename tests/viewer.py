@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 from ema_twin_sim.views.screen import viewer_environment
+from tests.command_line import ENDING
 
 LAVAPIPE = next(Path("/usr/share/vulkan/icd.d").glob("lvp_icd*.json"), None)
 REASON = "lavapipe, which draws rerun's views without a graphics card, is missing: sudo apt install mesa-vulkan-drivers"
@@ -39,7 +40,7 @@ class Viewer:
 
     def close(self):
         self._process.terminate()
-        self._process.wait(timeout=20)
+        self._process.wait(timeout=ENDING)
         shutil.rmtree(self._home, ignore_errors=True)
 
     def _loaded(self):

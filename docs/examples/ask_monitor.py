@@ -4,21 +4,19 @@ The nodes `twin` and `monitor` run, beside a bench or a replay; then: `python do
 `ros2 service call /monitor/diagnose …` does, for a program of your own.
 """
 
-import time
-
 import rclpy
 
 from ema_bench_replay.nodes import qos
-from ema_twin_msgs.msg import Health
+from ema_twin_msgs.msg import EmaState, Health
 from ema_twin_msgs.srv import Apply, Diagnose
 
 ENOUGH = 10.0
 """s of comparing before the question; the more there is to judge from, the surer the answer."""
 
 
-def seconds_of(health):
-    """The stamp of the last sample that was compared."""
-    return health.header.stamp.sec + 1e-9 * health.header.stamp.nanosec
+def seconds_of(message):
+    """The stamp of a sample; of health, that of the last sample that was compared."""
+    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
 
 
 class Client:
@@ -39,13 +37,21 @@ class Client:
     def wait_for_age(self, seconds):
         """Listen until the present run has lasted so long."""
         while not self.health.compared or seconds_of(self.health) - self.begun < seconds:
-            self.listen(0.1)
+            rclpy.spin_once(self.node)
 
-    def listen(self, seconds):
-        """Take what comes for so long."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            rclpy.spin_once(self.node, timeout_sec=0.1)
+    def wait_for_change(self):
+        """Listen for two windows from what the twin answers now: the second holds nothing of before.
+
+        The monitor may be behind the twin, so it is the twin that tells what "now" is. A new run begins a new window.
+        """
+        answers = []
+        listening = self.node.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE_FROM_NOW)
+        while not answers:
+            rclpy.spin_once(self.node)
+        self.node.destroy_subscription(listening)
+        run, end = answers[0].run, seconds_of(answers[0]) + 2.0 * self.health.window
+        while (self.health.run, seconds_of(self.health)) < (run, end):
+            rclpy.spin_once(self.node)
 
     def call(self, service, name, **request):
         """The answer of a service; ends the program where it refuses."""
@@ -76,8 +82,8 @@ def main():
     diagnosis = client.call(Diagnose, "/monitor/diagnose", window=0.0).diagnosis
     print(f"missing: {', '.join(entry.id for entry in diagnosis.ranking if entry.found)}", flush=True)
     print(f"added: {client.call(Apply, '/monitor/apply', effect=[]).message}", flush=True)
-    client.listen(2.0 * client.health.window)  # by then, the window holds nothing of before
-    client.wait_for_age(2.0 * client.health.window)  # nor of a run's beginning, where the gap in the gears is unknown
+    client.wait_for_change()
+    client.wait_for_age(2.0 * client.health.window)  # past a run's beginning, where the gap in the gears is unknown
     client.tell_errors("after")
     rclpy.shutdown()
 

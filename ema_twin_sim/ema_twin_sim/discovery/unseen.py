@@ -58,7 +58,7 @@ class Unseen:
         return (self.rmse[before] ** 2 - self.rmse[after] ** 2) / excess if excess > 0.0 else None
 
     def parting_removed(self, before: int, after: int) -> float:
-        """Share, in power, that went away between two rounds of how far the encoders part; 0 where that is not judged."""
+        """Share, in power, of how far the encoders part that went away between two rounds; 0 where not judged."""
         if not self.encoders or not self.output[before]:
             return 0.0
         return 1.0 - (self.output[after] / self.output[before]) ** 2

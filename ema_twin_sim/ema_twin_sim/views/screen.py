@@ -22,8 +22,8 @@ _GRAPHICS = (
 )
 """Folders, and what in them stands for something to draw with."""
 _PORT = 9876
-_PATIENCE = 15.0
-"""s in which a viewer must listen."""
+_PATIENCE = 60.0
+"""s in which a viewer must listen; one that ends is not waited for, but a busy machine may take long to start one."""
 _NOWHERE = "http://127.0.0.1:9"
 
 
