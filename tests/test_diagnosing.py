@@ -128,7 +128,8 @@ def judged(*ranking, verdict, none=0.0, unknown=0.0):
 
 class TestWhatIsMissingStill:
     BOTH = judged(
-        entry("backlash", 0.6, True, width=0.004), entry("stribeck_friction", 0.3, True), entry("cogging", 0.1, False),
+        entry("backlash", 0.98, True, width=0.004), entry("stribeck_friction", 0.97, True),
+        entry("cogging", 0.1, False),
         verdict="backlash",
     )  # fmt: skip
 
@@ -139,26 +140,21 @@ class TestWhatIsMissingStill:
         left = still_missing(self.BOTH, [("backlash", ())])
         assert left["verdict"] == "stribeck_friction"
         assert [e["effect"] for e in left["ranking"]] == ["stribeck_friction", "cogging"]
-        assert [e["probability"] for e in left["ranking"]] == pytest.approx([0.75, 0.25])
 
     def test_all_are_there(self):
         left = still_missing(self.BOTH, [("backlash", ()), ("stribeck_friction", ())])
         assert left["verdict"] == "none"
         assert left["none"] == pytest.approx(0.9)
 
-    def test_probabilities_sum_to_one(self):
-        for names in (["backlash"], ["backlash", "stribeck_friction"], ["gravity_load"]):
-            applied = [(name, ()) for name in names]
-            for diagnosis in (
-                self.BOTH,
-                judged(entry("backlash", 1.0, True), verdict="backlash"),
-                judged(verdict="none", none=1.0),
-                judged(verdict="unknown", unknown=1.0),
-                judged(entry("backlash", 0.4, True), verdict="unknown", unknown=0.6),
-            ):
-                left = still_missing(diagnosis, applied)
-                total = left["none"] + left["unknown"] + sum(e["probability"] for e in left["ranking"])
-                assert total == pytest.approx(1.0), (applied, diagnosis)
+    def test_what_is_left_is_as_probable_as_it_was(self):
+        """Effects are missing each by itself: that one is there now says nothing of the others."""
+        left = still_missing(self.BOTH, [("backlash", ())])
+        assert [e["probability"] for e in left["ranking"]] == [0.97, 0.1] and left["none"] == 0.0
+        alone = judged(entry("backlash", 0.98, True), verdict="backlash", unknown=0.02)
+        assert still_missing(alone, [("backlash", ())])["none"] == pytest.approx(0.98)
+        beside = judged(entry("backlash", 0.98, True), verdict="unknown", unknown=0.98)
+        left = still_missing(beside, [("backlash", ())])
+        assert (left["verdict"], left["none"], left["unknown"]) == ("unknown", 0.0, 0.98)
 
     def test_what_was_applied_and_does_not_show_is_told(self):
         left = still_missing(self.BOTH, [("gravity_load", ())])
@@ -244,11 +240,10 @@ class TestTheKeysOfALiveRun:
             thread.join()
         return " ".join(capsys.readouterr().out.split())
 
-    def test_effects_that_are_all_missing_share_the_probability(self, capsys):
+    def test_effects_that_are_all_missing_are_each_likely(self, capsys):
         said = self.pressed("d", capsys, Services(diagnosis_message(OF_BOTH, 0, 1, 12.0)))
         assert said.startswith("Looking for what the model lacks: this takes some seconds")
-        assert "Backlash and Stribeck friction are both missing, together 90 % likely" in said
-        assert "backlash: 60 % of the probability" in said and "Stribeck friction: 30 % of the probability" in said
+        assert "backlash: 98 % likely" in said and "Stribeck friction: 97 % likely" in said
         assert "cogging: 10 % likely" in said and "Press a to add them" in said
         assert "current: clipped" in said and "give several" not in said
 

@@ -178,18 +178,17 @@ def test_a_diagnosis_of_two_effects(tmp_path, stock):
     assert {entry["effect"] for entry in ranking if entry["found"]} == set(hidden)
     probabilities = [entry["probability"] for entry in ranking]
     assert probabilities == sorted(probabilities, reverse=True)
-    assert sum(probabilities) + content["none"] + content["unknown"] == pytest.approx(1.0)
+    assert content["none"] < 0.05 and content["unknown"] < 0.05
     for entry in ranking:
         if entry["found"]:
-            assert entry["probability"] > 0.2 and entry["error_removed"] > 0.1
+            assert entry["probability"] > 0.9 and entry["error_removed"] > 0.1
             for name, value in hidden[entry["effect"]].items():
                 assert entry["parameters"][name]["value"] == pytest.approx(value, rel=0.2)
                 assert entry["parameters"][name]["std"] > 0.0
     for name in ("groups", "depends_on", "next_recording", "warnings", "evidence"):
         assert name in content
     assert "beside all others that were found" in " ".join(text.split())
-    shares = [entry["probability"] for entry in ranking if entry["found"]]
-    assert f"are both missing, together {100.0 * sum(shares):.0f} % likely: each row tells its share" in text
+    assert "several may be missing at once" in " ".join(text.split())
     assert "█" in text and (tmp_path / "d.mcap").stat().st_size > 10_000
 
 

@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, order_sentences, removed_words, sharing_sentence, verdict_sentence
+from .wording import effect_words, options_words, order_sentences, removed_words, verdict_sentence
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -44,8 +44,8 @@ def run(
 ) -> None:
     """Rank the effects that a model may lack: how likely each is, and how much of the error it takes away.
 
-    Several effects that are missing share the probability. Nothing is written but what you ask for: discover writes the
-    model that has them.
+    Several effects may be missing at once: each has the probability that it is. Nothing is written but what you ask
+    for: discover writes the model that has them.
     """
     from .inputs import input_files, refuse_evidence, refuse_existing, refuse_inputs
     from .judged import read_judged, warn_of, write_evidence_bag, write_findings
@@ -96,8 +96,7 @@ def show(diagnosis: Diagnosis) -> None:
     """Print the ranking and what is in doubt."""
     table = ReportTable("\nWhat the model may lack")
     table.words("effect")
-    sharing = sharing_sentence([(entry.effect, entry.probability) for entry in diagnosis.ranking if entry.found])
-    table.numbers("share" if sharing else "probability", justify="left")
+    table.numbers("probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
     shown, left_out = _worth_showing(diagnosis.ranking)
@@ -111,12 +110,11 @@ def show(diagnosis: Diagnosis) -> None:
     for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
         table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
-    if sharing:
-        say(sharing)
     if diagnosis.ranking:
         say(
-            "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to, with "
-            "this effect beside all others that were found; discover's steps count one after another."
+            "Probability: how sure it is that the effect is missing; several may be missing at once. Error removed: "
+            "the share of the error above the sensors' noise that goes, on data not fitted to, with this effect beside "
+            "all others that were found; discover's steps count one after another."
             + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
         )

@@ -15,7 +15,7 @@ from ema_bench_replay.errors import InputError
 from ..discovery.cautions import ALONE
 from ..quantities import estimate
 from .output import console, say
-from .wording import effect_words, sharing_sentence
+from .wording import effect_words
 
 if TYPE_CHECKING:
     from ema_twin_msgs.msg import Diagnosis, Effect
@@ -141,23 +141,19 @@ def told(found: Diagnosis) -> list[str]:
     else:
         first = f"Missing: {names}."
     lines = [f"{first} (judged from {found.window:.0f} s)"]
-    shares = len(effects) > 1
-    if shares:
-        lines.append(sharing_sentence([(entry.id, entry.probability) for entry in effects]))
     shown = [entry for entry in found.ranking[:_SHOWN] if entry.found or entry.probability > 0.0]
-    lines += [f"  {_line(entry, shares=shares and entry.found)}" for entry in shown]
+    lines += [f"  {_line(entry)}" for entry in shown]
     if effects:
-        lines.append(f"Press a to add {'them' if shares else 'it'} to the running twin.")
+        lines.append(f"Press a to add {'them' if len(effects) > 1 else 'it'} to the running twin.")
     if found.next_recording:
         lines.append(f"To be surer, record {found.next_recording}")
     # nothing more can be given to a live run
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 
 
-def _line(entry: Effect, *, shares: bool) -> str:
-    """One effect; ``shares``: it is missing for certain where the others that were found are."""
+def _line(entry: Effect) -> str:
     numbers = zip(entry.parameter, entry.value, entry.std, entry.unit, strict=True)
     words = ", ".join(f"{name} {estimate(value, std, unit)}" for name, value, std, unit in numbers)
-    likely = f"{100.0 * entry.probability:.0f} % {'of the probability' if shares else 'likely'}"
+    likely = f"{100.0 * entry.probability:.0f} % likely"
     removed = "" if math.isnan(entry.error_removed) else f", takes away {100.0 * entry.error_removed:.0f} %"
     return f"{effect_words(entry.id)}: {likely}{removed} ({words})"

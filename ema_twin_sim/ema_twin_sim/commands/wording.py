@@ -56,19 +56,6 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
-def sharing_sentence(shares: Sequence[tuple[str, float]]) -> str:
-    """That several effects which were found, of these probabilities, are all missing; empty of one or none.
-
-    ``Backlash and Stribeck friction are both missing, together 100 % likely: each row tells its share of that.``
-    """
-    if len(shares) < 2:
-        return ""
-    names = listed(dict.fromkeys(effect_words(id) for id, _ in shares))
-    all_of_them = "both" if len(shares) == 2 else "all"
-    together = f"together {100.0 * sum(share for _, share in shares):.0f} % likely"
-    return f"{names[:1].upper()}{names[1:]} are {all_of_them} missing, {together}: each row tells its share of that."
-
-
 def removed_words(share: float | None) -> str:
     """How much of an error went: ``99.9 %``, ``farther`` where it grew, a dash where there was none."""
     if share is None:

@@ -41,8 +41,16 @@ class SignalError(TypedDict):
 
 def excess_removed(before: SignalError, after: SignalError) -> float | None:
     """Share of the excess (power above the noise floor) that a model removes; None where there is no excess."""
-    excess = before["rmse"] ** 2 - before["noise_floor"] ** 2
-    return (before["rmse"] ** 2 - after["rmse"] ** 2) / excess if excess > 0.0 else None
+    return share_removed(before["rmse"], after["rmse"], before["noise_floor"])
+
+
+def share_removed(before: float, after: float, noise_floor: float) -> float | None:
+    """Share of an RMSE's power above its noise floor that is gone: all of it where the floor is reached, never more.
+
+    None where there was nothing above the floor.
+    """
+    excess = before**2 - noise_floor**2
+    return (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else None
 
 
 class RunningComparison:

@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.noise import noise_floors
+from ..comparison.running_comparison import share_removed
 from ..model import Model
 from ..model.own_units import in_si, shown
 from ..simulation.simulate import choose_input, simulate
@@ -54,8 +55,7 @@ class Unseen:
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
-        excess = self.rmse[before] ** 2 - self.noise_floor**2
-        return (self.rmse[before] ** 2 - self.rmse[after] ** 2) / excess if excess > 0.0 else None
+        return share_removed(self.rmse[before], self.rmse[after], self.noise_floor)
 
     def parting_removed(self, before: int, after: int) -> float:
         """Share, in power, of how far the encoders part that went away between two rounds; 0 where not judged."""

@@ -80,14 +80,9 @@ def _ranking(findings: Findings) -> Markup:
         )
     for said, probability in (("nothing is missing", findings.none), ("something else", findings.unknown)):
         rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
-    sharing = (
-        " Effects that are all missing share the probability."
-        if sum(entry.found for entry in findings.ranking) > 1
-        else ""
-    )
     note = (
-        "Probability: how often the effect would win, had other stretches of the same kind been recorded."
-        f"{sharing} Error removed: the share of the error above the sensors' noise that goes, on data not fitted to. "
+        "Probability: how sure it is that the effect is missing; several may be missing at once. "
+        "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to. "
         "± is one standard error."
     )
     head = ("effect", "probability", "error removed", "size")

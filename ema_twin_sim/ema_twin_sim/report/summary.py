@@ -137,10 +137,8 @@ def _probabilities(content: Content) -> str:
     rest = f"nothing missing: {none:.0f} %, something else: {unknown:.0f} %"
     if not found:
         return f"Probabilities: {rest}."
-    total = 100.0 * sum(entry.probability for entry in found)
-    names = listed(dict.fromkeys(effect_words(entry.effect) for entry in found))
-    together = "together " if len(found) > 1 else ""
-    return f"Probability of {names}: {together}{total:.0f} %; {rest}."
+    each = listed(f"{effect_words(entry.effect)} {100.0 * entry.probability:.0f} %" for entry in found)
+    return f"Probability of each: {each}; {rest}."
 
 
 def _left(content: Content) -> list[Markup]:

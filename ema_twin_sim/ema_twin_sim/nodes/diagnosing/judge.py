@@ -77,24 +77,15 @@ def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> di
         *diagnosis["warnings"],
         *(f"{id} was applied before, but these samples do not show it" for id, _ in unseen if found),
     ]
-    rest = diagnosis["unknown"] + sum(entry["probability"] for entry in ranking)
     if diagnosis["verdict"] == "unknown":
         verdict, none = "unknown", 0.0
     elif more:
         verdict, none = more[0]["effect"], 0.0
     else:
-        verdict, none = "none", max(1.0 - rest, 0.0)
-    total = rest + none
-    if total <= 0.0:  # nothing but what was applied has any weight
-        total, none = 1.0, float(verdict == "none")
-    return {
-        **diagnosis,
-        "verdict": verdict,
-        "ranking": [{**entry, "probability": entry["probability"] / total} for entry in ranking],
-        "none": none / total,
-        "unknown": diagnosis["unknown"] / total if rest else float(verdict == "unknown"),
-        "warnings": warnings,
-    }
+        verdict = "none"
+        likeliest = max((entry["probability"] for entry in ranking), default=0.0)
+        none = max(0.0, 1.0 - max(likeliest, diagnosis["unknown"]))
+    return {**diagnosis, "verdict": verdict, "ranking": ranking, "none": none, "warnings": warnings}
 
 
 def settings_between(before: Model, after: Model) -> dict[str, bool | float | str]:
