@@ -34,6 +34,7 @@ from .suggestion import suggest
 from .switching_ripple import with_switching_ripple
 from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown
+from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
 
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
@@ -128,6 +129,7 @@ def discover(
     found = significant(eq, found)
     known = known and explained(eq, found.fit, start)
     found = with_best_split(eq, recordings, found)
+    found = with_unmoved_constants(eq, recordings, found) if known else found
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(eq, in_seconds, found)
     if known and (idle := _idle(found, unseen)):

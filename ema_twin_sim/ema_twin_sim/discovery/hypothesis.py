@@ -298,8 +298,8 @@ def null_hypothesis(model: Model) -> Hypothesis:
             free.append(Free(f"scale.{id}", 0.0 if id in FRICTION else -GUESSED, GUESSED, 1e-3))
         elif id in FRICTION:
             free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
-    # where so much else is open, a lag would only stand in for it: no model holds one
-    std = LAG_PRIOR * (EXACT if model.is_open else 1.0)
-    free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, std)))
-    values = [1.0] * (len(free) - 1) + [0.0]
+    values = [1.0] * len(free)
+    if not model.is_open:  # where so much else is open, a lag would only stand in for it: no model holds one
+        free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_PRIOR)))
+        values.append(0.0)
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()

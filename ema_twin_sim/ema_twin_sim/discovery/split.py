@@ -33,15 +33,15 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     inputs = [choose_input(recording) for recording in recordings]
     if not best.parted or not found.taken or "current" in inputs:
         return found
-    shared = _held(best.hypothesis, best.hypothesis.as_the_file_shares())
+    shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are
     contact = {
         free.path: shared.base.value(free.path.replace("contact.", "transmission.contact_"))
         for free in shared.free
         if free.path.startswith("contact.")
     }
-    others = [shared, *([_held(shared, contact)] if contact else [])]
-    fitted, *errors = (_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
+    others = [shared, *([held_at(shared, contact)] if contact else [])]
+    fitted, *errors = (loop_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < BETTER * fitted:
         return found
@@ -51,13 +51,13 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     return replace(found, fit=other, rounds=rounds)
 
 
-def _held(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
+def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
     """A hypothesis with some numbers, by path, held at values."""
     free = tuple(replace(f, lower=values[f.path], upper=values[f.path]) if f.path in values else f for f in h.free)
     return replace(h, free=free).put(values)
 
 
-def _error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:
+def loop_error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:
     """The current's mean square error [A2] of the simulated loop, geometric mean over the recordings.
 
     One that ends in chaos must not decide for all. Infinite where the loop cannot follow.
