@@ -16,6 +16,7 @@ from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, 
 from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
+from .search_limits import reached, search_limits
 from .side_by_side import predictions
 from .smoothing import smooth_at
 
@@ -83,15 +84,23 @@ class Equation:
         self.reach = np.full(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
+        self.reached = reached(self.observations)
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-        """(lower, upper) (k,) of the free numbers; a speed that only counts as far as it is driven ends there."""
+        """(lower, upper) (k,) of the free numbers; of an effect's as far as these recordings reach."""
         lower = np.array([free.lower for free in h.free])
         upper = np.array([free.upper for free in h.free])
         for k, free in enumerate(h.free):
             name, _, parameter = free.path.removeprefix("effects.").partition(".")
-            table = catalogue()[h.added[name].effect].parameters if name in h.added else ()
-            if any(p.driven for p in table if p.name == parameter):
+            if name not in h.added:
+                continue
+            effect = catalogue()[h.added[name].effect]
+            p = next(p for p in effect.parameters if p.name == parameter)
+            least, most = search_limits(effect, p, self.reached)
+            if not p.periodic:
+                lower[k] = max(lower[k], least)
+                upper[k] = max(min(upper[k], most), lower[k])
+            if p.driven:  # a speed that only counts as far as it is driven
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper
 

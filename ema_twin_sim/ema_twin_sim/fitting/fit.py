@@ -176,6 +176,7 @@ def _solution(
         # no number of it moves them: of an unknown machine they would only say how bad the whole is
         observations = [o.without_encoders() for o in observations]
     equation = Equation(observations)
+    freedom = freedom.within(equation.reached)
     starts = structural_starts(equation, freedom, progress)
     if freedom.model.is_open and starts[0] is freedom.start:
         starts[0] = open_start(equation, freedom)

@@ -13,6 +13,7 @@ from ema_bench_replay.errors import InputError
 from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
+from ..model.model import parameter_range
 from ..plant.kernel import kernel
 from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
 from ..plant.sensors import shown
@@ -105,7 +106,7 @@ class Twin:
     def parameters(self) -> list[ParameterDescription]:
         """Every number that may be set: the machine's constants and each effect's parameters."""
         found = [
-            ParameterDescription(path, held.value, c.unit, c.lower, c.upper, c.description)
+            ParameterDescription(path, held.value, self._model.unit(path), c.lower, c.upper, c.description)
             for path, held in self._model.constants.items()
             for c in (CONSTANTS[path],)
         ]
@@ -113,7 +114,8 @@ class Twin:
             for p in catalogue()[instance.effect].parameters:
                 value = instance.parameters[p.name]
                 path = f"effects.{name}.{p.name}"
-                found.append(ParameterDescription(path, value, p.unit, p.lower, p.upper, p.description))
+                lower, upper, unit = parameter_range(p, self._model.motion)
+                found.append(ParameterDescription(path, value, unit, lower, upper, p.description))
         return found
 
     def set_parameter(self, path: str, value: float) -> None:
