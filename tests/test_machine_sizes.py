@@ -14,6 +14,7 @@ from ema_twin_sim.effects.effect import POSITIVE
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.simulate import simulate
+from tests.large_arm import open_arm, swings_of
 
 SIZES = (1e-6, 1e3)  # kg m2, at the motor
 STOCK = 1.8e-3  # the stock machine's
@@ -78,50 +79,10 @@ def test_a_model_that_would_not_load_again_is_no_result(stock, tmp_path):
     assert not (tmp_path / "model.yaml").exists()
 
 
-@pytest.fixture(scope="module")
-def arm():
-    """A large robot's axis without gearbox, of which nothing is known: 40 kg m2, viscous friction 30 N m s/rad, and an
-    arm that weighs 300 N m where the model supposes one that hangs the other way.
-    """
-    model = load_model("kuka_axis1")
-    constants = dict(model.constants)
-    constants["machine.motor_inertia"] = replace(constants["machine.motor_inertia"], value=10.0)
-    constants["machine.gear_ratio"] = replace(constants["machine.gear_ratio"], value=1.0)
-    model = replace(model, constants=constants)
-    model = model.with_value("effects.viscous_friction.coefficient", 1.0)
-    model = model.with_value("effects.coulomb_friction.torque", 1.0)
-    model = model.with_effect("gravity_load", {"torque": 10.0, "angle": 0.0})
-    return replace(model, effects={k: replace(v, open=True) for k, v in model.effects.items()})
-
-
-@pytest.fixture(scope="module")
-def swings(arm):
-    """Two runs of it, over half a turn."""
-    rng = np.random.default_rng(4)
-    found = []
-    for rate, phase in ((0.8, 0.0), (1.3, 1.0)):
-        time = np.arange(10_000) * 2e-3
-        angle, speed, acceleration = (1.5 * rate**k * np.sin(rate * time + phase + k * math.pi / 2.0) for k in range(3))
-        torque = 40.0 * acceleration + 30.0 * speed + 20.0 * np.sign(speed) + 300.0 * np.sin(angle + 2.5)
-        constant = arm.value("machine.torque_constant")
-        found.append(
-            Recording(
-                f"swing_{rate:g}",
-                np.arange(10_000) * 2_000_000,
-                {
-                    "current": (torque + 0.5 * rng.standard_normal(10_000)) / constant,
-                    "speed": speed,
-                    "motor_position": angle,
-                },
-                motor_angle_origin=0.0,
-                output_angle_origin=0.0,
-            )
-        )
-    return found
-
-
 @pytest.mark.parametrize("verb", ["discover", "fit"])
-def test_an_open_arm_is_found_with_its_angle_and_loads_again(arm, swings, verb, tmp_path):
+def test_an_open_arm_is_found_with_its_angle_and_loads_again(verb, tmp_path):
+    arm = open_arm()
+    swings = swings_of(arm)
     found = discover(swings, arm) if verb == "discover" else fit_model(swings, arm, method="equation")
     read = load_model(save_model(found.model, tmp_path / "model.yaml"))
     gravity = read.effects["gravity_load"].parameters

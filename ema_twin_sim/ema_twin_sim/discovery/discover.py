@@ -25,6 +25,7 @@ from .halves import halves
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .left_over import left_over_words
 from .observation import observe_all
+from .on_bound import on_bounds
 from .rivals import Rivalry, judged_against_rivals
 from .search import ROUNDS, less, search, significant
 from .shown_by_points import at_rest, not_shown, woken
@@ -158,6 +159,7 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
             *far_off(best),
+            *on_bounds(eq, best, errors),
             *(OPEN_CONSTANTS if model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
         ),
