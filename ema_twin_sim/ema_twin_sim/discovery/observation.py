@@ -23,6 +23,7 @@ from ..reading_noise import reading_noise
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.simulate import LONGEST_GAP
+from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
 from .smoothing import gaussian, smooth, smooth_at
 
@@ -164,6 +165,8 @@ def observe(recording: Recording, model: Model) -> Observation:
     )
     rows = centres[(judged & moving & driven)[centres]]
     white = _torque_noise(signals["current"], recording.signals["current"], kernel, model)
+    if "load_torque" in signals:
+        white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
@@ -278,6 +281,8 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
         raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
     measured = recording.time[whole]
     used = {name: despiked(values[whole]) for name, values in used.items()}
+    if recording.has("load_torque"):
+        used["load_torque"] = _held(recording.signals["load_torque"])[whole]
     if whole.all() and np.abs(steps - period).max() < 0.02 * period:
         return period, recording.time, used, whole
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
@@ -319,8 +324,8 @@ def _motion(
         acceleration = smooth(position, bend)
         noise = reading * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
-    unloaded = np.zeros(len(time))
-    return np.stack([time, angle, speed, acceleration, signals["current"], output, unloaded], axis=1), noise
+    load = signals.get("load_torque", np.zeros(len(time)))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
@@ -340,6 +345,13 @@ def hardest(acceleration: np.ndarray, before: float, after: float, period: float
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     left, right = round(before / period), round(after / period)
     return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+
+
+def _held(load: np.ndarray) -> np.ndarray:
+    """A measured load (n,) as a twin takes it where it has no value."""
+    held = load.copy()
+    hold(held)
+    return held
 
 
 def despiked(values: np.ndarray) -> np.ndarray:

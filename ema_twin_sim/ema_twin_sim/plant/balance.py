@@ -22,7 +22,7 @@ from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step, directed, held_by_dry_friction
-from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
+from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
 from .operating_point import OperatingPoint, passing
 from .transmission import end_stop_torque
 
@@ -157,6 +157,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         plant.motor_viscous + plant.output_viscous,
     )
     torque, dry, load, thinned = evaluate(effects, at)
+    load += bench[row, LOAD_IN]
     if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
         stop = state.output_angle_origin * ratio
         load += end_stop_torque(

@@ -15,7 +15,21 @@ from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
 from ..model.model import parameter_range
 from ..plant.kernel import kernel
-from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
+from ..plant.layout import (
+    BENCH,
+    COMMAND_IN,
+    CURRENT,
+    CURRENT_IN,
+    ENCODER_MEMORY,
+    INPUTS,
+    LOAD_IN,
+    SETPOINT,
+    SETPOINT_IN,
+    STANDALONE,
+    STANDALONE_SPEED,
+    STATE,
+    TWIN,
+)
 from ..plant.sensors import shown
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
@@ -192,9 +206,9 @@ class Twin:
     def follow(self, stamps: np.ndarray, bench: np.ndarray) -> np.ndarray:
         """Start from the first row and integrate over all: the same arithmetic as sample by sample, in one call.
 
-        ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 5) with the columns ``layout.BENCH``; returns float64
+        ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 6) with the columns ``layout.BENCH``; returns float64
         (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it. Where ``bench`` lacks a value of the
-        signal that drives, the one before is written into it.
+        signal that drives, or of a measured load, the one before is written into it.
         """
         rows = np.full((len(stamps), len(TWIN)), math.nan)
         rows[0] = self._row[1]
@@ -284,13 +298,13 @@ def first_row(
         of_winding = [winding[name][0] for name in ("direct_current", *(f"phase_current_{phase}" for phase in "uvw"))]
     return np.array(
         [
-            bench[2] if source == CURRENT else held["current"],
+            bench[CURRENT_IN] if source == CURRENT else held["current"],
             held["current_setpoint"] if by_setpoint else math.nan,
             held["smoothed_speed"],
             held["speed_setpoint"] if by_setpoint else math.nan,
             0.0,
             0.0,
-            bench[0],
+            bench[COMMAND_IN],
             voltage,
             torque,
             0.0,
@@ -301,11 +315,20 @@ def first_row(
 
 
 def hold_input(bench: np.ndarray, source: int) -> None:
-    """Where the driving signal has no value, the one before holds (a twin must not turn NaN for good)."""
-    column = {CURRENT: 2, SETPOINT: 1, STANDALONE_SPEED: 1, STANDALONE: 0}[source]
-    driving = bench[:, column]
-    for row in np.flatnonzero(np.isnan(driving)):
-        driving[row] = driving[row - 1] if row else 0.0
+    """Where the driving signal, or a measured load, has no value, the one before holds: a twin must not stay NaN."""
+    column = {CURRENT: CURRENT_IN, SETPOINT: SETPOINT_IN, STANDALONE_SPEED: SETPOINT_IN, STANDALONE: COMMAND_IN}[source]
+    for values in (bench[:, column], bench[:, LOAD_IN]):
+        hold(values)
+
+
+def hold(values: np.ndarray) -> None:
+    """Write the value before over each that is NaN; zero before the first."""
+    unknown = np.flatnonzero(np.isnan(values))
+    if len(unknown) == len(values):
+        values[:] = 0.0
+        return
+    for row in unknown:
+        values[row] = values[row - 1] if row else 0.0
 
 
 def _known(value: float | None) -> float:
