@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..effects import catalogue
 from ..model import Model
 from ..model.equivalent import as_rotary, given_back
+from ..simulation.angle_origins import without_common_zero
 from .cautions import ALONE, OPEN_CONSTANTS
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
@@ -160,6 +161,7 @@ def discover(
             *contradictions(eq, best),
             *far_off(best),
             *on_bounds(eq, best, errors),
+            *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *(OPEN_CONSTANTS if model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
         ),

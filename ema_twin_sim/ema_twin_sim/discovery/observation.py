@@ -20,6 +20,7 @@ from ..comparison.noise import counter_noise
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.simulate import LONGEST_GAP
@@ -186,13 +187,14 @@ def observe(recording: Recording, model: Model) -> Observation:
         _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
         JITTER * smooth(difference, gaussian(width, period, 1)),
     )
+    motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
         period=period,
         geared=geared,
         motion=motion,
-        motor_origin=_known(recording.motor_angle_origin),
-        output_origin=_known(recording.output_angle_origin),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
         kernel=kernel,
         rows=rows,
         torque=_at(drive, kernel, rows),
@@ -219,13 +221,14 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     torque = constant * motion[:, MOTOR_CURRENT]
     noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
     nowhere = np.zeros(0)
+    motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
         period=float(np.median(np.diff(motion[:, TIME]))),
         geared=model.value("machine.output_inertia") > 0.0,
         motion=doubled(motion),
-        motor_origin=_known(recording.motor_angle_origin),
-        output_origin=_known(recording.output_angle_origin),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
         kernel=np.ones(1),
         rows=np.arange(count) * 2 + 1,
         torque=torque,
@@ -406,7 +409,3 @@ def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:
     smoothed = np.empty(len(rows))
     smooth_at(np.ascontiguousarray(values), kernel, rows, smoothed)
     return smoothed
-
-
-def _known(origin: float) -> float:
-    return 0.0 if math.isnan(origin) else origin

@@ -25,6 +25,7 @@ from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.equivalent import as_rotary, given_back, shown, shown_entry
+from ..simulation.angle_origins import without_common_zero
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
@@ -136,6 +137,8 @@ def fit_model(
     fitted = freedom.at(values)
     findings = asleep(awake, model) + find(solution, sure, fitted, method, circumstances(recordings, fitted))
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
+    blind = without_common_zero(recordings, fitted.active.values())
+    findings += [Finding("recording", recordings[0].name, "", text) for text in blind]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     notes = list(freedom.notes)
     notes += _doubts(before, after, _parts_encoders(fitted))

@@ -31,6 +31,7 @@ from ..plant.layout import (
     TWIN,
 )
 from ..plant.sensors import shown
+from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
@@ -170,8 +171,9 @@ class Twin:
         state["integral"] = self._assembly.plant["nominal_torque_constant"][0] * current
         state["speed_setpoint"] = _known(sample.get("speed_setpoint")) if self.source != STANDALONE else speed
         state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
-        state["motor_angle_origin"] = _known(motor_angle_origin)
-        state["output_angle_origin"] = _known(output_angle_origin)
+        ratio = float(self._assembly.plant["gear_ratio"][0])
+        origins = angle_origins(motor_angle_origin, output_angle_origin, ratio)
+        state["motor_angle_origin"], state["output_angle_origin"] = origins
         # as if the motion before the first sample had been steady, for an encoder that answers late
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
         state["encoder_memory"] = -speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
