@@ -63,3 +63,19 @@ def test_the_balance_feels_what_the_load_adds(stock):
     assert left.mean() == pytest.approx(COEFFICIENT * (load + own), rel=0.01)
     left = simulate(worn, recording, "current").signals["unexplained_torque"][steady]
     assert math.fabs(left.mean()) < 0.005 * load
+
+
+def test_a_loads_slopes_hold_what_follows_it(stock):
+    """Beside mesh friction, a load asks for its own torque and for the friction that it makes."""
+    machine = stock.with_effect("constant_load", {"torque": 0.4}).with_effect("mesh_friction", {"coefficient": 0.3})
+    recording = virtual_bench(machine, parse_command("speed-sine:0.1:0.5"), 8.0, seed=None)
+    eq = Equation([observe(recording, stock)])
+    h = null_hypothesis(stock.with_effect("mesh_friction", {"coefficient": 0.3}))
+    h = h.with_effect("constant_load", {}, {"torque": 0.4})
+    predicted = eq.predict(h)
+    slopes = eq.jacobian(h, predicted, np.ones(eq.rows))
+    k = [free.path for free in h.free].index("effects.constant_load.torque")
+    more = eq.predict(h.put({h.free[k].path: 0.401})).rows
+    assert slopes[: eq.size, k] == pytest.approx(((more - predicted.rows) / 0.001)[: eq.size], rel=0.02, abs=1e-3)
+    forward = eq.observations[0].motion[eq.observations[0].rows, 2] > 2.0
+    assert np.median(slopes[: eq.size, k][forward] * eq.noise[forward]) == pytest.approx(1.3, rel=0.01)

@@ -36,6 +36,7 @@ class Prediction:
     rows: np.ndarray
     plant: np.ndarray
     required: tuple[np.ndarray, ...]
+    by_load: bool  # whether something of it follows the load
 
 
 def _seen(o: Observation, plant: np.void) -> np.ndarray:
@@ -145,7 +146,8 @@ class Equation:
         for name in h.decoys:
             start = f"decoy.{name}."
             rows += self.decoys[name] @ [v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)]
-        return Prediction(rows, assembly.plant, tuple(every))
+        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
+        return Prediction(rows, assembly.plant, tuple(every), by_load)
 
     def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
         """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
@@ -156,7 +158,7 @@ class Equation:
         place = effect.where(instance.options)
         if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
             return None
-        if place == OUTPUT_TORQUE and plant["two_inertia"] != 0.0:
+        if place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load):
             return None
         address, slots = effect_address(effect), np.array(effect_slots(effect, instance))
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
