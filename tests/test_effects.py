@@ -9,6 +9,7 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.noise import noise_floors
 from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.effects import Effect, Parameter, catalogue, find_effect
+from ema_twin_sim.effects.effect import POSITIVE
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.plant.kernel import kernel
 from ema_twin_sim.plant.operating_point import PARAMETER_SLOTS, OperatingPoint
@@ -53,7 +54,10 @@ def test_an_effect_tells_what_it_is(id):
     for parameter in effect.parameters:
         assert parameter.unit and parameter.description
         assert parameter.lower <= parameter.default <= parameter.upper
-        assert math.isfinite(parameter.lower) and math.isfinite(parameter.upper)
+        # what has the size of a machine is bounded by its sign alone, what has none on both sides
+        bounded = parameter.unit in ("1", "rad") or parameter.name == "delay"
+        assert math.isfinite(parameter.upper) == bounded
+        assert parameter.lower in (0.0, POSITIVE, -math.inf) or bounded or parameter.unit == "s"
 
 
 @ids
@@ -98,7 +102,9 @@ def test_switching_an_effect_compiles_no_kernel(stock, id):
 @ids
 def test_parameters_out_of_range_are_refused_with_the_range(stock, id):
     for parameter in catalogue()[id].parameters:
-        for value in (parameter.upper * 2.0 + 1.0, math.nan, "much"):
+        beyond = [-1.0] if parameter.lower >= 0.0 else []
+        beyond += [parameter.upper * 2.0 + 1.0]  # of what is not bounded, infinity
+        for value in (*beyond, math.nan, "much"):
             with pytest.raises(InputError, match=r"give|no number") as refused:
                 stock.with_effect(id, {parameter.name: value})
             assert parameter.name in str(refused.value)

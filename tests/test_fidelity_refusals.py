@@ -6,6 +6,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.model import load_model
 from ema_twin_sim.own_effects import load_effect
+from ema_twin_sim.plant.layout import BENCH
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.twin import Twin
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -117,7 +118,7 @@ def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, model
     diverging = Twin(model, "standalone")
     diverging.start({"output_command": 0.0})
     stamps = np.arange(10_001, dtype=np.int64) * 2_000_000
-    bench = np.full((len(stamps), 5), np.nan)
+    bench = np.full((len(stamps), len(BENCH)), np.nan)
     bench[:, 0] = 0.05e-9 * stamps
     with pytest.raises(InputError, match=r"diverges: the (motor's speed|current) is beyond 1e\+07 .* 0\.0\d+ s after"):
         diverging.follow(stamps, bench)

@@ -246,7 +246,7 @@ WRONG = {
     "bounds the wrong way": (text(parameters=TABLE.replace("1.0", "-1.0")), ["torque", "lower 0", "in order"]),
     "a default out of bounds": (text(parameters=TABLE.replace("0.05", "5.0")), ["torque.default", "0 to 1"]),
     "a start out of bounds": (text(parameters=TABLE[:-2] + ", starts=(0.1, 7)),"), ["torque.starts[1]", "0 to 1"]),
-    "a bound that is no number": (text(parameters=TABLE.replace("1.0", "math.inf")), ["torque.upper", "finite"]),
+    "a bound that is no number": (text(parameters=TABLE.replace("1.0", "math.nan")), ["torque.upper", "math.inf"]),
     "options of one text": (text(more="options={'side': 'motor'}"), ["EFFECT.options.side", "tuple of choices"]),
     "a place that is none": (text(more="place=7"), ["EFFECT.place", "DRY_LEVEL"]),
     "a place that fails": (text(more="options={'a': ('x', 'y')}, place=lambda o: {'x': 0}[o['a']]"), ["a y", "line 5"]),

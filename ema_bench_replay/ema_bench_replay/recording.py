@@ -166,8 +166,8 @@ class Recording:
         return replace(
             self,
             signals=signals,
-            motor_angle_origin=self.motor_angle_origin + shift.get("motor_position", 0.0),
-            output_angle_origin=self.output_angle_origin + shift.get("output_position", 0.0),
+            motor_angle_origin=moved_origin(self.motor_angle_origin, shift.get("motor_position", 0.0)),
+            output_angle_origin=moved_origin(self.output_angle_origin, shift.get("output_position", 0.0)),
         )
 
     def _stamp(self, time: float) -> int:
@@ -175,6 +175,14 @@ class Recording:
         if not math.isfinite(time):
             raise InputError(f"{self.name}: {time} s is no time to cut at; it lasts from 0 s to {self.duration:g} s")
         return round(min(max(time, -1.0), self.duration + 1.0) * 1e9)
+
+
+def moved_origin(origin: float, shift: float) -> float:
+    """An angle origin, rad, after so much is taken from its position.
+
+    Where it was not known, a position that did not begin at zero is the angle that its encoder showed.
+    """
+    return shift if math.isnan(origin) and shift else origin + shift
 
 
 def _first(values: np.ndarray) -> float:

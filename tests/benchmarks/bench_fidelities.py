@@ -34,6 +34,7 @@ class Run:
         self.setpoint = SPEED * np.cos(2.0 * np.pi * 0.5 * self.stamps * 1e-9)
         self.rows = np.zeros((len(self.stamps), len(TWIN)))
         self._bench = np.full((len(self.stamps), len(BENCH)), np.nan)
+        self._bench[:, BENCH.index("load_torque")] = 0.0
         self._bench[:, BENCH.index("speed_setpoint")] = self.setpoint
         self._advance = kernel(self.assembly.fine.switching, self.assembly.fine.planetary)
 

@@ -34,6 +34,7 @@ def equations(model):
     count = round(SECONDS / 2e-3) + 1
     stamps = np.arange(count, dtype=np.int64) * 2_000_000
     bench = np.full((count, len(BENCH)), np.nan)
+    bench[:, BENCH.index("load_torque")] = 0.0
     bench[:, BENCH.index("speed_setpoint")] = 5.0 * np.cos(np.pi * stamps * 1e-9)
     twins = [Twin(one, "setpoint") for one in varied(model, LANE)]
     for twin in twins:

@@ -57,6 +57,7 @@ def by_kernel(model, recording):
     assembly = assemble(model)
     state = np.zeros(1, STATE)
     bench = np.full((len(recording), len(BENCH)), np.nan)
+    bench[:, BENCH.index("load_torque")] = 0.0
     bench[:, BENCH.index("speed_setpoint")] = recording.signals["speed_setpoint"]
     rows = np.zeros((len(recording), len(TWIN)))
     fine = resting_state(assembly.fine, assembly.effects)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +40,9 @@ class Declaration:
             return f"one of {', '.join(self.choices)}"
         if math.isinf(self.lower) and math.isinf(self.upper):
             return ""
+        if math.isinf(self.upper):
+            least = "more than 0" if 0.0 < self.lower <= sys.float_info.min else f"at least {self.lower:g}"
+            return f"{least} {self.unit}".rstrip()
         return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
 
     def checked(self, value: Any) -> Any:
@@ -64,14 +68,17 @@ class Declaration:
 
     def descriptor(self) -> ParameterDescriptor:
         """What `ros2 param describe` shows."""
-        number = isinstance(self.default, float) and math.isfinite(self.lower) and math.isfinite(self.upper)
+        number = isinstance(self.default, float) and (math.isfinite(self.lower) or math.isfinite(self.upper))
+        most = sys.float_info.max  # a range of ROS has two finite ends
         return ParameterDescriptor(
             description=f"{self.description} [{self.unit}]" if self.unit else self.description,
             additional_constraints=self.range,
             read_only=self.fixed,
             # A whole number for a float (`rate:=5`) is no mistake; `checked` holds the type.
             dynamic_typing=True,
-            floating_point_range=[FloatingPointRange(from_value=self.lower, to_value=self.upper)] if number else [],
+            floating_point_range=[FloatingPointRange(from_value=max(self.lower, -most), to_value=min(self.upper, most))]
+            if number
+            else [],
         )
 
 

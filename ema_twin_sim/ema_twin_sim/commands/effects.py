@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -66,8 +67,8 @@ def run(
                 p.name: {
                     "unit": p.unit,
                     "default": p.default,
-                    "lower": p.lower,
-                    "upper": p.upper,
+                    "lower": p.lower if math.isfinite(p.lower) else None,  # no bound
+                    "upper": p.upper if math.isfinite(p.upper) else None,
                     "text": p.description,
                 }
                 for p in effect.parameters
@@ -80,17 +81,19 @@ def run(
 
 def _show_one(effect: Effect, name: str | Path) -> None:
     """One effect in full; ``name`` is what ``add`` takes for it."""
+    from ..effects.effect import range_words
+
     say(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n", markup=True)
     say(f"  equation   {effect.equation}")
     say(f"  residual   {effect.signature}")
     say(f"  source     {effect.source}\n")
     table = ReportTable()
     table.words("parameter", "unit")
-    table.numbers("default", "from", "to")
-    table.words("meaning")
+    table.numbers("default")
+    table.words("possible", "meaning")
     for p in effect.parameters:
-        numbers = (f"{number:g}" for number in (p.default, p.lower, p.upper))
-        table.add_row(p.name, escape(p.unit), *numbers, escape(p.description))
+        possible = range_words(p.lower, p.upper)
+        table.add_row(p.name, escape(p.unit), f"{p.default:g}", possible, escape(p.description))
     console.print(table)
     for option, choices in effect.options.items():
         other = ", or another positive number" if option == effect.free_option else ""

@@ -17,6 +17,7 @@ from ..measured.scales import to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
+from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
@@ -129,6 +130,7 @@ def compare(
         tuple(where),
         (
             *(warning for recording in recordings for warning in recording.warnings),
+            *without_common_zero(recordings, model.active.values()),
             *(str(found) for recording in recordings for found in inconsistencies(recording, model)),
         ),
         "rotary" if model.units is None else "linear",
@@ -212,7 +214,7 @@ def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, rati
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:
         speed = np.gradient(position, recording.time)
-    origin = 0.0 if np.isnan(recording.motor_angle_origin) else recording.motor_angle_origin
+    origin, _ = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     own = position / ratio if recording.has("motor_position") else twin.signals["output_position"]
     output = recording.signals.get("output_position", own)
     return Stretch(residual, speed, position + origin, output, recording.time)

@@ -21,6 +21,7 @@ from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..plant.measured_motion import SPEED
 from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
 from ..simulation.required import required_torque
 from .observation import Observation, observe
@@ -232,11 +233,8 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
         return
-    recording = replace(  # unknown origins are zero of the whole, not of each piece
-        recording,
-        motor_angle_origin=float(np.nan_to_num(recording.motor_angle_origin)),
-        output_angle_origin=float(np.nan_to_num(recording.output_angle_origin)),
-    )
+    motor, output = origins_of(recording, model)  # unknown ones are zero of the whole, not of each piece
+    recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
     for start in PIECE * np.unique(recording.time // PIECE):
         factor = _times_inertia(recording, start, model, sum(part.value for part in parts))
         if factor is not None:

@@ -13,6 +13,7 @@ from ..effects import catalogue
 from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
+from ..simulation.angle_origins import without_common_zero
 from .cautions import ALONE, OPEN_CONSTANTS
 from .company import in_better_company, thought_again
 from .consistency import refuse_inconsistent
@@ -26,6 +27,7 @@ from .halves import halves
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .left_over import left_over_words
 from .observation import observe_all
+from .on_bound import on_bounds
 from .rivals import Rivalry, judged_against_rivals
 from .search import ROUNDS, less, search, significant
 from .shown_by_points import at_rest, not_shown, woken
@@ -165,6 +167,8 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
             *far_off(best),
+            *on_bounds(eq, best, errors),
+            *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *(OPEN_CONSTANTS if model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
         ),

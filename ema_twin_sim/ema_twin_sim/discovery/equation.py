@@ -17,6 +17,7 @@ from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, 
 from ..simulation.assembly import assemble, effect_address, effect_slots
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
+from .search_limits import reached, search_limits
 from .side_by_side import predictions
 
 NOWHERE = np.empty(0)
@@ -35,6 +36,7 @@ class Prediction:
     rows: np.ndarray
     plant: np.ndarray
     required: tuple[np.ndarray, ...]
+    by_load: bool  # whether something of it follows the load
 
 
 def _seen(o: Observation, plant: np.void) -> np.ndarray:
@@ -83,15 +85,23 @@ class Equation:
         self.reach = np.full(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
+        self.reached = reached(self.observations)
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-        """(lower, upper) (k,) of the free numbers; a speed that only counts as far as it is driven ends there."""
+        """(lower, upper) (k,) of the free numbers; of an effect's as far as these recordings reach."""
         lower = np.array([free.lower for free in h.free])
         upper = np.array([free.upper for free in h.free])
         for k, free in enumerate(h.free):
             name, _, parameter = free.path.removeprefix("effects.").partition(".")
-            table = catalogue()[h.added[name].effect].parameters if name in h.added else ()
-            if any(p.driven for p in table if p.name == parameter):
+            if name not in h.added:
+                continue
+            effect = catalogue()[h.added[name].effect]
+            p = next(p for p in effect.parameters if p.name == parameter)
+            least, most = search_limits(effect, p, self.reached)
+            if not p.periodic:
+                lower[k] = max(lower[k], least)
+                upper[k] = max(min(upper[k], most), lower[k])
+            if p.driven:  # a speed that only counts as far as it is driven
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper
 
@@ -136,7 +146,8 @@ class Equation:
         for name in h.decoys:
             start = f"decoy.{name}."
             rows += self.decoys[name] @ [v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)]
-        return Prediction(rows, assembly.plant, tuple(every))
+        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
+        return Prediction(rows, assembly.plant, tuple(every), by_load)
 
     def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
         """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
@@ -147,7 +158,7 @@ class Equation:
         place = effect.where(instance.options)
         if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
             return None
-        if place == OUTPUT_TORQUE and plant["two_inertia"] != 0.0:
+        if place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load):
             return None
         address, slots = effect_address(effect), np.array(effect_slots(effect, instance))
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]

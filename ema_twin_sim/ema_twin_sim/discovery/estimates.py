@@ -24,8 +24,21 @@ CALIBRATION = 0.005  # of a number: what two right formulations of the same phys
 
 def standard_errors(eq: Equation, f: Fit) -> dict[str, float]:
     """Standard errors of the free numbers, by path; those that are held at a value have none."""
-    spread = np.sqrt(np.diag(covariance(eq, f)))
-    return {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True) if free.lower < free.upper}
+    known = covariance(eq, f)
+    spread = np.sqrt(np.diag(known))
+    sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True) if free.lower < free.upper}
+    places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
+    now = f.hypothesis.by_path
+    for path in (path for path in places if path.startswith("quarter.")):
+        id = path.removeprefix("quarter.")
+        both = [places[f"scale.{id}"], places[path]]
+        along, ahead = now[f"scale.{id}"], now[path]
+        size = max(math.hypot(along, ahead), 1e-12)
+        for what, slopes in (("scale", (along / size, ahead / size)), ("angle", (-ahead / size**2, along / size**2))):
+            sure[f"{what}.{id}"] = math.sqrt(
+                max(float(np.array(slopes) @ known[np.ix_(both, both)] @ np.array(slopes)), 0.0)
+            )
+    return sure
 
 
 def far_off(f: Fit) -> list[str]:
@@ -80,6 +93,11 @@ def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str
             p = catalogue()[instance.effect].parameters[0]
             value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
             found.setdefault(name, {})[p.name] = _refitted(base, value, nominal, sure[path], p.unit)
+            angle = catalogue()[instance.effect].wave_angle
+            if angle is not None and (wobble := sure.get(f"angle.{instance.effect}")) is not None:
+                value, nominal = (each.effects[name].parameters[angle.name] for each in (model, base))
+                entry = shown_entry(base, value, wobble, angle.unit, angle=True)
+                found[name][angle.name] = {**entry, "nominal": nominal}
     return found
 
 

@@ -98,7 +98,7 @@ class _Beside(Equation):
             if path.startswith("decoy.") and path not in self._slopes:
                 _, name, place = path.split(".")
                 rows += self.decoys[name][:, int(place)] * value
-        return Prediction(rows, known.predicted.plant, known.predicted.required)
+        return Prediction(rows, known.predicted.plant, known.predicted.required, known.predicted.by_load)
 
     def _changes(self, h: Hypothesis) -> np.ndarray | None:
         """Rows (m,) of the effects that came, less those of the effects that went."""

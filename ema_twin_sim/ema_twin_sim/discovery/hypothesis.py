@@ -33,8 +33,9 @@ LAG_STEP = 1e-5
 class Free:
     """One free number.
 
-    ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` (times what the model has), ``contact.PARAMETER`` of the
-    teeth, ``lag``, or ``decoy.NAME.COLUMN``.
+    ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` (times what the model has), ``quarter.EFFECT`` (times a wave
+    of the model, a quarter of a turn ahead of it), ``contact.PARAMETER`` of the teeth, ``lag``, or
+    ``decoy.NAME.COLUMN``.
     """
 
     path: str
@@ -96,10 +97,13 @@ class Hypothesis:
         effects: dict[str, EffectInstance] = dict(self.base.effects)
         added = {name: dict(instance.parameters) for name, instance in self.added.items()}
         parted = self.parted
+        ahead = {path: value for path, value in self.by_path.items() if path.startswith("quarter.")}
         for free, value in zip(self.free, self.values, strict=True):
             kind, _, rest = free.path.partition(".")
             if kind == "scale":
                 self._scale(rest, float(value), parted, constants, effects)
+                if f"quarter.{rest}" in ahead:
+                    self._turn(rest, float(value), ahead[f"quarter.{rest}"], effects)
             elif kind == "contact":
                 path = f"transmission.contact_{rest}"
                 constants[path] = constants[path].at(float(value))
@@ -138,6 +142,24 @@ class Hypothesis:
         for name, instance in self.base.effects.items():
             if instance.effect == effect and instance.options.get("side") in sided.get(what, ("motor", "output", None)):
                 parameters = {**instance.parameters, size: instance.parameters[size] * factor}
+                effects[name] = instance.at(parameters)
+
+    def _turn(self, id: str, along: float, ahead: float, effects: dict[str, EffectInstance]) -> None:
+        """Give waves of the base the size and angle of ``along`` times themselves and ``ahead`` a quarter later.
+
+        So a wave of unknown size and angle is a sum of two: a regression finds both, and none is ever negative.
+        """
+        effect = catalogue()[id]
+        size, angle = effect.parameters[0], effect.wave_angle
+        assert angle is not None  # only a wave has a quarter
+        for name, instance in self.base.effects.items():
+            if instance.effect == id:
+                turned = instance.parameters[angle.name] + math.atan2(ahead, along)
+                parameters = {
+                    **instance.parameters,
+                    size.name: instance.parameters[size.name] * math.hypot(along, ahead),
+                    angle.name: math.remainder(turned, 2.0 * math.pi),
+                }
                 effects[name] = instance.at(parameters)
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
@@ -244,7 +266,7 @@ class Hypothesis:
         def mechanical(path: str) -> bool:
             kind, _, rest = path.partition(".")
             if kind != "effects":
-                return kind in ("scale", "contact", "decoy")
+                return kind in ("scale", "quarter", "contact", "decoy")
             name, _, parameter = rest.partition(".")
             table = catalogue()[self.added[name].effect].parameters
             return next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))
@@ -295,11 +317,27 @@ def null_hypothesis(model: Model) -> Hypothesis:
     ]
     for id in dict.fromkeys(instance.effect for instance in model.active.values()):
         if any(instance.open for instance in model.active.values() if instance.effect == id):
-            free.append(Free(f"scale.{id}", 0.0 if id in FRICTION else -GUESSED, GUESSED, 1e-3))
+            free.append(Free(f"scale.{id}", *_possible_scales(model, id), 1e-3))
+            if catalogue()[id].wave_angle is not None:
+                free.append(Free(f"quarter.{id}", -GUESSED, GUESSED, 1e-3))
         elif id in FRICTION:
             free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
-    values = [1.0] * len(free)
     if not model.is_open:  # where so much else is open, a lag would only stand in for it: no model holds one
         free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_PRIOR)))
-        values.append(0.0)
+    values = [1.0 if one.path.startswith("scale.") else 0.0 for one in free]
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()
+
+
+def _possible_scales(model: Model, id: str) -> tuple[float, float]:
+    """(lower, upper) of what the sizes of an open effect may be multiplied by; a wave's sign is an angle's matter."""
+    size = catalogue()[id].parameters[0]
+    lower, upper = -GUESSED, GUESSED
+    if catalogue()[id].wave_angle is None:
+        for instance in model.active.values():
+            value = instance.parameters[size.name] if instance.effect == id else 0.0
+            if value != 0.0:
+                ends = sorted((size.lower / value, size.upper / value))
+                lower, upper = max(lower, ends[0]), min(upper, ends[1])
+        if size.lower > 0.0:
+            lower = max(lower, 1.0 / GUESSED)
+    return lower, upper

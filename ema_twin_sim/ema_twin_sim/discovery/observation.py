@@ -22,9 +22,11 @@ from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.simulate import LONGEST_GAP
+from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
 
 NEEDED = ("current", "motor_position")
@@ -166,6 +168,8 @@ def observe(recording: Recording, model: Model) -> Observation:
     )
     rows = centres[(judged & moving & driven)[centres]]
     white = _torque_noise(signals["current"], recording.signals["current"], kernel, model)
+    if "load_torque" in signals:
+        white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
@@ -185,13 +189,14 @@ def observe(recording: Recording, model: Model) -> Observation:
         _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
         JITTER * smooth(difference, gaussian(width, period, 1)),
     )
+    motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
         period=period,
         geared=geared,
         motion=motion,
-        motor_origin=_known(recording.motor_angle_origin),
-        output_origin=_known(recording.output_angle_origin),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
         kernel=kernel,
         rows=rows,
         torque=_at(drive, kernel, rows),
@@ -218,13 +223,14 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     torque = constant * motion[:, MOTOR_CURRENT]
     noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
     nowhere = np.zeros(0)
+    motor_origin, output_origin = origins_of(recording, model)
     return Observation(
         name=recording.name,
         period=float(np.median(np.diff(motion[:, TIME]))),
         geared=model.value("machine.output_inertia") > 0.0,
         motion=doubled(motion),
-        motor_origin=_known(recording.motor_angle_origin),
-        output_origin=_known(recording.output_angle_origin),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
         kernel=np.ones(1),
         rows=np.arange(count) * 2 + 1,
         torque=torque,
@@ -281,6 +287,8 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
         raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
     measured = recording.time[whole]
     used = {name: despiked(values[whole]) for name, values in used.items()}
+    if recording.has("load_torque"):
+        used["load_torque"] = _held(recording.signals["load_torque"])[whole]
     if whole.all() and np.abs(steps - period).max() < 0.02 * period:
         return period, recording.time, used, whole
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
@@ -322,8 +330,8 @@ def _motion(
         acceleration = smooth(position, bend)
         noise = reading * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
-    unloaded = np.zeros(len(time))
-    return np.stack([time, angle, speed, acceleration, signals["current"], output, unloaded], axis=1), noise
+    load = signals.get("load_torque", np.zeros(len(time)))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
@@ -343,6 +351,13 @@ def hardest(acceleration: np.ndarray, before: float, after: float, period: float
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     left, right = round(before / period), round(after / period)
     return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+
+
+def _held(load: np.ndarray) -> np.ndarray:
+    """A measured load (n,) as a twin takes it where it has no value."""
+    held = load.copy()
+    hold(held)
+    return held
 
 
 def despiked(values: np.ndarray) -> np.ndarray:
@@ -397,7 +412,3 @@ def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:
     smoothed = np.empty(len(rows))
     smooth_at(np.ascontiguousarray(values), kernel, rows, smoothed)
     return smoothed
-
-
-def _known(origin: float) -> float:
-    return 0.0 if math.isnan(origin) else origin

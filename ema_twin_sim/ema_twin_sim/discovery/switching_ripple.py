@@ -18,7 +18,7 @@ from ema_bench_replay.recording import Recording
 
 from ..measured.smoothing import gaussian, smooth
 from ..model import Model
-from ..plant.measured_motion import MOTOR_ANGLE, MOTOR_CURRENT, SPEED
+from ..plant.measured_motion import LOAD, MOTOR_ANGLE, MOTOR_CURRENT, SPEED
 from ..simulation.simulate import simulate
 from .observation import Observation
 
@@ -49,9 +49,16 @@ def _folded(o: Observation, model: Model) -> float:
             ("speed", SPEED),
             ("speed_setpoint", SPEED),
             ("motor_position", MOTOR_ANGLE),
+            ("load_torque", LOAD),
         )
     }
-    driven = Recording(name=o.name, stamps=stamps, signals=signals, motor_angle_origin=o.motor_origin)
+    driven = Recording(
+        name=o.name,
+        stamps=stamps,
+        signals=signals,
+        motor_angle_origin=o.motor_origin,
+        output_angle_origin=o.output_origin,
+    )
     current = simulate(model, driven, "setpoint").signals["current"]
     # the kernel's own width, as its second moment
     places = np.arange(len(o.kernel)) - len(o.kernel) // 2

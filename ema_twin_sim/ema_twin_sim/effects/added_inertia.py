@@ -1,5 +1,7 @@
 """Added inertia: T = inertia * dw/dt [N m], kg m^2 at the fast shaft, on the output side of the gearbox."""
 
+import math
+
 from .effect import Effect, Parameter
 
 
@@ -15,6 +17,6 @@ EFFECT = Effect(
     depends_on="acceleration",
     signature="current error in proportion to acceleration",
     source="Newton's second law",
-    parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, 10.0, "more inertia, reduced to the fast shaft"),),
+    parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, math.inf, "more inertia, reduced to the fast shaft"),),
     settle=settle,
 )

@@ -22,7 +22,7 @@ EFFECT = Effect(
     signature="current error of order 24 with the same amplitude at every current",
     source="Hanselman, Brushless Permanent Magnet Motor Design, 2003",
     parameters=(
-        Parameter("torque", "N m", 0.03, 0.0, 100.0, "amplitude, fast shaft"),
+        Parameter("torque", "N m", 0.03, 0.0, math.inf, "amplitude, fast shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     options={"order": ("24", "12", "36", "48", "72", "144", "18", "6")},

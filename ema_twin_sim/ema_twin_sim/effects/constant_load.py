@@ -3,6 +3,8 @@
 A Coulomb level that differs by direction is this while sliding, and goes under this name.
 """
 
+import math
+
 from .effect import OUTPUT_TORQUE, Effect, Parameter
 
 
@@ -18,7 +20,7 @@ EFFECT = Effect(
     depends_on="direction",
     signature="current error that is the same in both directions, at every speed and position",
     source="statics",
-    parameters=(Parameter("torque", "N m", 0.03, -100.0, 100.0, "torque, reduced to the fast shaft"),),
+    parameters=(Parameter("torque", "N m", 0.03, -math.inf, math.inf, "torque, reduced to the fast shaft"),),
     act=act,
     place=OUTPUT_TORQUE,
 )

@@ -3,6 +3,8 @@
 Thesis, script "Main HF": dynamics.friction (FDTm, FDTu sliding; FSTm, FSTu at rest), its "Borello" friction block.
 """
 
+import math
+
 from .effect import Effect, Parameter
 
 
@@ -21,7 +23,7 @@ EFFECT = Effect(
     signature="current error that is constant in each direction and flips at a reversal",
     source="thesis, script Main HF, dynamics.friction (Borello friction block)",
     parameters=(
-        Parameter("torque", "N m", 0.05, 0.0, 100.0, "sliding level, at the fast shaft"),
+        Parameter("torque", "N m", 0.05, 0.0, math.inf, "sliding level, at the fast shaft"),
         Parameter("static_ratio", "1", 2.0, 1.0, 10.0, "break-away over sliding level", starts=(2.0,), at_rest=True),
     ),
     options={"side": ("motor", "output")},

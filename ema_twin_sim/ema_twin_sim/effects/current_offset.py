@@ -24,7 +24,7 @@ EFFECT = Effect(
     signature="current error of order 4, the electrical frequency, independent of load",
     source="Chung and Sul 1998",
     parameters=(
-        Parameter("torque", "N m", 0.02, 0.0, 100.0, "amplitude, fast shaft"),
+        Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude, fast shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     act=act,

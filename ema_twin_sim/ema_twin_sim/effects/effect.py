@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -9,7 +11,7 @@ import numpy as np
 
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT
 
-__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "TORQUE", "VISCOUS_COEFFICIENT", "Effect", "Parameter"]
+__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "POSITIVE", "TORQUE", "VISCOUS_COEFFICIENT", "Effect", "Parameter"]
 
 QUANTITIES = (
     "speed",
@@ -24,6 +26,9 @@ QUANTITIES = (
 )
 """What an effect may show over."""
 
+POSITIVE = sys.float_info.min
+"""The lower bound of a number that is never zero."""
+
 Values = Mapping[str, float]
 Options = Mapping[str, str]
 
@@ -31,6 +36,9 @@ Options = Mapping[str, str]
 @dataclass(frozen=True)
 class Parameter:
     """One parameter of an effect.
+
+    ``lower`` and ``upper`` are what is possible at all: a torque may be of any size, since machines are, and has an
+    infinite bound (``math.inf``); a share or an angle is bounded. A search looks as far as the recordings reach.
 
     ``default`` is a typical value of this class of machine, used where an effect is added with none given. The search
     for missing effects begins at each of ``starts`` (none: spread between the bounds); a ``periodic`` parameter is an
@@ -103,6 +111,13 @@ class Effect:
         """The place that ``act``'s value goes to under these options."""
         return self.place(options) if callable(self.place) else self.place
 
+    @property
+    def wave_angle(self) -> Parameter | None:
+        """The angle of an effect that is a wave: one of a size from zero on, which an angle turns; None of others."""
+        size, *others = self.parameters
+        angles = [parameter for parameter in others if parameter.periodic]
+        return angles[0] if size.neutral == 0.0 and size.lower == 0.0 and len(angles) == 1 else None
+
     def allows(self, option: str, choice: str) -> bool:
         """Whether an option may be chosen so."""
         return choice in self.options[option] or (option == self.free_option and _positive(choice))
@@ -114,6 +129,16 @@ class Effect:
     def default_parameters(self) -> dict[str, float]:
         """Typical values of this class of machine."""
         return {parameter.name: parameter.default for parameter in self.parameters}
+
+
+def range_words(lower: float, upper: float, unit: str = "") -> str:
+    """The range of a number as people say it: ``0 to 1 rad``, ``0 N m or more``, ``more than 0``, ``any number``."""
+    unit = f" {unit}" if unit not in ("", "1") else ""
+    if math.isfinite(lower) and math.isfinite(upper):
+        return f"{lower:g} to {upper:g}{unit}"
+    if math.isfinite(lower):
+        return f"more than 0{unit}" if lower == POSITIVE else f"{lower:g}{unit} or more"
+    return f"{upper:g}{unit} or less" if math.isfinite(upper) else f"any finite number{unit and ' of'}{unit}"
 
 
 def _positive(text: str) -> bool:

@@ -18,7 +18,7 @@ EFFECT = Effect(
     signature="current error that follows the sine of the output's angle, the same in both directions",
     source="statics",
     parameters=(
-        Parameter("torque", "N m", 0.06, 0.0, 100.0, "amplitude, reduced to the fast shaft"),
+        Parameter("torque", "N m", 0.06, 0.0, math.inf, "amplitude, reduced to the fast shaft"),
         Parameter("angle", "rad", 0.0, -6.284, 6.284, "angle of the arm at the output encoder's zero", periodic=True),
     ),
     act=act,

@@ -23,7 +23,7 @@ EFFECT = Effect(
     signature="current error of order 15.75 (15.0, 45) and its odd harmonics",
     source="thesis, eqs 3.52-3.60, over the sun's angle instead of time",
     parameters=(
-        Parameter("torque", "N m", 0.02, 0.0, 100.0, "amplitude of the fundamental, fast shaft"),
+        Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude of the fundamental, fast shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     options={"order": ("15.75", "15.0", "45")},

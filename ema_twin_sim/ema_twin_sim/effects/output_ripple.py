@@ -21,7 +21,7 @@ EFFECT = Effect(
     signature="current error that repeats a whole number of times in a turn of the output, the same in both directions",
     source="kinematics of what turns with the output; twice: a universal joint",
     parameters=(
-        Parameter("torque", "N m", 0.03, 0.0, 100.0, "amplitude, reduced to the fast shaft"),
+        Parameter("torque", "N m", 0.03, 0.0, math.inf, "amplitude, reduced to the fast shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the output encoder's zero", periodic=True),
     ),
     options={"order": ("2",)},

@@ -4,7 +4,9 @@ Before it slides, a contact gives way like a spring (Dahl 1968; LuGre: Canudas d
 L [N m] is the motor side's dry level; the bristle's state z [rad] starts relaxed.
 """
 
-from .effect import Effect, Parameter
+import math
+
+from .effect import POSITIVE, Effect, Parameter
 
 
 def settle(plant, parameters, options):
@@ -25,13 +27,13 @@ EFFECT = Effect(
             "stiffness",
             "N m/rad",
             2.0,
-            0.05,
-            1e4,
+            POSITIVE,
+            math.inf,
             "stiffness of the bristle, fast shaft",
             starts=(0.3, 1.0, 3.0, 10.0),
             neutral=None,
         ),
-        Parameter("damping", "N m s/rad", 0.01, 0.0, 10.0, "damping of the bristle, fast shaft", starts=(0.01,)),
+        Parameter("damping", "N m s/rad", 0.01, 0.0, math.inf, "damping of the bristle, fast shaft", starts=(0.01,)),
     ),
     settle=settle,
     repeatable=False,

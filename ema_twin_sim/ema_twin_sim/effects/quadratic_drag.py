@@ -1,5 +1,7 @@
 """Quadratic drag: T = coefficient * w * |w| [N m], churned oil or air at high speed."""
 
+import math
+
 from .effect import Effect, Parameter
 
 
@@ -15,6 +17,8 @@ EFFECT = Effect(
     depends_on="speed",
     signature="current error against the motion that grows faster than speed",
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
-    parameters=(Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, 1.0, "torque per squared speed, fast shaft"),),
+    parameters=(
+        Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, math.inf, "torque per squared speed, fast shaft"),
+    ),
     act=act,
 )

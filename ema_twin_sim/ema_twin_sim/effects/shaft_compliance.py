@@ -3,7 +3,9 @@
 Added to a rigid transmission it makes it a two-inertia one; with backlash, the spring lies behind the gap.
 """
 
-from .effect import Effect, Parameter
+import math
+
+from .effect import POSITIVE, Effect, Parameter
 
 
 def settle(plant, parameters, options):
@@ -25,13 +27,13 @@ EFFECT = Effect(
             "stiffness",
             "N m/rad",
             10.0,
-            0.1,
-            1e6,
+            POSITIVE,
+            math.inf,
             "stiffness at the fast shaft",
             starts=(3.0, 8.0, 20.0, 60.0, 200.0),
             neutral=None,
         ),
-        Parameter("damping", "N m s/rad", 0.005, 0.0, 100.0, "damping at the fast shaft", starts=(0.01,)),
+        Parameter("damping", "N m s/rad", 0.005, 0.0, math.inf, "damping at the fast shaft", starts=(0.01,)),
     ),
     settle=settle,
     repeatable=False,

@@ -4,7 +4,9 @@ The lubricant thins with the shear rate (Cross 1965), so friction bends down at 
 is taken for a negative quadratic drag or a negative Stribeck term.
 """
 
-from .effect import VISCOUS_COEFFICIENT, Effect, Parameter
+import math
+
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Parameter
 
 
 def act(at, p):
@@ -26,8 +28,8 @@ EFFECT = Effect(
             "speed",
             "rad/s",
             10.0,
-            0.1,
-            1000.0,
+            POSITIVE,
+            math.inf,
             "speed at which half of that share is lost, fast shaft",
             starts=(1.0, 3.0, 10.0, 30.0),
         ),

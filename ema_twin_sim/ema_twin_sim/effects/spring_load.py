@@ -1,5 +1,7 @@
 """Spring load: T = stiffness * (theta_o - theta_o at the start) [N m at the fast shaft per rad of the output]."""
 
+import math
+
 from .effect import OUTPUT_TORQUE, Effect, Parameter
 
 
@@ -16,7 +18,7 @@ EFFECT = Effect(
     signature="current error that grows with the output's travel, the same in both directions",
     source="Hooke's law",
     parameters=(
-        Parameter("stiffness", "N m/rad", 0.05, 0.0, 1000.0, "torque at the fast shaft per radian of the output"),
+        Parameter("stiffness", "N m/rad", 0.05, 0.0, math.inf, "torque at the fast shaft per radian of the output"),
     ),
     act=act,
     place=OUTPUT_TORQUE,

@@ -6,7 +6,7 @@ The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstro
 
 import math
 
-from .effect import DRY_LEVEL, Effect, Parameter
+from .effect import DRY_LEVEL, POSITIVE, Effect, Parameter
 
 
 def act(at, p):
@@ -22,13 +22,13 @@ EFFECT = Effect(
     signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
     source="Bo and Pavelescu 1982; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(
-        Parameter("torque", "N m", 0.05, 0.0, 100.0, "extra level at zero speed"),
+        Parameter("torque", "N m", 0.05, 0.0, math.inf, "extra level at zero speed"),
         Parameter(
             "speed",
             "rad/s",
             2.0,
-            0.01,
-            1000.0,
+            POSITIVE,
+            math.inf,
             "speed at which it has fallen to 1/e, fast shaft",
             starts=(0.3, 0.6, 1.2, 2.5, 5.0),
             driven=True,

@@ -23,7 +23,7 @@ EFFECT = Effect(
     signature="current error of order 1, once per motor revolution",
     source="thesis, chapter 5 (the 5 s period of the current at 0.01 rad/s)",
     parameters=(
-        Parameter("torque", "N m", 0.02, 0.0, 100.0, "amplitude, at the fast shaft"),
+        Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude, at the fast shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     options={"kind": ("dissipative", "conservative")},

@@ -27,7 +27,7 @@ EFFECT = Effect(
     signature="narrow pulses in the current, evenly spaced in the motor's angle",
     source="pass orders from the gearbox's kinematics (63/21 sun and fixed ring, 62/20 output ring)",
     parameters=(
-        Parameter("torque", "N m", 0.05, 0.0, 100.0, "height of the pulse, fast shaft"),
+        Parameter("torque", "N m", 0.05, 0.0, math.inf, "height of the pulse, fast shaft"),
         Parameter(
             "position",
             "rad",

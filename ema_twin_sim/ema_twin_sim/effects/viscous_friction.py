@@ -3,6 +3,8 @@
 Thesis, script "Main HF": dynamics.CM (motor side) and dynamics.CU (output side, reduced to the fast shaft).
 """
 
+import math
+
 from .effect import Effect, Parameter
 
 
@@ -18,7 +20,7 @@ EFFECT = Effect(
     depends_on="speed",
     signature="current error that grows with speed and changes sign with direction",
     source="thesis, script Main HF, dynamics.CM and dynamics.CU",
-    parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, 10.0, "torque per speed, at the fast shaft"),),
+    parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, math.inf, "torque per speed, at the fast shaft"),),
     options={"side": ("motor", "output")},
     settle=settle,
 )

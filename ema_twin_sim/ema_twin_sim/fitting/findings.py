@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..discovery.on_bound import reached_bound
+from ..discovery.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..effects import catalogue
 from ..model import Model
 from ..model.own_units import shown
@@ -17,47 +19,12 @@ from .freedom import Number, split
 from .solver import Solution
 from .uncertainty import Uncertainty
 
-AT_BOUND = 0.05  # standard errors within which a number is on its bound, and share of its scale
-NEAR_BOUND = 0.02
 SEEN = 2.0  # standard deviations by which a typical change of a number must show
 NEEDED = 2.0  # standard errors by which a size must differ from none
 ALIKE = 0.95  # correlation from which on two numbers cannot be told apart
 PART = 0.3  # of a direction of unit length, from which on a number is part of it
 LOOSE = 0.2  # of its size: where both are known better than that, a correlation does no harm
 TOLERANCES = 3.0  # by which a constant may be off before the model file is doubted
-
-SHOWN_BY = {
-    "viscous_friction": "motion at several speeds",
-    "coulomb_friction": "slow motion in both directions",
-    "stribeck_friction": "slow ramps, down to a tenth of the speeds of these",
-    "asymmetric_friction": "motion in both directions",
-    "presliding_friction": "many slow reversals, such as a triangle of small travel",
-    "quadratic_drag": "fast motion",
-    "shear_thinning": "ramps from slow to fast",
-    "thermal_friction": "a cold start, and several time constants of fast motion",
-    "mesh_friction": "motion under load: a spring, a weight, hard acceleration",
-    "sun_runout": "slow motion over several motor turns, in both directions",
-    "mesh_ripple": "slow motion over several motor turns",
-    "tooth_fault": "slow motion over several passes of the tooth",
-    "cogging": "slow motion over a motor turn",
-    "torque_ripple": "slow motion under load",
-    "current_offset": "slow motion over several motor turns",
-    "phase_short": "slow motion under load, over several motor turns",
-    "rotor_eccentricity": "slow motion under load, over several motor turns",
-    "torque_constant_error": "hard acceleration of a known inertia",
-    "added_inertia": "hard acceleration: steps, fast sines",
-    "constant_load": "motion in both directions",
-    "gravity_load": "travel over a large part of an output turn",
-    "output_ripple": "travel over a large part of an output turn",
-    "spring_load": "travel as large as the machine allows, in both directions",
-    "backlash": "reversals, with the output encoder recorded",
-    "shaft_compliance": "steps or fast sines, with the output encoder recorded",
-    "encoder_delay": "fast motion, with the output encoder recorded",
-    "encoder_eccentricity": "travel over a large part of an output turn, with the output encoder recorded",
-}
-"""The motion that shows each effect."""
-ANY = "motion over all speeds, positions and directions that it may depend on"
-INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
 
 
 @dataclass(frozen=True)
@@ -81,7 +48,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
             continue
         value = float(solution.values[k])
         std = float(sure.std[k]) * number.slope(value)
-        bound = _bound(number, value, std)
+        bound = reached_bound(value, number.lower, number.upper, std, number.scale)
         if bound:
             text = f"ends on its {bound} bound, {_written(value, number, fitted)}"
             found.append(_finding("on_bound", number, text, fitted))
@@ -156,14 +123,6 @@ def _finding(kind: str, number: Number, text: str, model: Model) -> Finding:
 def _shown(solution: Solution, k: int) -> float:
     """By how many standard deviations a number shows, per unit of it."""
     return float(np.linalg.norm(solution.slopes[:, k]))
-
-
-def _bound(number: Number, value: float, std: float) -> str | None:
-    """The bound that a number has run against, if any."""
-    for bound, side in ((number.lower, "lower"), (number.upper, "upper")):
-        if abs(value - bound) <= min(AT_BOUND * std, NEAR_BOUND * number.scale):
-            return side
-    return None
 
 
 def _unseen(number: Number, shown: float, model: Model, method: str) -> str | None:

@@ -26,6 +26,7 @@ from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown, shown_entry
+from ..simulation.angle_origins import without_common_zero
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
@@ -138,6 +139,8 @@ def fit_model(
     fitted = freedom.at(values)
     findings = asleep(awake, model) + find(solution, sure, fitted, method, circumstances(recordings, fitted))
     findings += [Finding("recording", r.name, "", text) for r in recordings for text in r.warnings]
+    blind = without_common_zero(recordings, fitted.active.values())
+    findings += [Finding("recording", recordings[0].name, "", text) for text in blind]
     shown = [k for k, number in enumerate(solution.freedom.numbers) if number.path != LAG]
     notes = list(freedom.notes)
     notes += _doubts(before, after, _parts_encoders(fitted))
@@ -178,6 +181,7 @@ def _solution(
         # no number of it moves them: of an unknown machine they would only say how bad the whole is
         observations = [o.without_encoders() for o in observations]
     equation = Equation(observations)
+    freedom = freedom.within(equation.reached)
     starts = structural_starts(equation, freedom, progress)
     if freedom.model.is_open and starts[0] is freedom.start:
         starts[0] = open_start(equation, freedom)

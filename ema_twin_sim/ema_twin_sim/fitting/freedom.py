@@ -10,7 +10,8 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..discovery.hypothesis import INERTIAS, PARTING, SIDES_PRIOR
+from ..discovery.hypothesis import GUESSED, INERTIAS, PARTING, SIDES_PRIOR
+from ..discovery.search_limits import Reached, search_limits
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -21,6 +22,7 @@ FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machi
 WEAK = 3.0  # times its typical size that a number wanders where the recordings say nothing of it
 WEAK_ANGLE = 10.0  # rad
 OPEN = 10.0  # relative: what keeps a constant from running away of which nothing is known
+BEYOND = 10.0  # times where it stands that a number of any size may go, however little the recordings reach
 WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
@@ -104,6 +106,24 @@ class Freedom:
         """The place of the number that moves this path; None where it is held."""
         return next((k for k, number in enumerate(self.numbers) if path in number.paths), None)
 
+    def within(self, of: Reached) -> Freedom:
+        """With effects' numbers of any size free as far as recordings reach, or far beyond where they stand."""
+        numbers = list(self.numbers)
+        for k, (number, start) in enumerate(zip(self.numbers, self.start, strict=True)):
+            part, name, _ = split(number.path)
+            if part != "effects" or number.periodic:
+                continue
+            effect = catalogue()[self.model.effects[name].effect]
+            lower, upper = search_limits(effect, _parameter_of(self.model, number.path), of)
+            most = BEYOND * abs(float(start))
+            if math.isinf(number.upper):
+                numbers[k] = replace(
+                    number,
+                    lower=min(lower, float(start)) if start > 0.0 else min(lower, -most),
+                    upper=max(upper, most),
+                )
+        return replace(self, numbers=tuple(numbers))
+
     def with_priors_loose(self, which: Sequence[int]) -> Freedom:
         """With the priors of these numbers let go."""
         numbers = [
@@ -183,10 +203,10 @@ def waves(freedom: Freedom) -> list[tuple[int, int]]:
     """Places of the sizes and angles of waves: of effects that have one of each and grow from zero."""
     found = []
     for name, instance in freedom.model.effects.items():
-        size, *others = catalogue()[instance.effect].parameters
-        angles = [p.name for p in others if p.periodic]
-        if size.neutral == 0.0 and len(angles) == 1:
-            places = [freedom.index(f"effects.{name}.{parameter}") for parameter in (size.name, angles[0])]
+        effect = catalogue()[instance.effect]
+        angle = effect.wave_angle
+        if angle is not None:
+            places = [freedom.index(f"effects.{name}.{p.name}") for p in (effect.parameters[0], angle)]
             if places[0] is not None and places[1] is not None:
                 found.append((places[0], places[1]))
     return found
@@ -249,7 +269,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     neutral = p.neutral if p is effect.parameters[0] and p.neutral is not None else 0.0
     scale = max(abs(value - neutral), abs(p.default - neutral))
     if p.periodic or scale == 0.0:  # an angle; or a place, which has no size of its own
-        scale = 1.0 if p.periodic else SPAN * (p.upper - p.lower)
+        scale = 1.0 if p.periodic or math.isinf(p.upper - p.lower) else SPAN * (p.upper - p.lower)
     log = p.lower > 0.0 and p.upper >= WIDE * p.lower
     lower, upper = p.lower, p.upper
     if p.periodic:
@@ -287,16 +307,17 @@ def _constant(model: Model, paths: tuple[str, ...]) -> Number:
         raise InputError(
             f"--free {paths[0]}: is 0 in model {model.name}, and no factor moves it; give it a value there"
         )
+    log = constant.lower > 0.0
     return Number(
         paths[0],
         paths,
         tuple(model.value(path) / held.value for path in paths),
         constant.unit,
-        constant.lower,
-        constant.upper,
+        max(constant.lower, abs(held.value) / GUESSED) if log else max(constant.lower, -GUESSED * abs(held.value)),
+        min(constant.upper, GUESSED * abs(held.value)),
         abs(held.value),
-        STEP * (1.0 if constant.lower > 0.0 else abs(held.value)),
+        STEP * (1.0 if log else abs(held.value)),
         (held.value, min(tolerance, OPEN) * abs(held.value)),
         known=math.isfinite(tolerance),
-        log=constant.lower > 0.0,
+        log=log,
     )

@@ -59,7 +59,7 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     width = FIRST_WIDTH * period if own_time is None else max(KERNEL * own_time, LEAST_WIDTH * period)
     width = max(min(width, MOST_OF_A_RECORDING * recording.duration), LEAST_WIDTH * period)
     signals = {}
-    for name in ("current", "motor_position", "speed"):
+    for name in ("current", "motor_position", "speed", "load_torque"):
         if recording.has(name):
             known = np.isfinite(recording.signals[name])
             signals[name] = np.interp(time, recording.time[known], recording.signals[name][known])
@@ -71,6 +71,8 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
         speed = smooth(signals["motor_position"], slope)
         acceleration = smooth(signals["motor_position"], gaussian(width, period, 2))
     drive = model.value("machine.torque_constant") * smooth(signals["current"], plain)
+    if "load_torque" in signals:  # measured, it opposes positive motion
+        drive = drive - smooth(signals["load_torque"], plain)
     half = len(plain) // 2
     kept = np.arange(half, len(time) - half, max(1, round(2.0 * width / period)))
     kept = kept[np.abs(speed[kept]) > AT_REST * np.abs(speed).max()]

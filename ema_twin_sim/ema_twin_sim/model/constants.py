@@ -1,11 +1,15 @@
 """The constants of a machine, its drive, transmission and sensors: names, units, bounds, meaning.
 
 A model file gives each one as ``{value, unit, tolerance, source}``; its unit must be the one in this table, or what
-takes its place where the machine is linear.
+takes its place where the machine is linear. Machines come in all sizes: what has the size of one (an inertia, a torque,
+a current) is bounded by its sign alone; shares, angles, and the times of drive and sensors have bounds of their own.
 """
 
 from __future__ import annotations
 
+import math
+
+from ..effects.effect import POSITIVE
 from .constant import Constant
 from .planetary_constants import PLANETARY_CHOICES, PLANETARY_CONSTANTS
 from .switching_constants import SWITCHING_CHOICES, SWITCHING_CONSTANTS
@@ -17,27 +21,59 @@ CONSTANTS: dict[str, Constant] = {
     constant.path: constant
     for constant in (
         Constant("machine", "gear_ratio", "1", 1e-3, 1e5, "fast shaft turns per slow shaft turn", absent=1.0),
-        Constant("machine", "motor_inertia", "kg m^2", 1e-9, 1e3, "inertia of the motor"),
+        Constant("machine", "motor_inertia", "kg m^2", POSITIVE, math.inf, "inertia of the motor"),
         Constant(
-            "machine", "gearbox_inertia", "kg m^2", 0.0, 1e3, "inertia of the gearbox at the fast shaft", absent=0.0
+            "machine",
+            "gearbox_inertia",
+            "kg m^2",
+            0.0,
+            math.inf,
+            "inertia of the gearbox at the fast shaft",
+            absent=0.0,
         ),
-        Constant("machine", "output_inertia", "kg m^2", 0.0, 1e3, "inertia of the user at the fast shaft", absent=0.0),
         Constant(
-            "machine", "torque_constant", "N m/A", 1e-6, 1e4, "torque per ampere of quadrature current", absent=1.0
+            "machine", "output_inertia", "kg m^2", 0.0, math.inf, "inertia of the user at the fast shaft", absent=0.0
         ),
         Constant(
-            "machine", "back_emf_constant", "V s/rad", 0.0, 1e4, "quadrature back-EMF per phase and speed", absent=0.0
+            "machine",
+            "torque_constant",
+            "N m/A",
+            POSITIVE,
+            math.inf,
+            "torque per ampere of quadrature current",
+            absent=1.0,
         ),
-        Constant("machine", "phase_resistance", "ohm", 0.0, 1e4, "winding resistance of one phase", absent=0.0),
-        Constant("machine", "phase_inductance", "H", 0.0, 10.0, "winding inductance of one phase", absent=0.0),
         Constant(
-            "drive", "position_gain", "1/s", 0.0, 1e6, "speed setpoint (fast) per position error (slow)", absent=0.0
+            "machine",
+            "back_emf_constant",
+            "V s/rad",
+            0.0,
+            math.inf,
+            "quadrature back-EMF per phase and speed",
+            absent=0.0,
         ),
-        Constant("drive", "speed_limit", "rad/s", 1e-3, 1e5, "limit of the speed setpoint, fast shaft", absent=1e5),
+        Constant("machine", "phase_resistance", "ohm", 0.0, math.inf, "winding resistance of one phase", absent=0.0),
+        Constant("machine", "phase_inductance", "H", 0.0, math.inf, "winding inductance of one phase", absent=0.0),
+        Constant(
+            "drive",
+            "position_gain",
+            "1/s",
+            0.0,
+            math.inf,
+            "speed setpoint (fast) per position error (slow)",
+            absent=0.0,
+        ),
+        Constant(
+            "drive", "speed_limit", "rad/s", POSITIVE, math.inf, "limit of the speed setpoint, fast shaft", absent=1e5
+        ),
         Constant("drive", "speed_setpoint_filter", "s", 0.0, 1.0, "first-order lag of the speed setpoint", absent=0.0),
-        Constant("drive", "speed_gain", "N m s/rad", 0.0, 1e4, "proportional gain of the speed controller", absent=0.0),
+        Constant(
+            "drive", "speed_gain", "N m s/rad", 0.0, math.inf, "proportional gain of the speed controller", absent=0.0
+        ),
         Constant("drive", "integral_time", "s", 1e-5, 1e3, "integral time of the speed controller", absent=1e3),
-        Constant("drive", "integral_limit", "N m", 0.0, 1e6, "limit of the speed controller's integrator", absent=0.0),
+        Constant(
+            "drive", "integral_limit", "N m", 0.0, math.inf, "limit of the speed controller's integrator", absent=0.0
+        ),
         Constant(
             "drive",
             "integral_dead_band",
@@ -48,17 +84,29 @@ CONSTANTS: dict[str, Constant] = {
             absent=0.0,
         ),
         Constant("drive", "anti_windup_time", "s", 1e-5, 1e3, "back-calculation time of the anti-windup", absent=1e3),
-        Constant("drive", "torque_limit", "N m", 1e-6, 1e6, "limit of the torque setpoint", absent=1e6),
-        Constant("drive", "current_limit", "A", 1e-6, 1e5, "limit of the current setpoint", absent=1e5),
+        Constant("drive", "torque_limit", "N m", POSITIVE, math.inf, "limit of the torque setpoint", absent=1e6),
+        Constant("drive", "current_limit", "A", POSITIVE, math.inf, "limit of the current setpoint", absent=1e5),
         Constant("drive", "control_cycle", "s", 1e-5, 0.1, "period of the speed controller", absent=1.25e-4),
         Constant(
             "drive", "current_lag", "s", 0.0, 0.1, "first-order lag of the current behind its setpoint", absent=0.0
         ),
         Constant(
-            "transmission", "contact_stiffness", "N m/rad", 1e-3, 1e6, "contact stiffness at the fast shaft", absent=1e4
+            "transmission",
+            "contact_stiffness",
+            "N m/rad",
+            POSITIVE,
+            math.inf,
+            "contact stiffness at the fast shaft",
+            absent=1e4,
         ),
         Constant(
-            "transmission", "contact_damping", "N m s/rad", 0.0, 1e3, "contact damping at the fast shaft", absent=1.0
+            "transmission",
+            "contact_damping",
+            "N m s/rad",
+            0.0,
+            math.inf,
+            "contact damping at the fast shaft",
+            absent=1.0,
         ),
         Constant("transmission", "end_stop_lower", "rad", -1e9, 0.0, "lower end stop, slow shaft", optional=True),
         Constant("transmission", "end_stop_upper", "rad", 0.0, 1e9, "upper end stop, slow shaft", optional=True),
@@ -85,10 +133,10 @@ CONSTANTS: dict[str, Constant] = {
         ),
         Constant("sensors", "sample_period", "s", 1e-5, 1.0, "period of the drive's trace", absent=1e-3),
         Constant(
-            "sensors", "current_noise", "A", 0.0, 1e3, "white noise of the current, standard deviation", absent=0.0
+            "sensors", "current_noise", "A", 0.0, math.inf, "white noise of the current, standard deviation", absent=0.0
         ),
         Constant(
-            "sensors", "speed_noise", "rad/s", 0.0, 1e3, "white noise of the speed, standard deviation", absent=0.0
+            "sensors", "speed_noise", "rad/s", 0.0, math.inf, "white noise of the speed, standard deviation", absent=0.0
         ),
         Constant("sensors", "motor_encoder_noise", "count", 0.0, 1e6, "white noise of the motor counter", absent=0.0),
         Constant("sensors", "output_encoder_noise", "count", 0.0, 1e6, "white noise of the output encoder", absent=0.0),

@@ -13,13 +13,12 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.units import unit_in
 
 from ..effects import Effect, Parameter, find_effect
-from ..effects.effect import OUTPUT_TORQUE
+from ..effects.effect import OUTPUT_TORQUE, POSITIVE, range_words
 from .constants import CONSTANTS
 
 if TYPE_CHECKING:
     from .own_units import OwnUnits
 
-_SIZES = 1e6  # by how much a linear machine's numbers may go beyond those of rotary ones
 POLE_PAIRS = "pole pairs"  # name of an order: that of the electrical angle
 ORDER_ERROR = 0.03  # cycles per turn within which an order is a named one
 _HARMONICS = 12  # of a named order that are named after it
@@ -267,19 +266,19 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
         raise InputError(f"{place}: '{value}' is no number; give one in {unit}") from None
-    if isinstance(value, bool) or not lower <= number <= upper:
+    if isinstance(value, bool) or not math.isfinite(number) or not lower <= number <= upper:
         named = "" if unit == "1" else f" {unit}"
-        raise InputError(f"{place}: {value}{named} is out of range; give {lower:g} to {upper:g}{named}")
+        raise InputError(f"{place}: {value}{named} is out of range; give {range_words(lower, upper, unit)}")
     return number
 
 
-def _range(parameter: Parameter, motion: str) -> tuple[float, float, str]:
-    """(lower, upper, unit) of a parameter; machines on rails come in more sizes than those that turn."""
+def parameter_range(parameter: Parameter, motion: str) -> tuple[float, float, str]:
+    """(lower, upper, unit) of a parameter; an angle's way on a rail is of any length."""
     unit = parameter.unit if parameter.periodic else unit_in(parameter.unit, motion)
     if unit == parameter.unit:
         return parameter.lower, parameter.upper, unit
-    lower = parameter.lower / _SIZES if parameter.lower > 0.0 else parameter.lower * _SIZES
-    return lower, parameter.upper * _SIZES, unit
+    lower = -math.inf if parameter.lower < 0.0 else min(parameter.lower, POSITIVE)
+    return lower, math.inf, unit
 
 
 def checked_instance(
@@ -306,7 +305,7 @@ def checked_instance(
                 f"{place}: parameter '{name}' [{parameter.unit}] of effect {effect.id} is missing; give it"
             )
         given = parameters.get(name, parameter.default)
-        lower, upper, unit = _range(parameter, motion)
+        lower, upper, unit = parameter_range(parameter, motion)
         values[name] = check_range(given, lower, upper, unit, f"{place}.{name}")
     chosen = effect.default_options()
     for name, choice in options.items():

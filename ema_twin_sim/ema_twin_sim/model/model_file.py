@@ -47,9 +47,25 @@ def model_files(name: str | os.PathLike[str]) -> list[Path]:
 
 
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
-    """Write a model whole. Raises InputError where the file exists (without ``force``) or cannot be written."""
+    """Write a model whole, as it loads again.
+
+    Raises InputError where the file exists (without ``force``) or cannot be written.
+    """
     path = Path(path)
     check_model_name(path)
+    text = _text(model)
+    try:
+        _model(path, yaml.safe_load(text))
+    except InputError as error:  # whoever made it made what no model can be
+        raise RuntimeError(f"a model is not written that would not load again: {error}") from error
+    with new_file(path, force=force) as file:
+        head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
+        file.write(f"{head}{_units_of_effects(model)}{text}".encode())
+    return path
+
+
+def _text(model: Model) -> str:
+    """A model as YAML, whole."""
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
     if model.motion != "rotary":
         content["machine"] = {"name": model.machine, "motion": model.motion}
@@ -82,11 +98,7 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
         }
         for name, instance in model.effects.items()
     }
-    text = yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160)
-    with new_file(path, force=force) as file:
-        head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
-        file.write(f"{head}{_units_of_effects(model)}{text}".encode())
-    return path
+    return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=160)
 
 
 def _units_of_effects(model: Model) -> str:

@@ -3,6 +3,9 @@
 Left-out faults stand for a healthy motor. Sources and equations: ``plant/switching``.
 """
 
+import math
+
+from ..effects.effect import POSITIVE
 from .constant import Constant
 
 
@@ -19,9 +22,9 @@ SWITCHING_CONSTANTS = (
     _row("machine", "active_turns_w", "1", 0.01, 1.0, "share of the turns of phase w that are not shorted", 1.0),
     _row("machine", "eccentricity", "1", 0.0, 0.99, "static eccentricity of the rotor over the air gap", 0.0),
     _row("machine", "eccentricity_phase", "rad", -6.284, 6.284, "its direction, at the motor counter's zero", 0.0),
-    _row("drive", "dc_link_voltage", "V", 1.0, 1e5, "voltage of the DC link"),
-    _row("drive", "hysteresis", "A", 1e-4, 1e4, "half the band of the phase currents' hysteresis controllers"),
-    _row("drive", "switch_resistance", "ohm", 0.0, 1e3, "resistance of a switch that conducts", 0.0),
+    _row("drive", "dc_link_voltage", "V", POSITIVE, math.inf, "voltage of the DC link"),
+    _row("drive", "hysteresis", "A", POSITIVE, math.inf, "half the band of the phase currents' hysteresis controllers"),
+    _row("drive", "switch_resistance", "ohm", 0.0, math.inf, "resistance of a switch that conducts", 0.0),
     _row("drive", "current_filter", "s", 0.0, 1.0, "first-order filter of the current as the drive reports it"),
     _row("drive", "resolver_amplitude", "rad", 0.0, 1.0, "amplitude of the resolver's error, of the shaft", 0.0),
     _row("drive", "resolver_order", "1", 0.0, 1000.0, "cycles of that error per turn of the motor", 1.0),

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ema_bench_replay.recording import moved_origin
+
 from ..model import Model
 from ..simulation.simulate import DRIVING, LONGEST_GAP
 from ..simulation.twin import Twin
@@ -94,8 +96,8 @@ class Follower:
         self._zeros = {name: zero for name, zero in zeros.items() if zero and math.isfinite(zero)}
         return self.twin.start(
             self._moved(sample, -1.0),
-            sample["motor_angle_origin"] + self._zeros.get("motor_position", 0.0),
-            sample["output_angle_origin"] + self._zeros.get("output_position", 0.0),
+            moved_origin(sample["motor_angle_origin"], self._zeros.get("motor_position", 0.0)),
+            moved_origin(sample["output_angle_origin"], self._zeros.get("output_position", 0.0)),
         )
 
     def _moved(self, signals: dict[str, float], direction: float) -> dict[str, float]:

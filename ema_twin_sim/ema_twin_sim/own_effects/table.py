@@ -51,7 +51,7 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     place = f"EFFECT.parameters.{parameter.name}"
     check.text(parameter.unit, f"{place}.unit", "give a unit, '1' for none")
     check.text(parameter.description, f"{place}.description")
-    lower, upper = (check.number(getattr(parameter, name), f"{place}.{name}") for name in ("lower", "upper"))
+    lower, upper = (check.bound(getattr(parameter, name), f"{place}.{name}") for name in ("lower", "upper"))
     if not lower < upper:
         raise check.error(place, f"lower {lower:g} is not below upper {upper:g}", "give the bounds in order")
     if not isinstance(parameter.starts, (tuple, list)):
@@ -67,6 +67,9 @@ def _checked_parameter(check: _Check, parameter: object, number: int) -> Paramet
     if parameter.neutral is not None:
         check.number(parameter.neutral, f"{place}.neutral")
     default, *starts = within.values()
+    shapes = number > 0 or parameter.neutral is None
+    if shapes and not starts and not parameter.periodic and math.isinf(upper - lower):
+        raise check.error(place, "has no bound, and no values to look for it at", "give starts=(...), or bounds")
     return replace(parameter, default=default, lower=lower, upper=upper, starts=tuple(starts))
 
 
@@ -102,7 +105,13 @@ class _Check:
         if not isinstance(value, str) or not re.fullmatch(_NAME, value):
             raise self.error(place, f"{value!r} is no name for YAML and ROS", _NAMING)
 
-    def number(self, value: object, place: str) -> float:
+    def bound(self, value: object, place: str) -> float:
+        """A number, or infinity where there is no bound."""
+        if isinstance(value, float) and math.isinf(value):
+            return value
+        return self.number(value, place, "give a number, or math.inf for none")
+
+    def number(self, value: object, place: str, remedy: str = "give a finite number") -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise self.error(place, f"is {value!r}", "give a finite number")
+            raise self.error(place, f"is {value!r}", remedy)
         return float(value)

@@ -83,12 +83,11 @@ def _choices(effect: Effect) -> Iterator[dict[str, str]]:
 
 
 def _settings(effect: Effect) -> Iterator[dict[str, float]]:
-    """The defaults, and each parameter at both its bounds."""
+    """The defaults, and each parameter at its bounds, where it has any."""
     defaults = effect.default_parameters()
     yield defaults
     for p in effect.parameters:
-        yield {**defaults, p.name: p.lower}
-        yield {**defaults, p.name: p.upper}
+        yield from ({**defaults, p.name: bound} for bound in (p.lower, p.upper) if math.isfinite(bound))
 
 
 def _try_settle(file: Path, effect: Effect, way: str, constants: np.ndarray, options: Options) -> None:

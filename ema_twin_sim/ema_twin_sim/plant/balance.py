@@ -22,8 +22,8 @@ from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step, directed, held_by_dry_friction
-from .layout import CURRENT_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
-from .operating_point import OperatingPoint
+from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
+from .operating_point import OperatingPoint, passing
 from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above what friction and loads vary with
@@ -140,6 +140,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
     travel = state.motor_angle if math.isnan(position) else position
     total_dry = plant.motor_dry + plant.output_dry
     sense = 1.0 if sharp > 0.0 else -1.0
+    own = plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense
     at = OperatingPoint(
         time,
         state.motor_angle_origin + travel,
@@ -151,11 +152,12 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         acceleration,
         current,
         drive_torque,
-        plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense,
+        own,
         total_dry,
         plant.motor_viscous + plant.output_viscous,
     )
     torque, dry, load, thinned = evaluate(effects, at)
+    load += bench[row, LOAD_IN]
     if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
         stop = state.output_angle_origin * ratio
         load += end_stop_torque(
@@ -166,7 +168,12 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
             plant.contact_stiffness,
             plant.contact_damping,
         )
-    if plant.two_inertia == 0.0:
+    rigid = plant.two_inertia == 0.0
+    transmitted = own + load if rigid else driven_output(plant, state, sharp, travel, load, interval, step)
+    if transmitted != own:
+        # only the load tells what is passed on, and what follows the load is known after it
+        torque, dry, _, thinned = evaluate(effects, passing(at, transmitted))
+    if rigid:
         torque += load
         passed = 0.0
         viscous = plant.motor_viscous + plant.output_viscous
@@ -174,7 +181,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         base_dry = total_dry
         break_away = plant.motor_break_away + plant.output_break_away
     else:
-        passed = driven_output(plant, state, sharp, travel, load, interval, step)
+        passed = transmitted
         viscous = plant.motor_viscous
         inertia = plant.motor_inertia
         base_dry = plant.motor_dry

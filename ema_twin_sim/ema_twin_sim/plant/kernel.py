@@ -45,6 +45,7 @@ from .layout import (
     COMMAND_IN,
     CURRENT,
     CURRENT_IN,
+    LOAD_IN,
     PLANT,
     SETPOINT,
     SETPOINT_IN,
@@ -93,7 +94,7 @@ _SIGNATURE = void(
     _PLANT[::1], _STATE[::1], _EFFECTS, _FINE, int64, _STAMPS, float64[:, ::1], float64[:, ::1], float64, boolean
 )
 
-assert PARAMETER_SLOTS == 4 and len(BENCH) == 5  # the calls and columns below are written out
+assert PARAMETER_SLOTS == 4 and len(BENCH) == 6  # the calls and columns below are written out
 
 
 class _Compiling(Listener):
@@ -132,7 +133,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
     def advance(plants, states, effects, fine_parts, source, stamps, bench, twin, step, record):
         """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
 
-        ``bench`` (n, 5) holds the columns ``layout.BENCH``, NaN where the machine lacks one; ``source`` is one of
+        ``bench`` (n, 6) holds the columns ``layout.BENCH``, NaN where the machine lacks one; ``source`` is one of
         ``layout.INPUTS``, ``fine_parts`` are ``simulation.fidelity.Fine``. ``record`` false integrates without writing
         (to time the equations alone).
         """
@@ -251,6 +252,8 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
             effects_in = 0  # at every sample, so that a live twin takes them when an offline one does
             start = bench[row - 1, column]
             slope = bench[row, column] - start
+            load_start = bench[row - 1, LOAD_IN]
+            load_slope = (bench[row, LOAD_IN] - load_start) / steps
             current_rate = 0.0
 
             for k in range(steps):
@@ -314,7 +317,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                 if not rigid:
                     output_angle += 0.5 * h * output_speed
                 net = drive_torque
-                load = 0.0
+                load = load_start + load_slope * (k + 0.5)
                 dry_now = base_dry
                 held = base_break_away
                 load_dry = output_dry

@@ -107,9 +107,10 @@ INPUTS = ("standalone", "standalone_speed", "setpoint", "current")
 """What drives the twin; an input's number is its place here."""
 STANDALONE, STANDALONE_SPEED, SETPOINT, CURRENT = range(4)
 
-BENCH = ("output_command", "speed_setpoint", "current", "speed", "motor_position")
-"""Columns of a bench sample that the kernel reads."""
-COMMAND_IN, SETPOINT_IN, CURRENT_IN, SPEED_IN, MOTOR_POSITION_IN = range(5)
+BENCH = ("output_command", "speed_setpoint", "current", "speed", "motor_position", "load_torque")
+"""Columns of a bench sample that the kernel reads; the last is a measured torque [N m at the fast shaft] that something
+outside puts against the output."""
+COMMAND_IN, SETPOINT_IN, CURRENT_IN, SPEED_IN, MOTOR_POSITION_IN, LOAD_IN = range(6)
 
 TWIN = (
     "current",

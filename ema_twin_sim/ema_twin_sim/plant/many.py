@@ -13,7 +13,7 @@ import numpy as np
 from numba import from_dtype, int64, njit, types, void
 
 from .drive import lag_gain, quadrature_voltage, speed_controller
-from .layout import COMMAND_IN, CURRENT, CURRENT_IN, PLANT, SETPOINT_IN, STATE
+from .layout import COMMAND_IN, CURRENT, CURRENT_IN, LOAD_IN, PLANT, SETPOINT_IN, STATE
 from .sensors import counted, remember, shown
 from .transmission import contact_torque, response, shaft_speed
 
@@ -138,7 +138,7 @@ def _load(plants, states, lanes):
 
 
 @njit(error_model="numpy")
-def _rigid_step(lanes, h):
+def _rigid_step(lanes, h, load):
     for m in range(LANE):
         change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
         current = lanes[AMPERES + m] + change
@@ -147,7 +147,7 @@ def _rigid_step(lanes, h):
         before = lanes[SPEED + m]
         speed = shaft_speed(
             before,
-            lanes[TORQUE_CONSTANT + m] * current,
+            lanes[TORQUE_CONSTANT + m] * current - load,
             lanes[DRY + m],
             lanes[BREAK_AWAY + m],
             lanes[GAIN + m],
@@ -160,7 +160,7 @@ def _rigid_step(lanes, h):
 
 
 @njit(error_model="numpy")
-def _two_inertia_step(lanes, h):
+def _two_inertia_step(lanes, h, load):
     for m in range(LANE):
         change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
         current = lanes[AMPERES + m] + change
@@ -187,7 +187,7 @@ def _two_inertia_step(lanes, h):
         )
         output_speed = shaft_speed(
             output_before,
-            transmitted,
+            transmitted - load,
             lanes[OUTPUT_DRY + m],
             lanes[OUTPUT_BREAK_AWAY + m],
             lanes[OUTPUT_GAIN + m],
@@ -247,6 +247,9 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
             _settle(plants, lanes, h, by_current)
         start = bench[row - 1, column]
         slope = bench[row, column] - start
+        load_start = bench[row - 1, LOAD_IN]
+        load_slope = (bench[row, LOAD_IN] - load_start) / steps
+        load = 0.0
 
         for k in range(steps):
             if by_current:
@@ -277,10 +280,11 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
                         lanes[AMPERES_WANTED + m] = demand / lanes[NOMINAL + m]
             phase += h
 
+            load = load_start + load_slope * (k + 0.5)
             if rigid:
-                _rigid_step(lanes, h)
+                _rigid_step(lanes, h, load)
             else:
-                _two_inertia_step(lanes, h)
+                _two_inertia_step(lanes, h, load)
 
         for m in range(LANE):
             plant = plants[m]
@@ -294,7 +298,7 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
                 sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
                 acceleration = (speed - lanes[SPEED_BEFORE + m]) * per_step
                 transmitted = (
-                    plant.output_inertia * acceleration + plant.output_viscous * speed + plant.output_dry * sense
+                    plant.output_inertia * acceleration + plant.output_viscous * speed + plant.output_dry * sense + load
                 )
             twin = twins[m, row]
             twin[0] = bench[row, CURRENT_IN] if by_current else current

@@ -38,6 +38,27 @@ OperatingPoint = namedtuple(
 )
 """Where the machine stands in a step; everything an effect may depend on."""
 
+
+@njit(error_model="numpy")
+def passing(at, transmitted):
+    """The operating point ``at``, but with another torque [N m] passed on to the output."""
+    return OperatingPoint(
+        at.time,
+        at.motor_angle,
+        at.electrical_angle,
+        at.motor_speed,
+        at.output_angle,
+        at.output_travel,
+        at.output_speed,
+        at.acceleration,
+        at.current,
+        at.motor_torque,
+        transmitted,
+        at.dry_level,
+        at.viscous_coefficient,
+    )
+
+
 PARAMETER_SLOTS = 4
 
 _POINT = types.NamedUniTuple(types.float64, len(OperatingPoint._fields), OperatingPoint)

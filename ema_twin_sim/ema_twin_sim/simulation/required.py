@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
 from ..plant.measured_motion import REQUIRED, require
+from .angle_origins import angle_origins
 from .assembly import Assembly
 
 
 def required_torque(assembly: Assembly, recording: Recording, motion: np.ndarray) -> np.ndarray:
-    """Torque [N m] (n,) but for the motor's own inertia, for a recording's motion (n, 7); an unknown angle is zero."""
-    motor, output = (
-        origin if math.isfinite(origin) else 0.0
-        for origin in (recording.motor_angle_origin, recording.output_angle_origin)
-    )
+    """Torque [N m] (n,) but for the motor's own inertia, for a recording's motion (n, 7)."""
+    ratio = float(assembly.plant["gear_ratio"][0])
+    motor, output = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     required = np.empty((len(motion), len(REQUIRED)))
     require(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
     return required[:, 0]

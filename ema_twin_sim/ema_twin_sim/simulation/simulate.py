@@ -66,7 +66,7 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
 
 def bench_of(recording: Recording) -> np.ndarray:
-    """The rows (n, 5) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap."""
+    """The rows (n, 6) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap."""
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and longest.duration > LONGEST_GAP:
         raise InputError(

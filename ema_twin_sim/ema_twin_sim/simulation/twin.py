@@ -13,9 +13,25 @@ from ema_bench_replay.errors import InputError
 from ..effects import catalogue
 from ..model import EffectInstance, Model
 from ..model.constants import CONSTANTS
+from ..model.model import parameter_range
 from ..plant.kernel import kernel
-from ..plant.layout import BENCH, CURRENT, ENCODER_MEMORY, INPUTS, SETPOINT, STANDALONE, STANDALONE_SPEED, STATE, TWIN
+from ..plant.layout import (
+    BENCH,
+    COMMAND_IN,
+    CURRENT,
+    CURRENT_IN,
+    ENCODER_MEMORY,
+    INPUTS,
+    LOAD_IN,
+    SETPOINT,
+    SETPOINT_IN,
+    STANDALONE,
+    STANDALONE_SPEED,
+    STATE,
+    TWIN,
+)
 from ..plant.sensors import shown
+from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
@@ -105,7 +121,7 @@ class Twin:
     def parameters(self) -> list[ParameterDescription]:
         """Every number that may be set: the machine's constants and each effect's parameters."""
         found = [
-            ParameterDescription(path, held.value, c.unit, c.lower, c.upper, c.description)
+            ParameterDescription(path, held.value, self._model.unit(path), c.lower, c.upper, c.description)
             for path, held in self._model.constants.items()
             for c in (CONSTANTS[path],)
         ]
@@ -113,7 +129,8 @@ class Twin:
             for p in catalogue()[instance.effect].parameters:
                 value = instance.parameters[p.name]
                 path = f"effects.{name}.{p.name}"
-                found.append(ParameterDescription(path, value, p.unit, p.lower, p.upper, p.description))
+                lower, upper, unit = parameter_range(p, self._model.motion)
+                found.append(ParameterDescription(path, value, unit, lower, upper, p.description))
         return found
 
     def set_parameter(self, path: str, value: float) -> None:
@@ -154,8 +171,9 @@ class Twin:
         state["integral"] = self._assembly.plant["nominal_torque_constant"][0] * current
         state["speed_setpoint"] = _known(sample.get("speed_setpoint")) if self.source != STANDALONE else speed
         state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
-        state["motor_angle_origin"] = _known(motor_angle_origin)
-        state["output_angle_origin"] = _known(output_angle_origin)
+        ratio = float(self._assembly.plant["gear_ratio"][0])
+        origins = angle_origins(motor_angle_origin, output_angle_origin, ratio)
+        state["motor_angle_origin"], state["output_angle_origin"] = origins
         # as if the motion before the first sample had been steady, for an encoder that answers late
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
         state["encoder_memory"] = -speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
@@ -190,9 +208,9 @@ class Twin:
     def follow(self, stamps: np.ndarray, bench: np.ndarray) -> np.ndarray:
         """Start from the first row and integrate over all: the same arithmetic as sample by sample, in one call.
 
-        ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 5) with the columns ``layout.BENCH``; returns float64
+        ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 6) with the columns ``layout.BENCH``; returns float64
         (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it. Where ``bench`` lacks a value of the
-        signal that drives, the one before is written into it.
+        signal that drives, or of a measured load, the one before is written into it.
         """
         rows = np.full((len(stamps), len(TWIN)), math.nan)
         rows[0] = self._row[1]
@@ -282,13 +300,13 @@ def first_row(
         of_winding = [winding[name][0] for name in ("direct_current", *(f"phase_current_{phase}" for phase in "uvw"))]
     return np.array(
         [
-            bench[2] if source == CURRENT else held["current"],
+            bench[CURRENT_IN] if source == CURRENT else held["current"],
             held["current_setpoint"] if by_setpoint else math.nan,
             held["smoothed_speed"],
             held["speed_setpoint"] if by_setpoint else math.nan,
             0.0,
             0.0,
-            bench[0],
+            bench[COMMAND_IN],
             voltage,
             torque,
             0.0,
@@ -299,11 +317,20 @@ def first_row(
 
 
 def hold_input(bench: np.ndarray, source: int) -> None:
-    """Where the driving signal has no value, the one before holds (a twin must not turn NaN for good)."""
-    column = {CURRENT: 2, SETPOINT: 1, STANDALONE_SPEED: 1, STANDALONE: 0}[source]
-    driving = bench[:, column]
-    for row in np.flatnonzero(np.isnan(driving)):
-        driving[row] = driving[row - 1] if row else 0.0
+    """Where the driving signal, or a measured load, has no value, the one before holds: a twin must not stay NaN."""
+    column = {CURRENT: CURRENT_IN, SETPOINT: SETPOINT_IN, STANDALONE_SPEED: SETPOINT_IN, STANDALONE: COMMAND_IN}[source]
+    for values in (bench[:, column], bench[:, LOAD_IN]):
+        hold(values)
+
+
+def hold(values: np.ndarray) -> None:
+    """Write the value before over each that is NaN; zero before the first."""
+    unknown = np.flatnonzero(np.isnan(values))
+    if len(unknown) == len(values):
+        values[:] = 0.0
+        return
+    for row in unknown:
+        values[row] = values[row - 1] if row else 0.0
 
 
 def _known(value: float | None) -> float:

@@ -1,0 +1,89 @@
+"""Numbers that stand on a bound of a search: recordings would have them elsewhere, or say nothing of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ..effects import catalogue
+from ..model.constants import CONSTANTS
+from ..model.own_units import shown
+from .equation import Equation
+from .fit import Fit
+from .hypothesis import INERTIAS, Free
+from .shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
+
+AT_BOUND = 0.05  # standard errors within which a number is on its bound,
+NEAR_BOUND = 0.02  # and share of its typical size
+START_ELSEWHERE = "or give the model a value nearer to it to start from"
+
+
+def reached_bound(value: float, lower: float, upper: float, std: float, scale: float) -> str | None:
+    """The bound, ``lower`` or ``upper``, that a number has run against, if any; ``scale`` is its typical size."""
+    for bound, side in ((lower, "lower"), (upper, "upper")):
+        if math.isfinite(bound) and abs(value - bound) <= min(AT_BOUND * std, NEAR_BOUND * scale):
+            return side
+    return None
+
+
+def on_bounds(eq: Equation, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
+    """One sentence for each number of an added effect, and each open one of the model, that ended on a bound."""
+    h = f.hypothesis
+    found = []
+    for free, value, lower, upper in zip(h.free, h.values, *eq.bounds(h), strict=True):
+        kind, _, rest = free.path.partition(".")
+        if free.prior is not None or kind not in ("effects", "scale"):
+            continue
+        typical = _typical(f, free)
+        side = reached_bound(float(value), float(lower), float(upper), sure.get(free.path, math.inf), typical)
+        if side is not None:
+            found += _added(f, rest, side) if kind == "effects" else _open(f, rest)
+    return tuple(found)
+
+
+def _typical(f: Fit, free: Free) -> float:
+    """The typical size of a free number."""
+    if not free.path.startswith("effects."):
+        return 1.0
+    name, _, parameter = free.path.removeprefix("effects.").partition(".")
+    instance = f.hypothesis.added[name]
+    p = next(p for p in catalogue()[instance.effect].parameters if p.name == parameter)
+    return max(abs(f.hypothesis.by_path[free.path]), abs(p.default)) or 1.0
+
+
+def _added(f: Fit, rest: str, side: str) -> list[str]:
+    name, _, parameter = rest.partition(".")
+    instance = f.hypothesis.instance(name)
+    p = next(p for p in catalogue()[instance.effect].parameters if p.name == parameter)
+    faster = p.driven and side == "upper"
+    remedy = "faster motion" if faster else SHOWN_BY.get(instance.effect, ANY)
+    written = _written(f, instance.parameters[parameter], p.unit, angle=p.periodic)
+    return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
+
+
+def _open(f: Fit, what: str) -> list[str]:
+    """Of an open inertia, or of the sizes of an open effect, what the model holds now."""
+    base, model = f.hypothesis.base, f.hypothesis.model()
+    if what in ("inertia", "output_inertia"):
+        output = what == "output_inertia"
+        parted = [path for path in INERTIAS if not f.hypothesis.parted or (path == INERTIAS[-1]) == output]
+        paths = [path for path in parted if base.value(path) > 0.0]
+        return [
+            f"{base.shown_path(path)} is on its bound {_written(f, model.value(path), CONSTANTS[path].unit)}; "
+            f"record {INERTIA_SHOWN_BY}, {START_ELSEWHERE}"
+            for path in paths
+        ]
+    id = "coulomb_friction" if what == "output_coulomb" else what
+    size = catalogue()[id].parameters[0]
+    return [
+        f"{name}: {size.name} is on its bound {_written(f, model.effects[name].parameters[size.name], size.unit)}; "
+        f"record {SHOWN_BY.get(id, ANY)}, {START_ELSEWHERE}"
+        for name, instance in base.active.items()
+        if instance.effect == id
+    ]
+
+
+def _written(f: Fit, value: float, unit: str, *, angle: bool = False) -> str:
+    """A value with its unit, of a linear machine in that machine's."""
+    value, unit = (value, unit) if angle else shown(f.hypothesis.base, value, unit)
+    return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -1,0 +1,62 @@
+"""Where angles count from: the counters' own, so that a phase found on one recording holds on the next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from ema_bench_replay.recording import Recording
+
+from ..effects import Effect, catalogue
+from ..model import EffectInstance, Model
+from ..plant.layout import OUTPUT_TORQUE
+
+
+def angle_origins(motor: float, output: float, ratio: float) -> tuple[float, float]:
+    """(motor, output) [rad]: the angles at which a machine of this gear ratio stands where its positions are zero.
+
+    Of a machine without an encoder on its output, or whose encoder's own angle is not known, the motor's counter tells
+    the output's angle. An angle that nothing tells counts from the recording's first sample.
+    """
+    motor_at = 0.0 if math.isnan(motor) else motor
+    return motor_at, motor_at / ratio if math.isnan(output) else output
+
+
+def origins_of(recording: Recording, model: Model) -> tuple[float, float]:
+    """The same of a recording."""
+    ratio = model.value("machine.gear_ratio")
+    return angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
+
+
+def without_common_zero(recordings: Sequence[Recording], effects: Iterable[EffectInstance]) -> tuple[str, ...]:
+    """One sentence where effects act at an angle that some recordings do not tell; none where all is well."""
+    found: dict[str, list[str]] = {}
+    for instance in effects:
+        effect = catalogue()[instance.effect]
+        if not _acts_at_an_angle(effect):
+            continue
+        of_output = effect.where(instance.options) == OUTPUT_TORQUE or effect.depends_on in _OF_THE_OUTPUT
+        blind = [
+            r.name
+            for r in recordings
+            if math.isnan(r.motor_angle_origin) and not (of_output and math.isfinite(r.output_angle_origin))
+        ]
+        if blind:
+            found[instance.effect] = blind
+    if not found:
+        return ()
+    names = sorted({name for blind in found.values() for name in blind})
+    shown = ", ".join(names[:_NAMED]) + (f" and {len(names) - _NAMED} more" if len(names) > _NAMED else "")
+    which = " and ".join(found)
+    return (
+        f"{shown}: the counter's own angle is not known, so the phase of {which} counts from each recording's first "
+        "sample, and holds where the machine starts from the same place; import positions as the encoder shows them",
+    )
+
+
+_OF_THE_OUTPUT = ("output_position", "encoders")
+_NAMED = 3
+
+
+def _acts_at_an_angle(effect: Effect) -> bool:
+    return effect.depends_on == "order" or any(parameter.periodic for parameter in effect.parameters)

@@ -1,0 +1,67 @@
+"""A number that stands on a bound of its search is no result: discover and fit say so, by one rule."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.estimates import standard_errors
+from ema_twin_sim.discovery.fit import fit
+from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.discovery.observation import observe
+from ema_twin_sim.discovery.on_bound import on_bounds, reached_bound
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.large_arm import open_arm, swings_of
+
+
+def test_the_rule():
+    assert reached_bound(0.0, 0.0, 1.0, 0.1, 1.0) == "lower"
+    assert reached_bound(1.0, 0.0, 1.0, 0.0, 1.0) == "upper"
+    assert reached_bound(0.02, 0.0, 1.0, 0.1, 1.0) is None  # a fifth of its standard error off
+    assert reached_bound(0.04, 0.0, 1.0, 10.0, 1.0) is None  # badly known, but off by a part of its size
+    assert reached_bound(1e300, 0.0, math.inf, 1.0, 1.0) is None
+
+
+def stribeck_seen(stock, speed, command):
+    """What is said of a friction that falls over ``speed`` [rad/s], fitted to one motion."""
+    effect = {"torque": 0.2, "speed": speed}
+    run = virtual_bench(stock.with_effect("stribeck_friction", effect), parse_command(command), 10.0, seed=1)
+    eq = Equation([observe(run, stock)])
+    found = fit(eq, null_hypothesis(stock).with_effect("stribeck_friction", {}, {**effect, "speed": 1.0}), 20)
+    return on_bounds(eq, found, standard_errors(eq, found)), eq
+
+
+def test_a_speed_beyond_those_driven_is_on_its_bound(stock):
+    told, eq = stribeck_seen(stock, 12.0, "speed-sine:0.02:0.2")
+    (sentence,) = told
+    assert sentence.startswith(f"stribeck_friction: speed is on its bound {eq.fastest:.4g} rad/s; record faster motion")
+    assert "\n" not in sentence
+
+
+def test_a_speed_among_those_driven_is_not(stock):
+    told, _ = stribeck_seen(stock, 2.0, "speed-sine:0.1:0.2")
+    assert told == ()
+
+
+@pytest.mark.parametrize("verb", ["discover", "fit"])
+def test_an_open_constant_that_starts_too_far_off_is_on_its_bound(verb):
+    arm = open_arm(inertia=1e-3)
+    swings = swings_of(arm)
+    if verb == "discover":
+        warnings = discover(swings, arm).warnings
+        told = [text for text in warnings if "is on its bound" in text]
+    else:
+        found = fit_model(swings, arm, method="equation")
+        told = [w.message for w in found.warnings if w.kind == "on_bound"]
+    assert any("inertia" in text and "1 kg m^2" in text for text in told)
+    assert not any("friction" in text for text in told)
+
+
+def test_nothing_is_on_a_bound_where_all_is_well():
+    arm = open_arm()
+    assert not [text for text in discover(swings_of(arm), arm).warnings if "bound" in text]
+    assert np.isfinite(arm.value("machine.motor_inertia"))
