@@ -123,7 +123,7 @@ def test_recordings_that_cannot_be_judged_are_refused(plain, stock):
     bare = Recording("bare", plain[0].stamps, {"speed": plain[0].signals["speed"]})
     with pytest.raises(InputError, match="bare: has no current and no motor_position"):
         observe(bare, stock)
-    with pytest.raises(InputError, match="a diagnosis needs recordings of some seconds"):
+    with pytest.raises(InputError, match="a diagnosis needs longer ones"):
         observe(plain[0].between(0.0, 0.05), stock)
     still = record(stock, ["ramp:0.0001"], 5.0)
     with pytest.raises(InputError, match="record longer, or move faster"):

@@ -41,7 +41,7 @@ def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
     bare = [with_signals(r, {n: v for n, v in r.signals.items() if n != "output_position"}) for r in record(stock)]
     fitted = fit_model(bare, stock.with_effect("backlash", {"width": 0.002}), method="equation")
     width = fitted.parameters["backlash"]["width"]
-    assert 0.0 < width["value"] < 0.002 and width["std"] > 1e-5  # the torque has none to show
+    assert 0.0 < width["value"] < 0.0025 and width["std"] > 1e-5  # the torque has none to show
 
 
 def test_counts_that_a_counter_lost_are_no_play(plain_pair, stock):

@@ -23,6 +23,7 @@ from .rerun_file import write_rrd
 from .wording import effect_words, listed
 
 if TYPE_CHECKING:
+    from ..discovery.discover import Discovery
     from ..model import Model
 
 EXAMPLES = """Example:
@@ -84,7 +85,7 @@ def run(
     better_file = save_model(found.model, output / "better.yaml", force=True)
 
     played = next(recording for recording in recordings if recording.name == LIVE)
-    beside, moments = _switched_off(stock, found.model), _moments(list(found.parameters), played.duration)
+    beside, moments = _switched_off(stock, found.model), _moments(_most_telling_first(found), played.duration)
     switched = [f"{effect_words(name)} is switched on after {moment:g} s" for name, moment in moments.items()]
     changing = f"in the running twin, {listed(switched)}" if switched else "nothing is switched on in the twin"
     _chapter(
@@ -182,6 +183,11 @@ def _switched_off(start: Model, found: Model) -> Model:
     """The start model, with the effects that were found in it but off, to be switched on in the running twin."""
     new = {name: replace(held, enabled=False) for name, held in found.effects.items() if name not in start.effects}
     return replace(start, effects={**start.effects, **new})
+
+
+def _most_telling_first(found: Discovery) -> list[str]:
+    """The names of what was found, in the order of the verdict."""
+    return sorted(found.parameters, key=lambda name: found.added.index(found.parameters[name]["effect"]))
 
 
 def _moments(names: Sequence[str], duration: float) -> dict[str, float]:

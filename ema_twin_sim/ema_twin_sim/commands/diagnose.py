@@ -129,7 +129,7 @@ def _worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
 
 
 def _bar(probability: float) -> str:
-    longest = _BAR // 2 if is_narrow() else _BAR
+    longest = _BAR // 4 if is_narrow() else _BAR
     return f"{100.0 * probability:3.0f} % {'█' * round(longest * probability)}"
 
 

@@ -19,6 +19,7 @@ from ema_bench_replay.recording import Recording
 from ..measured.smoothing import smooth_at
 from ..model import Model
 from ..model.matching import BY_TORQUE
+from ..model.own_units import shown
 from ..plant.measured_motion import SPEED
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
@@ -220,6 +221,7 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     if recording.has("current") and BY_TORQUE not in recording.metadata:
         largest = float(np.nanquantile(np.abs(recording.signals["current"]), ALL_BUT_SPIKES))
         if largest > OVER_LIMIT * limit:
+            largest, limit = (shown(model, value, "A")[0] for value in (largest, limit))
             yield Inconsistency(
                 recording.name,
                 f"current reaches {largest:.3g} A where the model's drive is limited to {limit:.3g} A, as if current "

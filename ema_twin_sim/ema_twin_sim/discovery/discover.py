@@ -151,12 +151,13 @@ def discover(
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     errors = standard_errors(eq, best)
-    added = tuple(dict.fromkeys(best.hypothesis.effects))
+    steps = _steps(found, unseen)
+    added = _most_telling_first(best.hypothesis.effects, steps)
     return Discovery(
         verdict,
         added,
         given if as_given else native_as_given(woken(best.hypothesis.model(), awake), given).fitted_from(given),
-        _steps(found, unseen),
+        steps,
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given else constants(best, errors)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
@@ -263,6 +264,15 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
                 )
                 steps.append(step)
     return tuple(steps)
+
+
+def _most_telling_first(effects: Sequence[str], steps: Sequence[Step]) -> tuple[str, ...]:
+    """Each effect once, the one whose step took most of the error away first."""
+    removed: dict[str, float] = {}
+    for step in steps:
+        if step.action == "add":
+            removed[step.effect] = max(removed.get(step.effect, 0.0), step.error_removed or 0.0)
+    return tuple(sorted(dict.fromkeys(effects), key=lambda id: -removed.get(id, 0.0)))
 
 
 def _tried(turn: Round) -> list[dict[str, object]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..model.own_units import shown
 from ..quantities import quantity
 from .episodes import episodes, listed_episodes
 from .equation import Equation
@@ -14,19 +15,22 @@ NOISY = 1.5  # noise floors from which on a simulated signal shows more than its
 
 def why_ended(eq: Equation, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
     """What is left of what kind; or, where that is nothing, that nothing more is worth its price."""
+    base = found.fit.hypothesis.base
     if lags := lagging(eq, found.fit) if "encoders" in depends_on else {}:
         run = max(lags, key=lambda name: abs(lags[name]))
+        away = quantity(*shown(base, abs(lags[run]), "rad"))
         return (
-            f"the output of {run} lies {quantity(abs(lags[run]), 'rad')} off the motor almost since its start; play, "
+            f"the output of {run} lies {away} off the motor almost since its start; play, "
             "or a shaft that winds up, would do that, and recordings with reversals would tell which"
         )
     if passing := episodes(eq, found.fit) if "time" in depends_on else ():
         longest = max(passing, key=lambda episode: episode.end - episode.start)
-        torque = quantity(abs(longest.against), "N m")
+        second, _ = shown(base, 1.0, "s")
+        torque = quantity(*shown(base, abs(longest.against), "N m"))
         how = f"{torque} {'more' if longest.against > 0.0 else 'less'} against the motion"
         return (
-            f"what is left comes and goes: {listed_episodes(passing)}; on average {how} in the longest of them. "
-            "No effect of the catalogue does that"
+            f"what is left comes and goes: {listed_episodes(passing, second=second)}; on average {how} in the longest "
+            "of them. No effect of the catalogue does that"
         )
     if verdict == "unknown":
         on = ", ".join(depends_on).replace("_", " ")

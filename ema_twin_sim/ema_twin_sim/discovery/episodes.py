@@ -56,9 +56,9 @@ def episodes(eq: Equation, f: Fit) -> tuple[Episode, ...]:
     return tuple(found) if in_episodes > MOST * far_rows else ()
 
 
-def listed_episodes(found: Sequence[Episode], most: int = 6) -> str:
-    """``RUN from 4.91 s to 6.72 s, …``, the longest of them in order of time."""
+def listed_episodes(found: Sequence[Episode], most: int = 6, second: float = 1.0) -> str:
+    """``RUN from 4.91 s to 6.72 s, …``, the longest of them in order of time; a ``second`` of theirs is so many s."""
     longest = sorted(found, key=lambda e: e.start - e.end)[:most]
-    told = [f"{e.recording} from {e.start:.2f} s to {e.end:.2f} s" for e in found if e in longest]
+    told = [f"{e.recording} from {second * e.start:.2f} s to {second * e.end:.2f} s" for e in found if e in longest]
     more = len(found) - len(told)
     return ", ".join(told) + (f", and {more} more" if more else "")

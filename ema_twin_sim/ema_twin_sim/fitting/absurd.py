@@ -14,6 +14,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
+from ..model.own_units import shown
 
 Values = Mapping[str, float]
 
@@ -31,6 +32,7 @@ class Circumstances:
     motor_inertia: float  # kg m2, gearbox included
     output_inertia: float  # kg m2
     torque_limit: float  # N m
+    limit_in_words: str  # the same with the unit of the model's file
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
         motor_inertia=model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia"),
         output_inertia=model.value("machine.output_inertia"),
         torque_limit=model.value("drive.torque_limit"),
+        limit_in_words="{:g} {}".format(*shown(model, model.value("drive.torque_limit"), "N m")),
     )
 
 
@@ -177,5 +180,5 @@ def absurdities(effect: str, values: Values, units: Mapping[str, str], c: Circum
     found = [(r.parameter, r.reason) for r in RULES if r.effect == effect and r.absurd(values, c)]
     for name, value in values.items():
         if units[name] == "N m" and abs(value) > c.torque_limit:
-            found.append((name, f"more than the drive's limit of {c.torque_limit:g} N m: it could not move"))
+            found.append((name, f"more than the drive's limit of {c.limit_in_words}: it could not move"))
     return found

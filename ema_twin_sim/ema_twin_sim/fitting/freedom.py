@@ -16,6 +16,7 @@ from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
+from ..model.own_units import shown
 
 FRICTION = ("viscous_friction", "coulomb_friction")
 FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
@@ -189,7 +190,8 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
         if away is not None:
             inward = number.scale if away == number.lower else -number.scale
             values[k] = min(max(away + OFF_BOUND * inward, number.lower), number.upper)
-            notes.append(f"{number.path} stood on its bound, where a fit sees no way off: it started at {values[k]:g}")
+            began = f"{shown(model, values[k], number.unit)[0]:g}"
+            notes.append(f"{number.path} stood on its bound, where a fit sees no way off: it started at {began}")
     return Freedom(model, tuple(numbers), values, tuple(notes))
 
 
