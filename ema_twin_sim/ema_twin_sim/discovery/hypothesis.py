@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import catalogue
+from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 
-INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 FRICTION = ("viscous_friction", "coulomb_friction")
 LAG = "lag"
 PRIOR = 0.05  # of a constant: what a data sheet may be off by

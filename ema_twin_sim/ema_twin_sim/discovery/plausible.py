@@ -23,7 +23,8 @@ STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are 
 STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it should have put them right
 OFF = 2.0  # tolerances that are worth telling then
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
-SIGNIFICANT = 4.0  # standard errors from doing nothing
+SIGNIFICANT = 4.0  # standard errors from doing nothing, the shape held
+KNOWN = 1.0  # standard errors that a size must have with its shape free: 49 ± 57 mN m is no number to give anybody
 NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
 """Effects of which each may stand behind one constant that is off, where the model has it."""
@@ -51,8 +52,9 @@ def strained(f: Fit) -> tuple[str, ...]:
 def insignificant(eq: Equation, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
-    A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. Not asked of
-    what constants off their file show: how far they are off was that effect's worth.
+    A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
+    free it must be known at least to its own size. Not asked of what constants off their file show: how far they are
+    off was that effect's worth.
     """
     away = {}
     spread = covariance(eq, f)
@@ -70,6 +72,8 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
             # of a stiffness, it is the softness that is there or not: as many standard errors from none
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
+            if abs(off) < KNOWN * math.sqrt(max(float(spread[k, k]), 0.0)):
+                return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
 
