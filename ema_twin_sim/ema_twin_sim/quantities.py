@@ -48,7 +48,7 @@ def estimate(value: float, std: float | None, unit: str) -> str:
     error = std / scale
     decimals = -math.floor(math.log10(error))
     decimals = max(0, decimals + (round(error * 10.0**decimals, 6) < _TWO_DIGITS))
-    number = f"{value / scale:.{decimals}f} ± {error:.{decimals}f}"
+    number = f"{round(value / scale, decimals) + 0.0:.{decimals}f} ± {error:.{decimals}f}"  # 0, not -0
     if plain:
         number = f"({number}){prefix}" if prefix else number
         return number if unit == "1" else f"{number} {unit}"

@@ -123,7 +123,7 @@ def run(
     _chapter("5", "The error falls", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three")
     say(
         "polito_bench is the model as it came; better has what was found; fitted is better with every number fitted to "
-        "the simulated loop, since impacts take numbers to the per mille.\n"
+        "the simulated loop, since the timing of impacts needs numbers known to 0.1 %.\n"
     )
     better = load_model(better_file)
     after = compare_models(recordings, better)

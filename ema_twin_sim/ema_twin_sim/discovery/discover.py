@@ -159,7 +159,7 @@ def discover(
         given if as_given else native_as_given(woken(best.hypothesis.model(), awake), given).fitted_from(given),
         steps,
         MappingProxyType(parameters(best, errors)),
-        MappingProxyType({} if as_given else constants(best, errors)),
+        MappingProxyType({} if as_given else constants(best, errors, given)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),

@@ -44,9 +44,8 @@ def why_ended(eq: Equation, verdict: str, found: Search, depends_on: tuple[str, 
     if not last.tried:
         return "nothing is left to try"
     if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
-        remedy = ": ema-twin fit with the new model brings them nearer" if found.fit.hypothesis.added else ""
         return (
-            "no effect explains more; what the simulated current still misses lies at impacts, whose instants take "
-            f"every number to the per mille{remedy}"
+            "no effect explains more; what the simulated current still misses is at impacts, whose timing needs "
+            "parameters known to 0.1 %"
         )
     return "no effect explains more of what is left than the sensors' noise would let it by chance"

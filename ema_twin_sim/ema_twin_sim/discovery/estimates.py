@@ -72,27 +72,28 @@ def reported(std: float | None, value: float, parameter: Parameter) -> float | N
     return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
 
 
-def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str, object]]]:
-    """Machine constants and the start model's friction, refitted, with their nominal values."""
+def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict[str, dict[str, object]]]:
+    """Machine constants and the start model's friction, refitted; nominal values are those of the ``given`` model."""
     base, model = f.hypothesis.base, f.hypothesis.model()
     found: dict[str, dict[str, dict[str, object]]] = {}
     for path in (path for path in INERTIAS if base.constants[path].source != ABSENT):
         part, _, name = base.shown_path(path).partition(".")
         std = sure[f"scale.{'output_' if name.startswith('output') and f.hypothesis.parted else ''}inertia"]
         entry = _refitted(base, model.value(path), base.value(path), std, CONSTANTS[path].unit)
-        found.setdefault(part, {})[name] = entry
+        found.setdefault(part, {})[name] = {**entry, "nominal": given.value(path)}
     for path, std in ((path, std) for path, std in sure.items() if path.startswith("contact.")):
         name = path.replace("contact.", "contact_")
-        value, nominal = model.value(f"transmission.{name}"), base.value(f"transmission.{name}")
-        entry = {"value": value, "std": std, "unit": CONSTANTS[f"transmission.{name}"].unit, "nominal": nominal}
-        found.setdefault("transmission", {})[name] = entry
+        place = f"transmission.{name}"
+        entry = shown_entry(base, model.value(place), std, CONSTANTS[place].unit)
+        found.setdefault("transmission", {})[name] = {**entry, "nominal": given.value(place)}
     for name, instance in base.effects.items():
         output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
         path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
         if path in sure:
             p = catalogue()[instance.effect].parameters[0]
-            value, nominal = model.effects[name].parameters[p.name], instance.parameters[p.name]
-            found.setdefault(name, {})[p.name] = _refitted(base, value, nominal, sure[path], p.unit)
+            value, began = model.effects[name].parameters[p.name], instance.parameters[p.name]
+            entry = _refitted(base, value, began, sure[path], p.unit)
+            found.setdefault(name, {})[p.name] = {**entry, "nominal": given.effects[name].parameters[p.name]}
             angle = catalogue()[instance.effect].wave_angle
             if angle is not None and (wobble := sure.get(f"angle.{instance.effect}")) is not None:
                 value, nominal = (each.effects[name].parameters[angle.name] for each in (model, base))
@@ -101,6 +102,6 @@ def constants(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, dict[str
     return found
 
 
-def _refitted(base: Model, value: float, nominal: float, relative_std: float, unit: str) -> dict[str, object]:
-    entry = shown_entry(base, value, relative_std * abs(nominal), unit)
-    return {**entry, "nominal": shown_entry(base, nominal, None, unit)["value"]}
+def _refitted(base: Model, value: float, began: float, relative_std: float, unit: str) -> dict[str, object]:
+    """A value, its standard error relative to where its factor began."""
+    return shown_entry(base, value, relative_std * abs(began), unit)

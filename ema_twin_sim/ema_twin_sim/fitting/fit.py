@@ -25,7 +25,7 @@ from ..effects import catalogue
 from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.constants import CONSTANTS
-from ..model.own_units import in_si, native_as_given, shown, shown_entry
+from ..model.own_units import in_si, native_as_given, shown_entry
 from ..simulation.angle_origins import without_common_zero
 from ..simulation.simulate import POINTWISE, choose_input
 from .absurd import circumstances
@@ -152,7 +152,7 @@ def fit_model(
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
-        _constants(model, fitted, solution, sure, untold),
+        _constants(given, fitted, solution, sure, untold),
         shown_errors(in_si(model), before),
         shown_errors(in_si(model), after),
         judged_on,
@@ -283,7 +283,7 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
 
 
 def _constants(
-    model: Model, fitted: Model, solution: Solution, sure: Uncertainty, untold: Sequence[int]
+    given: Model, fitted: Model, solution: Solution, sure: Uncertainty, untold: Sequence[int]
 ) -> dict[str, dict[str, dict]]:
     found: dict[str, dict[str, dict]] = {}
     for path, constant in CONSTANTS.items():
@@ -291,7 +291,6 @@ def _constants(
         if k is not None:
             std = None if k in untold else _spread(path, solution, sure)
             entry = shown_entry(fitted, fitted.value(path), std, constant.unit)
-            nominal = shown(model, model.value(path), constant.unit)[0]
-            name = model.shown_path(path).partition(".")[2]
-            found.setdefault(constant.part, {})[name] = {**entry, "nominal": nominal}
+            name = given.shown_path(path).partition(".")[2]
+            found.setdefault(constant.part, {})[name] = {**entry, "nominal": given.value(path)}
     return found
