@@ -22,7 +22,7 @@ demo: setup ## a recorded actuator beside its twin; then the missing effects are
 test: setup ## style and type checks, then all tests
 	@$(RUN) -m ruff check .
 	@$(RUN) -m mypy
-	@$(RUN) -m pytest tests -n auto --dist loadfile
+	@$(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
 
 test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools

@@ -23,6 +23,26 @@ RECORDINGS = Path(__file__).resolve().parent / "recordings"
 SHARED = ROOT.parent / "shared"
 
 
+LONGEST_FIRST = (
+    "test_monitor_services.py",
+    "test_tutorial_live.py",
+    "test_live_ending.py",
+    "test_interrupts.py",
+    "test_tutorials.py",
+    "test_fidelity.py",
+    "test_node_processes.py",
+    "test_web_viewer.py",
+    "test_real_machines.py",
+)
+"""Files that play recordings in real time, or search for long: begun last, one process would wait for the other."""
+
+
+def pytest_collection_modifyitems(items):
+    """Put the longest files first; within them, and of the others, the order stays."""
+    rank = {name: k for k, name in enumerate(LONGEST_FIRST)}
+    items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
+
+
 def outside(name):
     """A folder of recordings beside the project; where it is absent, the test is skipped."""
     folder = SHARED / name

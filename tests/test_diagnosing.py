@@ -144,7 +144,7 @@ class TestWhatIsMissingStill:
     def test_all_are_there(self):
         left = still_missing(self.BOTH, [("backlash", ()), ("stribeck_friction", ())])
         assert left["verdict"] == "none"
-        assert left["none"] == pytest.approx(0.9)
+        assert left["none"] == pytest.approx(1.0)
 
     def test_what_is_left_is_as_probable_as_it_was(self):
         """Effects are missing each by itself: that one is there now says nothing of the others."""

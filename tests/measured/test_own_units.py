@@ -9,6 +9,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured.scales import REFERENCE_INERTIA, REFERENCE_TORQUE, own_units, rms_torque, to_own_units
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.model.constants import CONSTANTS
 from ema_twin_sim.model.own_units import OwnUnits, in_si, model_in, native, native_as_given, recording_in, shown
 from ema_twin_sim.simulation.simulate import simulate
@@ -65,7 +66,7 @@ def test_every_unit_of_a_constant_or_parameter_is_known():
 
 def test_a_twin_of_the_similar_machine_makes_the_similar_motion(stock, runs):
     model = stock.with_effect("backlash", {"width": 0.002}).with_effect("stribeck_friction", {"torque": 0.05})
-    own = simulate(model_in(model, UNITS), recording_in(runs[0], UNITS), step=25e-6 / UNITS.time)
+    own = simulate(model_in(model, UNITS), recording_in(runs[0], UNITS))
     there = recording_in(simulate(model, runs[0]), UNITS)
     for name in ("current", "speed", "motor_position"):
         size = np.ptp(there.signals[name])
@@ -130,3 +131,15 @@ def test_numbers_are_shown_in_si(stock):
     )
     assert in_si(own).units is None
     assert in_si(own).value("drive.integral_time") == pytest.approx(stock.value("drive.integral_time"))
+
+
+@pytest.mark.parametrize("slower", [6.0, 0.1])
+def test_a_delay_is_found_and_written_at_any_scale(stock, slower, tmp_path):
+    """36 ms of a large slow machine, 0.6 ms of a quick one: no bound is one bench's."""
+    units = OwnUnits(time=1.0 / slower)
+    runs = record(stock.with_effect("encoder_delay", {"delay": 0.006}), ("triangle:0.06:2", "sine:0.05:0.4"), 8.0)
+    other = replace(model_in(stock, units), units=None)
+    found = discover([recording_in(run, units) for run in runs], other)
+    assert (found.verdict, found.added) == ("explained", ("encoder_delay",))
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(0.006 * slower, rel=0.01)
+    assert load_model(save_model(found.model, tmp_path / "found.yaml")).active.keys() == found.model.active.keys()

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_bench_replay.units import unit_in
+
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
@@ -31,6 +33,7 @@ class Limits:
     lower: float
     upper: float
     current: float
+    motion: str = "rotary"  # or linear: m in place of rad
 
     def shown(self, model: Model) -> Limits:
         """Limits that are told in a model's own units, in SI."""
@@ -43,14 +46,16 @@ class Limits:
     def _times(self, model: Model, sign: int) -> Limits:
         units = {"speed": "rad/s", "acceleration": "rad/s^2", "lower": "rad", "upper": "rad", "current": "A"}
         factors = {name: shown(model, 1.0, unit)[0] ** sign for name, unit in units.items()}
-        return Limits(**{name: getattr(self, name) * factor for name, factor in factors.items()})
+        linear = sign > 0 and model.units is not None and model.units.radius is not None
+        values = {name: getattr(self, name) * factor for name, factor in factors.items()}
+        return Limits(**values, motion="linear" if linear else "rotary")
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
         return {
-            "speed": {"value": self.speed, "unit": "rad/s"},
-            "acceleration": {"value": self.acceleration, "unit": "rad/s^2"},
-            "travel": {"lower": self.lower, "upper": self.upper, "unit": "rad"},
+            "speed": {"value": self.speed, "unit": unit_in("rad/s", self.motion)},
+            "acceleration": {"value": self.acceleration, "unit": unit_in("rad/s^2", self.motion)},
+            "travel": {"lower": self.lower, "upper": self.upper, "unit": unit_in("rad", self.motion)},
             "current": {"value": self.current, "unit": "A"},
         }
 
@@ -69,18 +74,19 @@ class Limits:
     def exceeded(self, done: Limits) -> tuple[str, ...]:
         """Which of these limits (SI) something has gone beyond, with what it reached and what they are."""
         found = [
-            f"{name} {reached:.2g} {unit} (so far {limit:.2g})"
-            for name, reached, limit, unit in (
+            f"{name} {reached:.2g} {unit_in(rotary, self.motion).replace('^2', '²')} (so far {limit:.2g})"
+            for name, reached, limit, rotary in (
                 ("speed", done.speed, self.speed, "rad/s"),
-                ("acceleration", done.acceleration, self.acceleration, "rad/s²"),
+                ("acceleration", done.acceleration, self.acceleration, "rad/s^2"),
                 ("current", done.current, self.current, "A"),
             )
             if reached > _SLACK[name] * limit
         ]
         slack = _SLACK_TRAVEL * (self.upper - self.lower)
         if done.upper > self.upper + slack or done.lower < self.lower - slack:
+            way = unit_in("rad", self.motion)
             found.append(
-                f"travel from {done.lower:.2g} to {done.upper:.2g} rad (so far {self.lower:.2g} to {self.upper:.2g})"
+                f"travel from {done.lower:.2g} to {done.upper:.2g} {way} (so far {self.lower:.2g} to {self.upper:.2g})"
             )
         return tuple(found)
 

@@ -74,7 +74,8 @@ def command_grid(
     for share in _FEW_SPEEDS if few else _SPEEDS:
         speed = nice(share * limits.speed, velocity)
         for sign, room in ((1.0, limits.upper), (-1.0, -limits.lower)):
-            seconds = min(longest, math.floor(room / speed * second) / second) if speed > 0.0 else 0.0
+            lasts = room / speed * second if speed > 0.0 else 0.0
+            seconds = min(longest, (math.floor(lasts) if lasts >= 1.0 else round_number(lasts)) / second)
             if seconds >= _SHORTEST:
                 offer("ramp", sign * speed, None, math.inf, speed, seconds)
             for half in halves:

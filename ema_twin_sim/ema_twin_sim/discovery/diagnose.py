@@ -19,7 +19,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
 from ..model import EffectInstance, Model
-from ..model.own_units import shown_entry
+from ..model.own_units import in_si, shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .discover import Discovery, discover
@@ -144,7 +144,7 @@ def weigh(found: Discovery) -> Diagnosis:
     for contest in contests:
         without = 0.0
         chances: dict[Key, float] = {}
-        for winner, chance in _chances(eq, contest):
+        for winner, chance in _chances(eq, contest, bool(held)):
             if winner is None:
                 without += chance
             else:
@@ -157,7 +157,7 @@ def weigh(found: Discovery) -> Diagnosis:
     order = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))[:RANKED]
     removed = _removed(eq, found.recordings, [contenders[key] for key in order[:SIMULATED]])
     ranking = tuple(_ranked(eq, contenders[key], present[key], removed.get(key), key in held) for key in order)
-    verdict = ranking[0].effect if found.verdict == "explained" else found.verdict
+    verdict = next(entry.effect for entry in ranking if entry.found) if found.verdict == "explained" else found.verdict
     return Diagnosis(
         verdict,
         ranking,
@@ -194,9 +194,10 @@ def _new(contender: _Contender) -> tuple[str, ...]:
     return new_names(contender.before, contender.after)
 
 
-def _chances(eq: Equation, contest: Sequence[_Contender]) -> list[tuple[_Contender | None, float]]:
+def _chances(eq: Equation, contest: Sequence[_Contender], held: bool) -> list[tuple[_Contender | None, float]]:
     """How often (0 to 1) each contender gains most, and none gains anything, over draws of blocks."""
-    entries = [contender for contender in contest if matters(eq, contender.before, contender.after)]
+    # the search holds the first of a contest with all others beside it: that it matters was settled there
+    entries = [c for k, c in enumerate(contest) if (k == 0 and held) or matters(eq, c.before, c.after)]
     if not entries:
         return [(None, 1.0)]
     blocks = _blocks(eq)
@@ -252,7 +253,7 @@ def _removed(eq: Equation, recordings: Sequence[Recording], contenders: Sequence
     jobs = []
     for key, f in fits.items():
         numbers = held_out(eq, f) if len(recordings) > 1 else [f.hypothesis.values]
-        models = [f.hypothesis.at(values).model() for values in numbers]
+        models = [in_si(f.hypothesis.at(values).model()) for values in numbers]
         jobs += [(key, *job) for job in zip(recordings, sources, models, strict=True)]
 
     def error(job: tuple[int, Recording, str, Model]) -> RunningComparison | None:

@@ -78,7 +78,7 @@ class Discovery:
     search: Search
     equation: Equation
     rivalries: tuple[Rivalry, ...]
-    recordings: tuple[Recording, ...]  # as they were searched: matched, in own units
+    recordings: tuple[Recording, ...]  # as they are judged on unseen data: matched, in SI
     left_over: str = ""  # how large, and where along the first of ``depends_on``
 
     def as_json(self) -> dict[str, object]:
@@ -177,7 +177,7 @@ def discover(
         found,
         eq,
         rivals,
-        tuple(recordings),
+        tuple(in_seconds),
         "" if known else left_over_words(eq, found, depends_on),
     )
 

@@ -14,7 +14,7 @@ from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME, require, require_of
-from ..simulation.assembly import assemble, effect_address, effect_slots
+from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import LAG, Hypothesis
 from .observation import Observation
 from .search_limits import reached, search_limits
@@ -101,6 +101,8 @@ class Equation:
             if not p.periodic:
                 lower[k] = max(lower[k], least)
                 upper[k] = max(min(upper[k], most), lower[k])
+            if effect.delays:  # no further back than the plant remembers what its encoder showed
+                upper[k] = max(min(upper[k], longest_delay(h.base)), lower[k])
             if p.driven:  # a speed that only counts as far as it is driven
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper

@@ -64,7 +64,8 @@ class View:
 
     kind: Kind
     against: str
-    unit: str
+    unit: str  # of the quantity
+    size_unit: str  # of what is left over
     order: float | None  # of an angle that is folded
     share: float
     curves: tuple[Curve, ...]
@@ -72,9 +73,10 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes [N m] of the left-over torque over orders; the largest of each of a number of bands."""
+    """Amplitudes of the left-over torque over orders; the largest of each of a number of bands."""
 
     friction: bool  # the torque is counted as opposing the motion
+    unit: str  # of the amplitudes
     orders: np.ndarray
     amplitudes: Mapping[str, np.ndarray]
     named: tuple[tuple[float, str, Mapping[str, float]], ...]
@@ -250,19 +252,19 @@ def _view(
             lower, median, upper = quartiles(values[chosen], rows)
             curves.append(Curve(name, direction, centres, median, lower, upper))
     total = float(change @ change)
-    return View(kind, against, unit, order, explained / total if total > 0.0 else 0.0, tuple(curves))
+    return View(kind, against, unit, _UNITS[kind], order, explained / total if total > 0.0 else 0.0, tuple(curves))
 
 
 def _as_people_know_it(view: View, base: Model) -> View:
     """A view told in the units of the machine's file."""
     folded = view.order is not None
     along, unit = (1.0, view.unit) if folded else shown(base, 1.0, view.unit)
-    size, _ = shown(base, 1.0, _UNITS[view.kind])
+    size, size_unit = shown(base, 1.0, view.size_unit)
     curves = tuple(
         replace(c, x=along * c.x, median=size * c.median, lower=size * c.lower, upper=size * c.upper)
         for c in view.curves
     )
-    return replace(view, unit=unit, curves=curves)
+    return replace(view, unit=unit, size_unit=size_unit, curves=curves)
 
 
 def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
@@ -281,7 +283,7 @@ def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
         lines[name] = found.spectrum
     highest = max(LEAST_SHOWN, SHOWN * max(model.orders.values(), default=ORDERS[-1]))
     bands = np.array_split(np.flatnonzero(highest >= ORDERS), BANDS)
-    size, _ = shown(model, 1.0, "N m")
+    size, unit = shown(model, 1.0, "N m")
     lines = {name: size * line for name, line in lines.items()}
     largest = {name: np.array([line[band].max() for band in bands]) for name, line in lines.items()}
     named = [
@@ -289,7 +291,7 @@ def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
         for label, order in model.orders.items()
         if ORDERS[0] <= order <= ORDERS[-1]
     ]
-    return Spectrum(friction, np.array([ORDERS[band].mean() for band in bands]), largest, tuple(named))
+    return Spectrum(friction, unit, np.array([ORDERS[band].mean() for band in bands]), largest, tuple(named))
 
 
 def _step_as_json(step: StepEvidence) -> dict[str, object]:
@@ -301,7 +303,7 @@ def _step_as_json(step: StepEvidence) -> dict[str, object]:
         "views": [
             {
                 "left_over": view.kind,
-                "unit": _UNITS[view.kind],
+                "unit": view.size_unit,
                 "against": view.against,
                 "against_unit": view.unit,
                 "order": None if view.order is None else round(view.order, 3),
@@ -320,7 +322,7 @@ def _step_as_json(step: StepEvidence) -> dict[str, object]:
     }
     if spectrum is not None:
         content["orders"] = {
-            "unit": "N m",
+            "unit": spectrum.unit,
             "friction": spectrum.friction,
             "order": _digits(spectrum.orders),
             "amplitude": {name: _digits(line) for name, line in spectrum.amplitudes.items()},

@@ -131,7 +131,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     if len(recording) < FEWEST:
         raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
-    if longest is not None and longest.duration > LONGEST_GAP:
+    if longest is not None and shown(model, longest.duration, "s")[0] > LONGEST_GAP:
         raise InputError(
             f"{recording.name}: {shown(model, longest.duration, 's')[0]:.4g} s are missing at "
             f"{shown(model, longest.time, 's')[0]:.4g} s; "

@@ -18,6 +18,8 @@ from .observation import Observation
 
 MOST = 10.0  # times the largest torque measured: what one effect may come to
 SHAPES = 1e3  # times what was reached: a number that only shapes an effect, which is no more or no less beyond
+QUICKEST = 0.05  # of the longest recording: a change in time that is over sooner is a part of the start
+LATEST = 0.02  # s in own units, what a fieldbus of the reference bench may take: a later encoder is another machine's
 USUAL = 0.95  # of all rows are within the speed, or acceleration, that counts as reached
 _POWERS = {
     "N m": (0, 0, 0),
@@ -63,6 +65,8 @@ def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[fl
         upper = _largest(effect, parameter, of)
         if parameter.unit == "rad/s":
             lower = max(lower, of.speed / SHAPES)
+        if parameter.unit == "s" and parameter.lower > 0.0:
+            lower = max(lower, QUICKEST * of.duration)
     if math.isinf(lower):
         lower = -_largest(effect, parameter, of)
     return lower, max(lower, upper)
@@ -71,6 +75,8 @@ def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[fl
 def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
     size = effect.parameters[0]
     most = MOST if parameter is size else SHAPES
+    if parameter.unit == "s" and parameter is size:
+        return LATEST
     if parameter.unit in _POWERS:
         if parameter.lower > 0.0:  # a stiffness that may be as good as rigid
             return math.inf

@@ -7,6 +7,7 @@ back and the rest fitted again, and the closed loop tells whether it follows the
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -33,7 +34,7 @@ def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found:
     if rest is None:
         return found
     fitted, put_back = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, rest))
-    if not put_back <= AS_WELL * fitted:
+    if not (math.isfinite(put_back) and put_back <= AS_WELL * fitted):
         return found
     last = found.changes[-1]
     rounds = tuple(replace(turn, after=rest) if turn is last else turn for turn in found.rounds)

@@ -78,7 +78,8 @@ class Effect:
 
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
     positive number may be given for; its choices are those that are looked for on every machine, or, where not
-    ``searched``, those that recordings show only. An ``electrical`` effect needs to know the motor's pole pairs.
+    ``searched``, those that recordings show only. An ``electrical`` effect needs to know the motor's pole pairs. One
+    that ``delays`` shows what an encoder remembers.
     """
 
     id: str
@@ -96,6 +97,7 @@ class Effect:
     settle_winding: Callable[[np.void, Values, Options], None] | None = None
     electrical: bool = False
     repeatable: bool = True
+    delays: bool = False
     free_option: str = ""
     searched: bool = True
 

@@ -3,6 +3,8 @@
 An encoder on a bus answers a cycle or more late. A time lag between two encoders looks like backlash and compliance.
 """
 
+import math
+
 from .effect import Effect, Parameter
 
 
@@ -18,7 +20,8 @@ EFFECT = Effect(
     depends_on="encoders",
     signature="output position error in proportion to speed; nothing in the current",
     source="Weigand et al., robot identification data, 2.8 to 3.0 ms between two encoders",
-    parameters=(Parameter("delay", "s", 0.003, 0.0, 0.02, "time by which it is late"),),
+    parameters=(Parameter("delay", "s", 0.003, 0.0, math.inf, "time by which it is late"),),
     settle=settle,
     repeatable=False,
+    delays=True,
 )

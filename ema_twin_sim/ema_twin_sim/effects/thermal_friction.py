@@ -5,7 +5,7 @@ The lubricant warms as the machine runs, and the model's viscous coefficient b [
 
 import math
 
-from .effect import VISCOUS_COEFFICIENT, Effect, Parameter
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Parameter
 
 
 def act(at, p):
@@ -23,7 +23,13 @@ EFFECT = Effect(
     parameters=(
         Parameter("fraction", "1", 0.25, 0.0, 1.0, "share of the viscous friction lost when warm"),
         Parameter(
-            "time_constant", "s", 12.0, 1.0, math.inf, "time constant of the warming", starts=(2.0, 5.0, 12.0, 30.0)
+            "time_constant",
+            "s",
+            12.0,
+            POSITIVE,
+            math.inf,
+            "time constant of the warming",
+            starts=(2.0, 5.0, 12.0, 30.0),
         ),
     ),
     act=act,

@@ -16,7 +16,7 @@ from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
-from ..model.own_units import shown
+from ..model.own_units import shown, told
 
 FRICTION = ("viscous_friction", "coulomb_friction")
 FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
@@ -190,8 +190,9 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
         if away is not None:
             inward = number.scale if away == number.lower else -number.scale
             values[k] = min(max(away + OFF_BOUND * inward, number.lower), number.upper)
-            began = f"{shown(model, values[k], number.unit)[0]:g}"
-            notes.append(f"{number.path} stood on its bound, where a fit sees no way off: it started at {began}")
+            began, unit = shown(model, float(values[k]), number.unit)
+            named = f"{model.shown_path(number.path)} stood on its bound, where a fit sees no way off"
+            notes.append(f"{named}: it started at {began:g}{'' if unit == '1' else f' {unit}'}")
     return Freedom(model, tuple(numbers), values, tuple(notes))
 
 
@@ -309,14 +310,15 @@ def _constant(model: Model, paths: tuple[str, ...]) -> Number:
         raise InputError(
             f"--free {paths[0]}: is 0 in model {model.name}, and no factor moves it; give it a value there"
         )
+    least, most = (told(model, bound, constant.unit) for bound in (constant.lower, constant.upper))
     log = constant.lower > 0.0
     return Number(
         paths[0],
         paths,
         tuple(model.value(path) / held.value for path in paths),
         constant.unit,
-        max(constant.lower, abs(held.value) / GUESSED) if log else max(constant.lower, -GUESSED * abs(held.value)),
-        min(constant.upper, GUESSED * abs(held.value)),
+        max(least, abs(held.value) / GUESSED) if log else max(least, -GUESSED * abs(held.value)),
+        min(most, GUESSED * abs(held.value)),
         abs(held.value),
         STEP * (1.0 if log else abs(held.value)),
         (held.value, min(tolerance, OPEN) * abs(held.value)),

@@ -82,24 +82,24 @@ def in_si(model: Model) -> Model:
     """A model in own units in SI, still as the drum of a linear machine: what a twin is compared with."""
     if model.units is None:
         return model
-    told = native(model)
-    return told if model.units.radius is None else model_in(told, OwnUnits(radius=model.units.radius))
+    in_native = native(model)
+    return in_native if model.units.radius is None else model_in(in_native, OwnUnits(radius=model.units.radius))
 
 
 def native_as_given(model: Model, given: Model) -> Model:
     """A model in own units as its machine has it; what did not move from the ``given`` native one, to the digit."""
     if model.units is None:
         return model
-    told, began = native(model), model_in(given, model.units)
+    back, began = native(model), model_in(given, model.units)
     constants = {
-        path: given.constants[path] if held == began.constants[path] else told.constants[path]
+        path: given.constants[path] if held == began.constants[path] else back.constants[path]
         for path, held in model.constants.items()
     }
     effects = {
-        name: given.effects[name] if instance == began.effects.get(name) else told.effects[name]
+        name: given.effects[name] if instance == began.effects.get(name) else back.effects[name]
         for name, instance in model.effects.items()
     }
-    return replace(told, constants=constants, effects=effects)
+    return replace(back, constants=constants, effects=effects)
 
 
 def recording_in(recording: Recording, units: OwnUnits) -> Recording:
@@ -126,6 +126,11 @@ def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
         return value, unit_in(unit, model.motion)
     linear = model.units.radius is not None
     return value * model.units.factor(unit), unit_in(unit, "linear" if linear else "rotary")
+
+
+def told(model: Model, value: float, unit: str) -> float:
+    """A number in a rotary unit and SI, as a model's own units tell it."""
+    return value if model.units is None else value / model.units.factor(unit)
 
 
 def shown_entry(model: Model, value: float, std: float | None, unit: str, *, angle: bool = False) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from ema_bench_replay.errors import InputError
 from ..effects import Effect, catalogue, mesh_friction
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
+from ..model.own_units import shown
 from ..plant.layout import DRY_LEVEL, ENCODER_MEMORY, PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import Effects, FineParts, fine_parts
@@ -116,12 +117,18 @@ def _check(model: Model, record: np.void) -> None:
         raise InputError(
             f"model {model.name}: machine.output_inertia is 0; a transmission with play or spring needs it"
         )
-    longest = (ENCODER_MEMORY - 2) * float(record["control_cycle"])
+    longest = longest_delay(model)
     if record["encoder_delay"] > longest:
+        late, most = (shown(model, float(time), "s")[0] for time in (record["encoder_delay"], longest))
         raise InputError(
-            f"model {model.name}: the encoder's delay of {record['encoder_delay']:g} s is more than {longest:.4g} s, "
+            f"model {model.name}: the encoder's delay of {late:g} s is more than {most:.4g} s, "
             f"what {ENCODER_MEMORY} control cycles hold; give a shorter delay or a longer drive.control_cycle"
         )
+
+
+def longest_delay(model: Model) -> float:
+    """The longest delay [s] of an encoder that the plant can show: what its memory of control cycles holds."""
+    return (ENCODER_MEMORY - 2) * model.value("drive.control_cycle")
 
 
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:

@@ -10,6 +10,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
+from ..model.own_units import shown
 from ..plant.layout import BENCH, TWIN
 from .dc_link_check import refuse_recording_beyond_link
 from .operating_points import twin_at_points
@@ -60,17 +61,21 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
     chosen = choose_input(recording, source)
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
-    bench = bench_of(recording)
+    bench = bench_of(recording, shown(model, 1.0, "s")[0])
     twin = started(model, recording, bench, chosen, step)
     return seen(model, recording, followed(twin, recording, bench))
 
 
-def bench_of(recording: Recording) -> np.ndarray:
-    """The rows (n, 6) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap."""
+def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
+    """The rows (n, 6) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap.
+
+    A ``second`` of the recording is so many s, where it is told in own units.
+    """
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
-    if longest is not None and longest.duration > LONGEST_GAP:
+    if longest is not None and second * longest.duration > LONGEST_GAP:
         raise InputError(
-            f"{recording.name}: nothing is recorded for {longest.duration:.4g} s from {longest.time:.3f} s on; "
+            f"{recording.name}: nothing is recorded for {second * longest.duration:.4g} s from "
+            f"{second * longest.time:.3f} s on; "
             f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
         )
     absent = np.full(len(recording), math.nan)

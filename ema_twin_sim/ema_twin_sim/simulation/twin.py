@@ -34,12 +34,15 @@ from ..plant.sensors import shown
 from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
-from .fidelity import DEFAULT_STEP, Fine, kept, resting_state, restored, set_in_motion, usual_step, with_parts
+from .fidelity import DEFAULT_STEP, Fine, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
-from .longest_step import refuse_long_step
+from .longest_step import longest_step, refuse_long_step
 from .switchable import switchable as with_all_effects
 
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
+
+SAFE = 0.5
+"""Of the longest step: what is taken of it where a model in own units would take a longer one."""
 
 ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
@@ -272,8 +275,11 @@ class Twin:
     def _take(self, model: Model) -> None:
         assembly = assemble(model, by_current=self.source == CURRENT)
         parts = assembly.fine
-        step = self._asked_step or usual_step(parts)
-        refuse_long_step(model, assembly, step)
+        if model.units is None or parts.switching or parts.planetary:
+            step = self._asked_step or usual_step(parts)
+            refuse_long_step(model, assembly, step)
+        else:  # in own units no step is asked for by a person, and none is too long
+            step = min(own_step(model, self._asked_step), SAFE * longest_step(assembly)[0])
         self.step = step
         self._model = model
         self._assembly = assembly

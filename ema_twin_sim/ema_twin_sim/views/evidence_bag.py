@@ -99,7 +99,8 @@ def _topics_of_points(
     """
     eq = found.equation
     residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
-    size = shown(compared.fits["after"].hypothesis.base, 1.0, "N m")[0]
+    base = compared.fits["after"].hypothesis.base
+    size = shown(base, 1.0, "N m")[0]
     wholes: dict[str, list[int]] = {}
     for k, recording in enumerate(recordings):
         wholes.setdefault(recording.metadata.get(HALF_OF, recording.name), []).append(k)
@@ -110,7 +111,8 @@ def _topics_of_points(
         torques = {name: [r[part] * o.torque_noise for o, part in parts] for name, r in residuals.items()}
         left = {name: size * np.concatenate(each) for name, each in torques.items()}
         by, column = ("position", MOTOR_ANGLE) if np.ptp(motion[:, MOTOR_ANGLE]) > 0.0 else ("speed", SPEED)
-        over = motion[:, column] - motion[:, column].min()
+        native = shown(base, 1.0, "rad" if column == MOTOR_ANGLE else "rad/s")[0]
+        over = native * (motion[:, column] - motion[:, column].min())
         for way, sense in (("forward", 1.0), ("backward", -1.0)):
             chosen = np.flatnonzero(np.sign(motion[:, SPEED]) == sense)
             chosen = chosen[np.argsort(over[chosen], kind="stable")]

@@ -82,9 +82,7 @@ def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> di
     elif more:
         verdict, none = more[0]["effect"], 0.0
     else:
-        verdict = "none"
-        likeliest = max((entry["probability"] for entry in ranking), default=0.0)
-        none = max(0.0, 1.0 - max(likeliest, diagnosis["unknown"]))
+        verdict, none = "none", 1.0 - diagnosis["unknown"]  # the rivals of what was applied are not missing beside it
     return {**diagnosis, "verdict": verdict, "ranking": ranking, "none": none, "warnings": warnings}
 
 
