@@ -159,12 +159,12 @@ def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
 def _dependences(
     model: Model, name: str, parts: Sequence[Stretch], torque: float | None, standstill: float
 ) -> list[Dependence]:
-    """Where a signal's residual is large, in the machine's own units; ``standstill`` [rad/s]."""
+    """Where a signal's residual is large, in the units of the machine's file; ``standstill`` [rad/s]."""
     if model.units is None:
         return find_dependences(name, _UNITS[name], parts, torque, standstill=standstill)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
-    own = [in_own_units(model, name, part) for part in parts]
-    return find_dependences(name, unit, own, torque, motion="linear", standstill=standstill * way)
+    native = [in_native_units(model, name, part) for part in parts]
+    return find_dependences(name, unit, native, torque, motion="linear", standstill=standstill * way)
 
 
 def _by_torque(recordings: Sequence[Recording]) -> bool:
@@ -188,7 +188,7 @@ def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording
 
 
 def shown_errors(model: Model, signals: Signals) -> Signals:
-    """The errors in the machine's own units."""
+    """The errors in the units of the machine's file."""
     found: Signals = {}
     for name, error in signals.items():
         (rmse, unit), (floor, _) = (shown(model, error[key], error["unit"]) for key in ("rmse", "noise_floor"))
@@ -196,7 +196,7 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
     return found
 
 
-def in_own_units(model: Model, name: str, stretch: Stretch) -> Stretch:
+def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
     """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
     residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
     scaled = (stretch.residual * residual, stretch.speed * way, stretch.motor_angle * way)

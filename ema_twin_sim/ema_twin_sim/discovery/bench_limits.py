@@ -74,8 +74,8 @@ class Limits:
     def exceeded(self, done: Limits) -> tuple[str, ...]:
         """Which of these limits (SI) something has gone beyond, with what it reached and what they are."""
         found = [
-            f"{name} {reached:.2g} {unit_in(rotary, self.motion).replace('^2', '²')} (so far {limit:.2g})"
-            for name, reached, limit, rotary in (
+            f"{name} {reached:.2g} {unit_in(unit, self.motion).replace('^2', '²')} (so far {limit:.2g})"
+            for name, reached, limit, unit in (
                 ("speed", done.speed, self.speed, "rad/s"),
                 ("acceleration", done.acceleration, self.acceleration, "rad/s^2"),
                 ("current", done.current, self.current, "A"),

@@ -15,6 +15,8 @@ _FEW_SPEEDS = (1.0, 0.3)
 _SPEEDS = (1.0, 0.5, 0.25, 0.1)
 _FEW_HALVES = (0.5, 2.5, 5.0)  # s
 _HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # s
+_TIME_OF_SIZE = {"ramp": -1, "triangle": -1, "sine": 0, "step": 0, "speed-triangle": -2, "speed-sine": -1}
+"""Of each kind of command, the power of time in the unit of its size: rad, rad/s or rad/s²."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +62,7 @@ def command_grid(
     ) -> None:
         seconds = longest if seconds is None else seconds
         if top >= slowest:
-            size_unit = velocity if kind in ("ramp", "triangle") or kind == "speed-sine" else radian
-            if kind == "speed-triangle":
-                size_unit = velocity / second
+            size_unit = radian * second ** _TIME_OF_SIZE[kind]
             pace_unit = 1.0 / second if kind.endswith("sine") else second
             own = f"{kind}:{size:.12g}" + ("" if pace is None else f":{pace:.12g}")
             asked = f"{kind}:{size * size_unit:g}" + ("" if pace is None else f":{pace * pace_unit:g}")

@@ -112,7 +112,7 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
-    given, in_seconds = model, halves(to_rotary_equivalent(recordings, model)[0])
+    given, as_measured = model, halves(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
@@ -133,19 +133,19 @@ def discover(
     found = with_best_split(eq, recordings, found)
     found = with_unmoved_constants(eq, recordings, found) if known else found
     progress("judging on recordings that were not fitted to")
-    unseen = judge_unseen(eq, in_seconds, found)
+    unseen = judge_unseen(eq, as_measured, found)
     if known and (idle := _idle(found, unseen)):
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
         # of a machine that is not known to the noise, the rest may explain it as well as anything does
         known = model.is_open and explained(eq, found.fit, start)
         depends_on = () if known else shown_over
-        unseen = judge_unseen(eq, in_seconds, found)
+        unseen = judge_unseen(eq, as_measured, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         found = found.ended(fit(eq, null, 0), eq.reach, "beside what is left it makes the model no better")
-        unseen = judge_unseen(eq, in_seconds, found, as_given=True)
+        unseen = judge_unseen(eq, as_measured, found, as_given=True)
     best = found.fit
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
@@ -177,7 +177,7 @@ def discover(
         found,
         eq,
         rivals,
-        tuple(in_seconds),
+        tuple(as_measured),
         "" if known else left_over_words(eq, found, depends_on),
     )
 

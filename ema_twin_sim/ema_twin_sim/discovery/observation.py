@@ -130,11 +130,11 @@ def observe(recording: Recording, model: Model) -> Observation:
         )
     if len(recording) < FEWEST:
         raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
+    second, _ = shown(model, 1.0, "s")
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
-    if longest is not None and shown(model, longest.duration, "s")[0] > LONGEST_GAP:
+    if longest is not None and second * longest.duration > LONGEST_GAP:
         raise InputError(
-            f"{recording.name}: {shown(model, longest.duration, 's')[0]:.4g} s are missing at "
-            f"{shown(model, longest.time, 's')[0]:.4g} s; "
+            f"{recording.name}: {second * longest.duration:.4g} s are missing at {second * longest.time:.4g} s; "
             "cut it there (--to, --from)"
         )
     period, time, signals, whole = _even(recording)
@@ -152,7 +152,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     kernel = gaussian(width, period)
     if len(time) < 4 * len(kernel):
         raise InputError(
-            f"{recording.name}: lasts {shown(model, recording.duration, 's')[0]:.3g} s; a diagnosis needs longer ones"
+            f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones"
         )
     ratio = model.value("machine.gear_ratio")
     motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)

@@ -45,10 +45,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     least = int(np.argmin(errors))
     if not errors[least] < BETTER * fitted:
         return found
-    other = fit(eq, others[least], 0)
-    last = found.changes[-1]
-    rounds = tuple(replace(turn, after=other) if turn is last else turn for turn in found.rounds)
-    return replace(found, fit=other, rounds=rounds)
+    return found.with_numbers(fit(eq, others[least], 0))
 
 
 def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

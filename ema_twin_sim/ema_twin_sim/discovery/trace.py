@@ -69,6 +69,12 @@ class Search:
         same = last is not None and {*last.after.hypothesis.added, *last.after.hypothesis.decoys} == held
         return last if same else None
 
+    def with_numbers(self, fit: Fit) -> Search:
+        """The search with other numbers of what it ended with."""
+        last = self.changes[-1]
+        rounds = tuple(replace(turn, after=fit) if turn is last else turn for turn in self.rounds)
+        return replace(self, fit=fit, rounds=rounds)
+
     def ended(self, after: Fit, reach: np.ndarray, reason: str) -> Search:
         """The search with one more round, which ends at a fit that holds less."""
         turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ema_bench_replay.recording import Recording
 
@@ -28,17 +27,14 @@ def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found:
     """The search, at its end the constants that did not surely move back at their file's values."""
     best = found.fit
     inputs = [choose_input(recording) for recording in recordings]
-    if best.hypothesis.base.is_open or not found.taken or "setpoint" not in inputs or len({*inputs}) > 1:
+    if best.hypothesis.base.is_open or not found.taken or {*inputs} != {"setpoint"}:
         return found
     rest = _put_back(eq, best)
     if rest is None:
         return found
     fitted, put_back = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, rest))
-    if not (math.isfinite(put_back) and put_back <= AS_WELL * fitted):
-        return found
-    last = found.changes[-1]
-    rounds = tuple(replace(turn, after=rest) if turn is last else turn for turn in found.rounds)
-    return replace(found, fit=rest, rounds=rounds)
+    as_well = math.isfinite(put_back) and put_back <= AS_WELL * fitted
+    return found.with_numbers(rest) if as_well else found
 
 
 def _put_back(eq: Equation, best: Fit) -> Fit | None:

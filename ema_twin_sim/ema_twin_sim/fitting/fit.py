@@ -117,7 +117,7 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
-    given, in_seconds = model, halves(to_rotary_equivalent(recordings, model)[0])
+    given, as_measured = model, halves(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = halves(recordings), model
     model = at_rest(model, recordings)
@@ -131,7 +131,7 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")
-    before, after, judged_on = judge(in_seconds, sources, misfit, solution, freedom)
+    before, after, judged_on = judge(as_measured, sources, misfit, solution, freedom)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
@@ -162,7 +162,7 @@ def fit_model(
         tuple(notes),
         {
             recording.name: error
-            for recording, chosen in zip(in_seconds, sources, strict=True)
+            for recording, chosen in zip(as_measured, sources, strict=True)
             if chosen == "current" and (error := torque_error(recording, in_si(fitted))) is not None
         },
     )

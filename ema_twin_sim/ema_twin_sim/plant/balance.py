@@ -23,7 +23,7 @@ from .driven_output import driven_output
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step, directed, held_by_dry_friction
 from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
-from .operating_point import OperatingPoint, passing
+from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
 BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above what friction and loads vary with
@@ -172,7 +172,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
     transmitted = own + load if rigid else driven_output(plant, state, sharp, travel, load, interval, step)
     if transmitted != own:
         # only the load tells what is passed on, and what follows the load is known after it
-        torque, dry, _, thinned = evaluate(effects, passing(at, transmitted))
+        torque, dry, _, thinned = evaluate(effects, changed(at, transmitted, at.dry_level))
     if rigid:
         torque += load
         passed = 0.0

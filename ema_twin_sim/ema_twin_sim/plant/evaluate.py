@@ -3,7 +3,7 @@
 from numba import njit
 
 from .layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
-from .operating_point import OperatingPoint, call_effect
+from .operating_point import call_effect, changed
 
 
 @njit(error_model="numpy")
@@ -17,21 +17,7 @@ def evaluate(effects, at):
     output_torque = 0.0
     viscous = 0.0
     for k in range(addresses.shape[0]):
-        point = OperatingPoint(
-            at.time,
-            at.motor_angle,
-            at.electrical_angle,
-            at.motor_speed,
-            at.output_angle,
-            at.output_travel,
-            at.output_speed,
-            at.acceleration,
-            at.current,
-            at.motor_torque,
-            at.transmitted_torque,
-            dry,
-            at.viscous_coefficient,
-        )
+        point = changed(at, at.transmitted_torque, dry)
         value = call_effect(addresses[k], point, (p[k, 0], p[k, 1], p[k, 2], p[k, 3]))
         if places[k] == DRY_LEVEL:
             dry += value

@@ -40,8 +40,8 @@ OperatingPoint = namedtuple(
 
 
 @njit(error_model="numpy")
-def passing(at, transmitted):
-    """The operating point ``at``, but with another torque [N m] passed on to the output."""
+def changed(at, transmitted, dry):
+    """The operating point ``at``, but with another torque passed on to the output and another dry level [N m]."""
     return OperatingPoint(
         at.time,
         at.motor_angle,
@@ -54,7 +54,7 @@ def passing(at, transmitted):
         at.current,
         at.motor_torque,
         transmitted,
-        at.dry_level,
+        dry,
         at.viscous_coefficient,
     )
 

@@ -1,4 +1,4 @@
-"""A model beside a recording, sample by sample, in the machine's own units."""
+"""A model beside a recording, sample by sample, in the units of the machine's file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..comparison.compare import explained_signals, in_own_units, stretch_of
+from ..comparison.compare import explained_signals, in_native_units, stretch_of
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
 from ..comparison.where import STANDSTILL, Stretch
 from ..measured.scales import to_rotary_equivalent
@@ -65,7 +65,7 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None)
     curves, stretches = {}, {}
     place = None
     for name, residual in residuals.items():
-        place = in_own_units(model, name, stretch_of(recording, twin, residual, ratio))
+        place = in_native_units(model, name, stretch_of(recording, twin, residual, ratio))
         if name in DRIVEN.get(source, ()):
             continue
         torque = name == "unexplained_torque"

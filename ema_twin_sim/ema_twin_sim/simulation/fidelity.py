@@ -37,9 +37,10 @@ STIFFER_ACROSS = 1.1
 FINE_STEP = 1e-6
 """s, of the thesis (simulation.DT): one or two orders below the time constants of the electronics."""
 DEFAULT_STEP = 25e-6
-CYCLE_SHARE = 0.2
 """s, where neither drive nor train asks for less. The tests show it converged: halving or doubling it moves no RMSE by
 1 %."""
+CYCLE_SHARE = 0.2
+"""Of a control cycle: what DEFAULT_STEP is of the usual one, for models in own units."""
 REFRESH = 1.0 / 2048.0
 """Mesh cycles after which stiffness and arms are read again: an eighth of the table's grid."""
 
