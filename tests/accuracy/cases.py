@@ -9,17 +9,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.effects import catalogue
+from ema_twin_sim.model import Model, load_model
+from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
 
 from .commands import Drive, drawn_drives
 from .hide import CATALOGUE, UNKNOWN
-from .machine import Machine, drawn_machine, stock_machine
+from .machine import Machine, described, drawn_machine, stock_machine
 from .other_bench import Cause, OtherBench
 from .sizes import OF_THE_STOCK_MODEL, drawn_causes
 from .unkind import COUNTERS_AND_CURRENT, Unkind
@@ -72,6 +75,9 @@ LOOK_ALIKE = (
 NOT_SMALL = (*OF_THE_STOCK_MODEL, "torque_constant_error", "added_inertia")
 """Effects that constants known to 5 % hide where they are small: nothing could name them."""
 
+ANGLES = ("phase", "angle", "position")
+"""Parameters that are angles: their errors are taken round the circle, and are no relative ones."""
+
 _TORQUES = ("torque", "coefficient", "stiffness", "damping", "inertia")
 """Parameters that are torques over something: a trace tells them in ampere."""
 
@@ -93,6 +99,18 @@ class Case:
     output_origin: float = 1.276
     moved: bool = False
     held: float = 0.0
+    nominal: Machine | None = None  # what the start model says of the machine; None: what the stock model says
+    told_in: OwnUnits = OwnUnits()  # noqa: RUF009 frozen; the machine's s, N m and A in the bench's
+
+    @property
+    def start_model(self) -> Model:
+        """The model that discovery begins with."""
+        model = load_model("polito_bench")
+        if self.nominal is not None:
+            model = described(model, self.nominal)
+        for id in self.remove_from_stock_model:
+            model = model.without_effect(id)
+        return model if self.told_in == OwnUnits() else replace(model_in(model, self.told_in), units=None)
 
     @property
     def hidden(self) -> tuple[str, ...]:
@@ -107,10 +125,13 @@ class Case:
         """
         shown = 1.0
         if "torque_constant_error" not in self.hidden:
-            shown = stock_machine().torque_constant / self.machine.torque_constant
+            shown = (self.nominal or stock_machine()).torque_constant / self.machine.torque_constant
+        units = {id: {p.name: p.unit for p in catalogue()[id].parameters} for id in self.hidden if id != "unknown"}
         return {
             cause.id: {
-                name: value * (shown if name in _TORQUES and cause.id != "mesh_friction" else 1.0)
+                name: value
+                * (shown if name in _TORQUES and cause.id != "mesh_friction" else 1.0)
+                / (1.0 if name in ANGLES else self.told_in.factor(units[cause.id][name]))
                 for name, value in cause.values.items()
             }
             for cause in self.causes
@@ -125,7 +146,9 @@ class Case:
     @property
     def tolerated(self) -> tuple[str, ...]:
         """Effects that the unkind bench truly has besides: right where they are named, no loss where they are not."""
-        return ("shaft_compliance",) if self.unkind.gear_resonance else ()
+        rings = ("shaft_compliance",) if self.unkind.gear_resonance else ()
+        bends = ("presliding_friction",) if self.machine.elastic_share < 0.0 else ()
+        return tuple(id for id in (*rings, *bends) if id not in self.hidden)
 
     @property
     def restless(self) -> bool:
@@ -146,7 +169,7 @@ class Case:
             held=self.held,
         )
         train, holdout = (
-            tuple(bench.record(drive, self.seconds) for drive in drives)
+            tuple(recording_in(bench.record(drive, self.seconds), self.told_in) for drive in drives)
             for drives in (self.train_drives, self.holdout_drives)
         )
         return train, holdout

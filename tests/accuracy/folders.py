@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,14 @@ def save(case: Case, folder: Path) -> Path:
     }
     (place / "answer.json").write_text(json.dumps(answer, indent=1), "utf-8")
     return place
+
+
+def readable_train(case: Case) -> tuple[Recording, ...]:
+    """The training recordings, as a reader would give them."""
+    if not case.unkind.counter_jump:
+        return case.train
+    with tempfile.TemporaryDirectory() as folder:
+        return saved_and_read(case, Path(folder))
 
 
 def saved_and_read(case: Case, folder: Path) -> tuple[Recording, ...]:

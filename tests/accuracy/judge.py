@@ -7,10 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from .cases import Case
-
-ANGLES = ("phase", "angle", "position")
-"""Parameters that are angles: their errors are taken round the circle, and are no relative ones."""
+from .cases import ANGLES, Case
 
 
 @dataclass(frozen=True)
@@ -105,7 +102,7 @@ def _parameters(case: Case, answer: Mapping[str, Any]) -> tuple[dict[str, float]
     for id, truth in case.parameters.items():
         if id not in answer["added"]:
             continue
-        instances = _instances(case, answer, id)
+        instances = instances_of(case, answer, id)
         for name, true in truth.items():
             if name in ANGLES and case.unkind.power_cycled:
                 continue
@@ -122,7 +119,7 @@ def _parameters(case: Case, answer: Mapping[str, Any]) -> tuple[dict[str, float]
     return errors, within
 
 
-def _instances(case: Case, answer: Mapping[str, Any], id: str) -> list[Mapping[str, Any]]:
+def instances_of(case: Case, answer: Mapping[str, Any], id: str) -> list[Mapping[str, Any]]:
     """The reported instances that hold an effect's truth: both sides of a friction, else the one most like it."""
     all_of_it = [entry for entry in answer["parameters"].values() if entry.get("effect") == id]
     if id in case.remove_from_stock_model:

@@ -10,7 +10,23 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from ema_twin_sim.model import Model
+
 _MODELS = Path(__file__).resolve().parents[2] / "config" / "models"
+
+
+_DRAWN = (
+    "motor_inertia",
+    "output_inertia",
+    "motor_viscous",
+    "output_viscous",
+    "motor_level",
+    "output_level",
+    "current_lag",
+    "filter",
+    "smoothing",
+)
+"""Constants that are off on any machine of a make."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +46,9 @@ class Machine:
     gear_frequency: float = 500.0  # Hz at which the gearbox rings: stiff
     gear_damping: float = 0.2  # of critical
     bristle_travel: float = 6e-4  # rad of the motor over which friction turns round: next to none
+    elastic_share: float = 0.5  # of that travel, which springs back wholly; below 0: a plain LuGre bristle
+    gear_ratio: float = 0.0  # 0: the stock model's
+    speed_gain: float = 1.0  # times the stock model's
     cycle: int = 4  # steps of the plant in a control cycle: 62.5 us
 
     @property
@@ -90,29 +109,43 @@ def drawn_machine(random: np.random.Generator, off: float = 0.05) -> Machine:
     constant off by it, and no recording could tell.
     """
 
-    def near(value: float, share: float = off) -> float:
-        return value * (1.0 + random.uniform(-share, share))
-
-    stock = stock_machine()
     return replace(
-        stock,
-        **{
-            name: near(getattr(stock, name))
-            for name in (
-                "motor_inertia",
-                "output_inertia",
-                "motor_viscous",
-                "output_viscous",
-                "motor_level",
-                "output_level",
-                "current_lag",
-                "filter",
-                "smoothing",
-            )
-        },
-        torque_constant=near(stock.torque_constant, 0.2 * off),
+        near(stock_machine(), random, off),
         gear_frequency=random.uniform(350.0, 800.0),
         gear_damping=random.uniform(0.1, 0.3),
         bristle_travel=random.uniform(3e-4, 9e-4),
         cycle=int(random.choice([4, 8, 16])),
     )
+
+
+def near(machine: Machine, random: np.random.Generator, off: float) -> Machine:
+    """A machine whose constants are each off by up to ``off``, the torque constant by a fifth of that."""
+    shares = {name: off for name in _DRAWN} | {"torque_constant": 0.2 * off}
+    drawn = {name: getattr(machine, name) * (1.0 + random.uniform(-share, share)) for name, share in shares.items()}
+    return replace(machine, **drawn)
+
+
+def described(model: Model, machine: Machine) -> Model:
+    """The stock model with the constants of another machine."""
+    stock = stock_machine()
+    ratio = machine.gear_ratio / model.value("machine.gear_ratio") if machine.gear_ratio else 1.0
+    gearbox = model.value("machine.gearbox_inertia")
+    for path, value in (
+        ("machine.motor_inertia", machine.motor_inertia - gearbox),
+        ("machine.output_inertia", machine.output_inertia),
+        ("machine.torque_constant", machine.torque_constant),
+        ("machine.gear_ratio", model.value("machine.gear_ratio") * ratio),
+        ("drive.position_gain", model.value("drive.position_gain") * ratio),
+        ("drive.speed_gain", model.value("drive.speed_gain") * machine.speed_gain),
+    ):
+        model = model.with_value(path, value)
+    for name, factor in (
+        ("viscous_friction", machine.motor_viscous / stock.motor_viscous),
+        ("viscous_friction_2", machine.output_viscous / stock.output_viscous),
+        ("coulomb_friction", machine.motor_level / stock.motor_level),
+        ("coulomb_friction_2", machine.output_level / stock.output_level),
+    ):
+        instance = model.effects[name]
+        size = next(iter(instance.parameters))
+        model = model.with_value(f"effects.{name}.{size}", instance.parameters[size] * factor)
+    return model

@@ -22,6 +22,7 @@ from .trace import Shown, shown_recording
 from .unkind import Unkind
 
 _ROWS = round(2_000_000 / STEP_NS)  # steps in the trace's period of 2 ms
+_WARMING = 60.0  # s, time constant of a day's warming up
 _LIGHT = 0.04  # of critical damping, where something rings
 
 
@@ -125,7 +126,7 @@ class OtherBench:
         machine, unkind = self.machine, self.unkind
         parts = stock_constants()
         drive, winding = parts["drive"], parts["machine"]
-        plant["ratio"] = winding["gear_ratio"]
+        plant["ratio"] = machine.gear_ratio or winding["gear_ratio"]
         plant["believed_torque_constant"] = winding["torque_constant"]
         plant["back_emf"] = winding["back_emf_constant"]
         plant["resistance"] = winding["phase_resistance"]
@@ -147,10 +148,12 @@ class OtherBench:
         # friction turns round over next to no travel, on both sides alike
         plant["bristle_stiffness"] = (machine.motor_level + machine.output_level) / machine.bristle_travel
         plant["bristle_damping"] = 0.05
-        plant["elastic_share"] = 0.5
+        plant["elastic_share"] = machine.elastic_share
         plant["wander_period"] = plant["wander_period_2"] = plant["warming_time"] = 1.0
         for name in ("position_gain", "speed_limit", "speed_gain", "integral_time", "integral_limit", "torque_limit"):
             plant[name] = drive[name]
+        plant["speed_gain"] *= machine.speed_gain
+        plant["position_gain"] *= plant["ratio"] / winding["gear_ratio"]  # as much speed a turn of the motor
         plant["dead_band"] = drive["integral_dead_band"]
         plant["anti_windup"] = drive["anti_windup_time"]
         if unkind.gear_resonance:
@@ -168,5 +171,8 @@ class OtherBench:
                 plant[f"wander_period{name}"] = period
                 plant[f"wander_phase{name}"] = self._wander_phases[k] + 2.0 * math.pi * self._clock / period
             plant["wander"] = unkind.wander
+        cooled = 1.0 - unkind.warming * (1.0 - math.exp(-self._clock / _WARMING))
+        plant["motor_viscous"] *= cooled
+        plant["output_viscous"] *= cooled
         plant["interpolation"] = unkind.interpolation
         plant["interpolation_lines"] = 4096.0

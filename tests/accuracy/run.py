@@ -2,6 +2,7 @@
 
 python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [--only NAME ...]
 python -m tests.accuracy.run --null 40 | --leave-out | --sweep [EFFECT ...] | --robust
+python -m tests.accuracy.run --other-machines 60 | --calibration
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
 
@@ -12,13 +13,16 @@ import json
 import sys
 import time
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from . import experiments
+from .calibration import calibration_cases, summed_up, table, weighed
 from .cases import KINDS, Case, drawn_cases
 from .folders import save
 from .judge import Verdict
+from .other_machines import other_machine_cases
 from .tables import by_kind, confusion, confusion_table, totals, totals_line
 from .work import WORKERS, Solvers
 
@@ -48,8 +52,19 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
     if asked.leave_out:
         cases = experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT))
         return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
+    if asked.calibration:
+        cases, barred = calibration_cases(asked.seed, asked.cases or 300)
+        found = []
+        for number, one in enumerate(solve.each(weighed, cases, barred), 1):
+            print(f"{number:4d}/{len(cases)} {one.line()}", flush=True)
+            found.append(one)
+        sums = summed_up(found)
+        print("", table(sums), sep="\n")
+        return {"calibration": sums, "cases": [asdict(one) for one in found]}
     if asked.null:
         cases = experiments.null_cases(asked.seed, asked.null)
+    elif asked.other_machines:
+        cases = _only(asked, other_machine_cases(asked.seed, asked.other_machines))
     elif asked.robust:
         cases = experiments.robustness_cases(asked.seed, asked.cases or 12)
     else:
@@ -62,12 +77,18 @@ def _parser() -> argparse.ArgumentParser:
         "accuracy", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--cases", type=_count, help="60 by default; with --robust, per condition (12)")
+    parser.add_argument(
+        "--cases", type=_count, help="60 by default; with --calibration 300; with --robust, per condition (12)"
+    )
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--only", nargs="+", default=(), metavar="NAME", help="of the drawn cases, these")
     parser.add_argument("--null", type=_count, metavar="N", help="N benches with nothing hidden")
+    parser.add_argument(
+        "--other-machines", type=_count, metavar="N", help="N benches of other sizes, none of them kind"
+    )
     parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
     parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
+    parser.add_argument("--calibration", action="store_true", help="whether probabilities and intervals are right")
     parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
     parser.add_argument("--workers", type=_count, default=WORKERS)
     parser.add_argument("--json", type=Path, metavar="FILE")
@@ -83,7 +104,11 @@ def _count(text: str) -> int:
 
 
 def _default_cases(asked: argparse.Namespace) -> list[Case]:
-    cases = drawn_cases(asked.seed, asked.cases or 60, asked.kinds)
+    return _only(asked, drawn_cases(asked.seed, asked.cases or 60, asked.kinds))
+
+
+def _only(asked: argparse.Namespace, cases: Sequence[Case]) -> list[Case]:
+    """Of the drawn cases, those that ``--only`` names."""
     unknown = set(asked.only) - {case.name for case in cases}
     if unknown:
         sys.exit(f"--only: no case {', '.join(sorted(unknown))}; there are {cases[0].name} to {cases[-1].name}")

@@ -16,6 +16,7 @@ class Unkind:
     gear_resonance: float = 0.0  # Hz at which a softish, lightly damped gearbox rings (0: it is stiff)
     load_resonance: float = 0.0  # Hz at which half of the load rings on a coupling beyond the encoder (0: none)
     wander: float = 0.0  # share by which friction wanders over minutes
+    warming: float = 0.0  # share by which viscous friction falls over the first minutes of a day
     interpolation: float = 0.0  # rad of the slow shaft, error within the output encoder's lines
     spikes: float = 0.0  # share of samples with a spike in the current or in a counter
     uneven: float = 0.0  # share of the sample period by which stamps are uneven

@@ -5,38 +5,32 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
-import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.model import Model, load_model
+from ema_twin_sim.model import Model
 from ema_twin_sim.simulation.simulate import simulate
 
 from .cases import Case
-from .folders import saved_and_read
+from .folders import readable_train
 from .judge import Verdict, broken, judge
 
+Answer = TypeVar("Answer")
 WORKERS = 2
 _CURRENT_FLOOR = 0.003  # A, the noise of the bench's current sensor
 
 
 def solve(case: Case, without: Sequence[str] = ()) -> Verdict:
     """What discovery makes of a case, judged; ``without`` are effects that it may not name."""
-    train = case.train
-    if case.unkind.counter_jump:
-        with tempfile.TemporaryDirectory() as folder:
-            train = saved_and_read(case, Path(folder))
-    model = load_model("polito_bench")
-    for id in case.remove_from_stock_model:
-        model = model.without_effect(id)
+    model = case.start_model
     start = time.perf_counter()
     try:
-        found = discover(train, model, without=tuple(without))
+        found = discover(readable_train(case), model, without=tuple(without))
         seconds = time.perf_counter() - start
         return judge(case, found.as_json(), seconds, _removed(case, model, found.model))
     except Exception as error:  # whatever it is, the case is lost and the others go on
@@ -61,7 +55,13 @@ class Solvers:
     def __call__(self, cases: Sequence[Case], without: Sequence[str] = ()) -> Iterator[Verdict]:
         """The cases' verdicts as they come; ``without`` are effects, one a case, that it may not name."""
         kept: list[tuple[str, ...]] = [(id,) for id in without] or [()] * len(cases)
-        waiting = [self._pool.submit(solve, case, ids) for case, ids in zip(cases, kept, strict=True)]
+        return self.each(solve, cases, kept)
+
+    def each(
+        self, what: Callable[[Case, Sequence[str]], Answer], cases: Sequence[Case], without: Sequence[Sequence[str]]
+    ) -> Iterator[Answer]:
+        """What a function makes of each case, beside the effects that it may not name, as they come."""
+        waiting = [self._pool.submit(what, case, ids) for case, ids in zip(cases, without, strict=True)]
         for future in as_completed(waiting):
             yield future.result()
 
@@ -75,5 +75,6 @@ def _removed(case: Case, before: Model, after: Model) -> float:
         left = [r.signals["current"] - simulate(model, r, "setpoint").signals["current"] for r in case.holdout]
         return float(np.mean(np.concatenate(left) ** 2))
 
-    excess = error(before) - _CURRENT_FLOOR**2
-    return (error(before) - error(after)) / excess if excess > (0.3 * _CURRENT_FLOOR) ** 2 else math.nan
+    floor = _CURRENT_FLOOR / case.told_in.factor("A")
+    excess = error(before) - floor**2
+    return (error(before) - error(after)) / excess if excess > (0.3 * floor) ** 2 else math.nan
