@@ -25,16 +25,21 @@ SHARED = ROOT.parent / "shared"
 
 LONGEST_FIRST = (
     "test_monitor_services.py",
-    "test_tutorial_live.py",
-    "test_live_ending.py",
-    "test_interrupts.py",
+    "test_refusals.py",
     "test_tutorials.py",
+    "test_plan.py",
+    "test_tutorial_live.py",
+    "test_compare_command.py",
+    "test_live_ending.py",
+    "test_discover_command.py",
+    "test_interrupts.py",
     "test_fidelity.py",
     "test_node_processes.py",
     "test_web_viewer.py",
     "test_real_machines.py",
 )
-"""Files that play recordings in real time, or search for long: begun last, one process would wait for the other."""
+"""Files that take long: begun last, one process would wait for the other. Those that play recordings in real time stand
+between others, so that two of them seldom share the machine."""
 
 
 def pytest_collection_modifyitems(items):

@@ -5,12 +5,14 @@ import shutil
 
 import pytest
 
-from tests.tutorials import DOCS, check, page, prepare, run, steps
+from tests.tutorials import DOCS, TOLERANCE, check, page, prepare, run, shows, steps
 
-PAGES = ("missing_effect", "own_recordings", "own_effect", "emps")
-"""Those whose commands run one after another; the live one has a test of its own."""
+PAGES = {"missing_effect": 0.25, "own_recordings": TOLERANCE, "own_effect": TOLERANCE, "emps": 0.005}
+"""Those whose commands run one after another, and by what share their numbers may be others on another machine: where
+teeth meet, what is left of a simulated current hangs on every last digit. The live one has a test of its own.
+"""
 IN_PROSE = {
-    "missing_effect": ("97.7 %", "2.1 %", "6.12 µrad", "1.93 mrad"),
+    "missing_effect": ("97.5 %", "2.2 %", "7.11 µrad", "1.93 mrad"),
     "emps": (
         *("94.9 ± 0.3 kg", "205 ± 6 N s/m", "20.3 ± 0.4 N", "3.18 ± 0.12 N"),
         *("37.5 N", "8.55 N", "4.23 N", "2.63 N", "2.46 N"),
@@ -24,7 +26,7 @@ def test_no_tutorial_is_left_out():
     assert {file.stem.removeprefix("tutorial_") for file in DOCS.glob("tutorial_*.md")} == {*PAGES, "live"}
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.timeout(1500)
 @pytest.mark.parametrize("name", PAGES)
 def test_every_command_prints_what_the_page_shows(name, request, tmp_path):
     folder = prepare(tmp_path)
@@ -34,17 +36,18 @@ def test_every_command_prints_what_the_page_shows(name, request, tmp_path):
     text, printed = page(name), ""
     for step in steps(text):
         told = run(step, folder)
-        check(step, told)
+        check(step, told, PAGES[name])
         printed += told
     for figure in IN_PROSE.get(name, ()):
-        assert figure in printed and figure in text.replace("−", "-"), figure
+        assert shows(printed, figure, PAGES[name]) and figure in text.replace("−", "-"), figure
 
 
 def test_what_is_shown_is_looked_for():
     """The check itself can fail: on another number, on another order."""
     step = steps("```shell\ntrue\n```\nwords\n```text\n│a │ 1.0 mA│\nb … c\n```\n")[0]
-    check(step, "┃a ┃ 1.0 mA┃\nnothing\nb and c")
-    for printed in ("a 1.1 mA\nb c", "b c\na 1.0 mA", "a 1.0 mA"):
+    for printed in ("┃a ┃ 1.0 mA┃\nnothing\nb and c", "a 1.01 mA\nb and c"):
+        check(step, printed)
+    for printed in ("a 1.1 mA\nb and c", "a 11.0 mA\nb and c", "a 1.0 A\nb and c", "b and c\na 1.0 mA", "a 1.0 mA"):
         with pytest.raises(AssertionError, match="not printed"):
             check(step, printed)
 

@@ -1,8 +1,9 @@
 """What a page of the documentation tells to type, and what it shows that comes of it.
 
 A page's ``shell`` blocks are commands. A ``text`` block shows lines that the last commands before it print, in their
-order; "…" in one stands for anything. Where the first line shown is an error, the commands end with status 2. What is
-in ``console`` blocks needs a set-up that the tests do not have.
+order; "…" in one stands for anything, and a number for one near it: another processor's last digits differ. Where the
+first line shown is an error, the commands end with status 2. What is in ``console`` blocks needs a set-up that the
+tests do not have.
 """
 
 import os
@@ -19,6 +20,9 @@ DOCS = Path(__file__).resolve().parent.parent / "docs"
 _BLOCK = re.compile(r"^```(shell|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _DRAWN = re.compile("[│┃]|\x1b\\[[0-9;?]*[A-Za-z]")
 """What tables and terminals put between words."""
+_NUMBER = re.compile(r"(?<![\d.])(\d+(?:\.\d+)?)(?!\d)")
+TOLERANCE = 0.02
+"""By what share a number may be another on another machine."""
 
 
 @dataclass
@@ -56,7 +60,7 @@ def prepare(folder):
     return folder / "try"
 
 
-def run(step, folder, timeout=300):
+def run(step, folder, timeout=600):
     """What the commands print; they end as the page says, and nothing that they started outlives them."""
     environment = ENVIRONMENT | {"PATH": f"{TWIN.parent}:{ENVIRONMENT['PATH']}"}
     with subprocess.Popen(
@@ -73,14 +77,30 @@ def run(step, folder, timeout=300):
     return printed
 
 
-def check(step, printed):
-    """Every line that the page shows was printed, in that order."""
-    rest = [_plain(line) for line in printed.splitlines()]
+def check(step, printed, tolerance=TOLERANCE):
+    """Every line that the page shows was printed, in that order, each number within ``tolerance`` of itself."""
+    rest = printed.splitlines()
     for line in step.shown:
-        wanted = re.compile(".*".join(re.escape(part) for part in _plain(line).split("…")))
-        at = next((k for k, told in enumerate(rest) if wanted.search(told)), None)
+        at = next((k for k, told in enumerate(rest) if shows(told, line, tolerance)), None)
         assert at is not None, f"not printed, or not in this place: {line}\n\n{printed}"
         rest = rest[at + 1 :]
+
+
+def shows(printed, wanted, tolerance=TOLERANCE):
+    """Whether ``wanted`` stands somewhere in what was printed, each number within ``tolerance`` of itself."""
+    wanted = _plain(wanted)
+    looked_for = "".join(
+        _NUMBER.pattern if k % 2 else ".*".join(map(re.escape, part.split("…")))
+        for k, part in enumerate(_NUMBER.split(wanted))
+    )
+    numbers = [float(number) for number in _NUMBER.findall(wanted)]
+    return any(
+        all(
+            abs(float(told) - number) <= tolerance * number
+            for told, number in zip(place.groups(), numbers, strict=True)
+        )
+        for place in re.finditer(looked_for, _plain(printed))
+    )
 
 
 def _plain(line):

@@ -43,15 +43,15 @@ def in_better_company(eq: Equation, found: Search, without: frozenset[str], prog
     for effect in sorted(catalogue().keys() - others):
         for h in entrants(eq, start, frozenset(catalogue().keys() - {effect}))[:1]:
             other, _ = add_effects(eq, with_one_more(eq, start, h), others, most=MORE)
-            eq.reach = found.reach  # misfits compare under one reach only
+            eq.weighting = found.weighting  # misfits compare under one weighting only
             other = fit(eq, other.hypothesis)
             if gain(eq, best, other) > BETTER:
                 best = other
     if best is not found.fit:
         better = significant(eq, swapped(eq, found, best))
-        eq.reach = found.reach
+        eq.weighting = found.weighting
         if gain(eq, found.fit, fit(eq, better.fit.hypothesis)) > 0.0:
-            eq.reach = better.reach
+            eq.weighting = better.weighting
             return better
     return found
 
@@ -70,14 +70,14 @@ def thought_again(
     """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect}, progress, most=SEVERAL)
+        other = search(eq, null, barred | {effect}, progress, most=SEVERAL, may_wander=False)
         if other.fit.parted:
             continue
         after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress, most=MORE)
-        other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), reach=eq.reach))
+        other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), weighting=eq.weighting))
         if content(other.fit):
             return other, True
-    eq.reach = found.reach
+    eq.weighting = found.weighting
     return found, False
 
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..measured.smoothing import smooth_at
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
+from .bases import at_rows, hat_columns
 from .equation import Equation
 from .fit import Fit
 
@@ -33,30 +33,14 @@ def dependence(name: str) -> str:
     return name.partition("#")[0]
 
 
-def _hats(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """(n, k) piecewise linear bases."""
-    return np.stack([np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))], 1)
-
-
-def _rows(eq: Equation, columns: list[np.ndarray]) -> np.ndarray:
-    """Columns given at full rate per observation (n, d), at all rows (m, d) in units of noise."""
-    out = np.zeros((eq.rows, columns[0].shape[1]))
-    for o, part, c in zip(eq.observations, eq.torque_parts, columns, strict=True):
-        for k in range(c.shape[1]):
-            got = np.empty(len(o.rows))
-            smooth_at(np.ascontiguousarray(c[:, k]), o.kernel, o.rows, got)
-            out[part, k] = got / o.torque_noise
-    return out
-
-
 def _by_speed(eq: Equation) -> dict[str, np.ndarray]:
     speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in eq.observations])
     knots = np.unique(np.quantile(speeds, np.linspace(0, 1, KNOTS)))
     if len(knots) < 3:
         return {}
-    hats = [_hats(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
+    hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
-    return {"speed": _rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]), "direction": _rows(eq, hats)}
+    return {"speed": at_rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]), "direction": at_rows(eq, hats)}
 
 
 def _by_position(eq: Equation) -> dict[str, np.ndarray]:
@@ -65,16 +49,18 @@ def _by_position(eq: Equation) -> dict[str, np.ndarray]:
     if span <= 0.0:
         return {}
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
-    hats = [_hats(a, np.linspace(min(b.min() for b in angles), max(b.max() for b in angles), KNOTS)) for a in angles]
+    hats = [
+        hat_columns(a, np.linspace(min(b.min() for b in angles), max(b.max() for b in angles), KNOTS)) for a in angles
+    ]
     found = {
-        "output_position#load": _rows(eq, hats),
-        "output_position#friction": _rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]),
+        "output_position#load": at_rows(eq, hats),
+        "output_position#friction": at_rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]),
     }
     for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
-        found[f"output_position#{k}"] = _rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])
+        found[f"output_position#{k}"] = at_rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])
         if order > 1.5:
-            found[f"output_position#load{k}"] = _rows(eq, waves)
+            found[f"output_position#load{k}"] = at_rows(eq, waves)
     return found
 
 
@@ -86,10 +72,10 @@ def _by_time(eq: Equation) -> dict[str, np.ndarray]:
         lasts = chosen.motion[-1, TIME]
         knots = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
         hats = [
-            _hats(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
+            hat_columns(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
             for o in eq.observations
         ]
-        found[f"time#{k}"] = _rows(eq, hats)
+        found[f"time#{k}"] = at_rows(eq, hats)
     return found
 
 
@@ -116,5 +102,5 @@ def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
             angle = order * (o.motor_origin + o.motion[:, MOTOR_ANGLE])
             waves = np.stack([np.sin(angle), np.cos(angle)], 1)
             columns.append(waves * np.sign(o.motion[:, SPEED])[:, None] if kind == "friction" else waves)
-        found[f"order#{kind}{order:.2f}".replace(".", "_")] = _rows(eq, columns)
+        found[f"order#{kind}{order:.2f}".replace(".", "_")] = at_rows(eq, columns)
     return found

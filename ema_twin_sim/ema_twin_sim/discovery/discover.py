@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -22,20 +22,20 @@ from .ending import NOISY, why_ended
 from .equation import Equation
 from .estimates import constants, far_off, parameters, standard_errors
 from .explained import apart, explained
-from .fit import fit
+from .fit import Fit, fit
 from .halves import halves
 from .hypothesis import PARTING, Hypothesis, null_hypothesis
 from .left_over import left_over_words
 from .observation import observe_all
 from .on_bound import on_bounds
 from .rivals import Rivalry, judged_against_rivals
-from .search import ROUNDS, less, search, significant
+from .search import ROUNDS, less, search, settle, significant
 from .shown_by_points import at_rest, not_shown, woken
 from .split import with_best_split
 from .suggestion import suggest
 from .switching_ripple import with_switching_ripple
 from .trace import Round, Search, new_names
-from .unknown import beside_the_unknown
+from .unknown import beside_the_unknown, doubted
 from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
 
@@ -123,9 +123,12 @@ def discover(
     found, known = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
-    if not known:
+    if not known and eq.weighting.wander is not None and explained(eq, found.fit, start):
+        depends_on = ("time",)  # friction that wanders is all that is left
+        found = doubted(eq, found)
+    elif not known:
         progress("something is left: looking for what it depends on")
-        found, depends_on = beside_the_unknown(eq, null, barred, found, progress)
+        found, depends_on = beside_the_unknown(eq, found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(eq, found)
     found = significant(eq, found)
@@ -144,7 +147,7 @@ def discover(
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
-        found = found.ended(fit(eq, null, 0), eq.reach, "beside what is left it makes the model no better")
+        found = found.ended(fit(eq, null, 0), eq.weighting, "beside what is left it makes the model no better")
         unseen = judge_unseen(eq, as_measured, found, as_given=True)
     best = found.fit
     unseen = unseen.shown(in_si(model))
@@ -202,11 +205,21 @@ def _searched(
     found = in_better_company(eq, found, barred, progress)
     start = found.rounds[0].before
     if explained(eq, found.fit, start):
-        return found, True
-    if found.fit.parted or apart(eq, found.fit, start):
+        return found, eq.weighting.wander is None or _explained_without_wander(eq, found.fit, start)
+    if found.fit.parted or apart(eq, found.fit, start) or eq.weighting.wander is not None:
         return found, False
     progress("something is left: thinking again of what was found")
     return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)
+
+
+def _explained_without_wander(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether an end of a search explains the recordings with nothing but the sensors' noise, too."""
+    kept = eq.weighting
+    eq.weighting = replace(kept, wander=None)
+    try:
+        return explained(eq, settle(eq, fit(eq, f.hypothesis)), start)
+    finally:
+        eq.weighting = kept
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:

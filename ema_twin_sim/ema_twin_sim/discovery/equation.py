@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,12 +19,14 @@ from .hypothesis import LAG, Hypothesis
 from .observation import Observation
 from .search_limits import reached, search_limits
 from .side_by_side import predictions
+from .weighting import Weighting
 
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
 MISSHAPEN = 20.0  # the same of a machine that nothing shakes: what is left of it there is a model's error, not a hit
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
+INFLATED = 0.2  # share by which a variance moves before all is fitted again
 FASTEST = 0.95  # of all moving rows are no faster than what counts as driven
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
@@ -77,15 +79,32 @@ class Equation:
             *enumerate(self.torque_parts),
             *((k, part) for k, part in enumerate(self.encoder_parts) if part.stop > part.start),
         ]
-        self.measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
+        self._measured = np.concatenate([self.torque / self.noise, self.encoder / self.encoder_noise])
+        self.measured = self._measured  # in units of all that acts as noise
         self.rows = len(self.measured)
         speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
         self.fastest = float(np.quantile(speeds, FASTEST)) if len(speeds) else 0.0  # rad/s, of the motor
         self.outlier = OUTLIER if any(o.geared for o in observations) else MISSHAPEN
-        self.reach = np.full(self.rows, FAR)
+        self._weighting = Weighting.even(self.rows, FAR)
         self.decoys: dict[str, np.ndarray] = {}
         self.use_encoder = True
         self.reached = reached(self.observations)
+
+    @property
+    def weighting(self) -> Weighting:
+        """The weighting that fits are made under."""
+        return self._weighting
+
+    @weighting.setter
+    def weighting(self, weighting: Weighting) -> None:
+        if weighting.wander is not self._weighting.wander:
+            self.decoys = {}  # which are in units of the noise
+            self.measured = self._measured if weighting.wander is None else weighting.wander.whitened(self._measured)
+        self._weighting = weighting
+
+    def whitened(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, in those of all that acts as noise."""
+        return rows if self.weighting.wander is None else self.weighting.wander.whitened(rows)
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
         """(lower, upper) (k,) of the free numbers; of an effect's as far as these recordings reach."""
@@ -145,6 +164,7 @@ class Equation:
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
+        rows = self.whitened(rows)
         for name in h.decoys:
             start = f"decoy.{name}."
             rows += self.decoys[name] @ [v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)]
@@ -170,7 +190,7 @@ class Equation:
             require_of(beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque)
             smooth_at(torque, o.kernel, o.rows, rows[t])
         rows[: self.size] /= scale * self.noise
-        return rows
+        return self.whitened(rows)
 
     def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
         """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
@@ -195,13 +215,18 @@ class Equation:
         for e in self.encoder_pieces:
             noise = self.noise_of_encoders(e)
             part = rows[e] - np.median(rows[e] * noise) / noise
-            w = 1.0 / (1.0 + (part / self.reach[e]) ** 2)
+            w = 1.0 / (1.0 + (part / self.weighting.cauchy_scale[e]) ** 2)
             rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
         return rows
 
+    def left_over(self, predicted: Prediction) -> np.ndarray:
+        """The residual (m,) as it was measured, in units of the sensors' noise: what wanders is part of it."""
+        rows = self.residual(predicted)
+        return rows if self.weighting.wander is None else self.weighting.wander.as_measured(rows)
+
     def weights(self, residual: np.ndarray) -> np.ndarray:
-        """Square roots (m,) of what each row counts: less and less beyond ``reach``."""
-        weights = 1.0 / np.sqrt(1.0 + (residual / self.reach) ** 2)
+        """Square roots (m,) of what each row counts: less and less as an outlier."""
+        weights = 1.0 / np.sqrt(1.0 + (residual / self.weighting.cauchy_scale) ** 2)
         if not self.use_encoder:
             weights[self.size :] = 0.0
         return weights
@@ -213,7 +238,7 @@ class Equation:
     def costs(self, residual: np.ndarray) -> np.ndarray:
         """What each row (m,) adds to the misfit."""
         with np.errstate(over="ignore"):  # what has blown up costs infinitely much
-            return self.reach**2 * np.log1p((residual / self.reach) ** 2)
+            return self.weighting.cauchy_scale**2 * np.log1p((residual / self.weighting.cauchy_scale) ** 2)
 
     @property
     def judged(self) -> int:
@@ -233,13 +258,20 @@ class Equation:
 
     def reweigh(self, residual: np.ndarray, most: float = math.inf) -> bool:
         """Let outliers begin where the bulk of a residual ends, at ``most`` at the latest; True if that moved much."""
-        reach = np.full(self.rows, FAR)
+        scale = np.full(self.rows, FAR)
         for _, part in self.parts:
             if part.stop > part.start:
-                reach[part] = min(most, self.outlier * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
-        changed = bool((np.abs(np.log(reach / self.reach)) > 0.1).any())
-        if changed:  # a fit's misfit is right for the reach that it was made with
-            self.reach = reach
+                scale[part] = min(most, self.outlier * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
+        changed = bool((np.abs(np.log(scale / self.weighting.cauchy_scale)) > 0.1).any())
+        if changed:  # a fit's misfit is right for the weighting that it was made under
+            self.weighting = replace(self.weighting, cauchy_scale=scale)
+        return changed
+
+    def inflate(self, variance: float) -> bool:
+        """Hold the priors against a noise of so many times the sensors' variance; True if that moved much."""
+        changed = abs(math.log(variance / self.weighting.variance_inflation)) > INFLATED
+        if changed:
+            self.weighting = replace(self.weighting, variance_inflation=variance)
         return changed
 
     def jacobian(
@@ -263,7 +295,7 @@ class Equation:
             if free.path == LAG:
                 rows = np.zeros(self.rows)
                 rows[: self.size] = self.rate / self.noise
-                return rows * weights
+                return self.whitened(rows) * weights
             step = free.step if h.values[k] + free.step <= free.upper else -free.step
             kind, _, rest = free.path.partition(".")
             if kind == "effects":

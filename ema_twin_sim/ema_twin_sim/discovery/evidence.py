@@ -165,7 +165,7 @@ class _Torques:
 
 def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
     base = compared.fits["after"].hypothesis.base
-    residuals = {name: eq.residual(f.predicted) for name, f in compared.fits.items()}
+    residuals = {name: eq.left_over(f.predicted) for name, f in compared.fits.items()}
     torques = _torques(eq, compared.fits["after"], residuals)
     views = _torque_views(torques)
     if eq.rows > eq.size:

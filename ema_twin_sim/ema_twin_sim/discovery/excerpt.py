@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..plant.measured_motion import SPEED
@@ -22,7 +24,9 @@ def excerpt(eq: Equation) -> Equation:
             first, count = _most_reversals(o, length)
             found.append((count, o.window(first, first + length)))
     found.sort(key=lambda entry: -entry[0])
-    return Equation([o for _, o in found[:EXCERPTS]])
+    part = Equation([o for _, o in found[:EXCERPTS]])
+    part.weighting = replace(part.weighting, variance_inflation=eq.weighting.variance_inflation)
+    return part
 
 
 def _most_reversals(o: Observation, length: int) -> tuple[int, float]:

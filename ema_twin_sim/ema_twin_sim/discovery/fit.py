@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
@@ -27,6 +28,7 @@ class Fit:
     misfit: float  # without the priors
     prior_cost: float
     judged: int  # rows that the misfit is over
+    variance_inflation: float  # that the priors were held against
 
     @property
     def temperature(self) -> float:
@@ -56,13 +58,14 @@ class Fit:
         return bool(self.predicted.plant["two_inertia"][0] != 0.0)
 
 
-def prior_rows(h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-    """(residuals, slopes) that the priors add."""
+def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """(residuals, slopes) that the priors add, in units of a noise whose variance is so many times the sensors'."""
+    heat = math.sqrt(variance_inflation)
     rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
-    r = np.array([(p[0] - h.values[k]) / p[1] for k, p in rows])
+    r = np.array([heat * (p[0] - h.values[k]) / p[1] for k, p in rows])
     j = np.zeros((len(rows), len(h.free)))
     for row, (k, p) in enumerate(rows):
-        j[row, k] = 1.0 / p[1]
+        j[row, k] = heat / p[1]
     return r, j
 
 
@@ -136,7 +139,8 @@ def fit(
     h = h.at(np.clip(h.values, lower, upper))
     predicted = equation.predict(h)
     raw = equation.residual(predicted)
-    pr, pj = prior_rows(h)
+    inflation = equation.weighting.variance_inflation
+    pr, pj = prior_rows(h, inflation)
     cost = equation.misfit(raw) + float(pr @ pr)
     damping = 0.0
     weights = equation.weights(raw)
@@ -161,7 +165,7 @@ def fit(
             trial = h.at(np.clip(h.values + step, lower, upper))
             p = equation.predict(trial, side_by_side=True)
             r = equation.residual(p)
-            q, _ = prior_rows(trial)
+            q, _ = prior_rows(trial, inflation)
             c = equation.misfit(r) + float(q @ q)
             if c < cost:
                 gained = True
@@ -176,4 +180,5 @@ def fit(
         differentiate = cache(partial(equation.jacobian, h, predicted, weights, slopes))
         if fall < tolerance + 1e-5 * cost:
             break
-    return Fit(h, predicted, raw, weights, differentiate, equation.misfit(raw), float(pr @ pr), equation.judged)
+    prior_cost = float(pr @ pr) / inflation
+    return Fit(h, predicted, raw, weights, differentiate, equation.misfit(raw), prior_cost, equation.judged, inflation)

@@ -29,7 +29,7 @@ def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) ->
     if against not in _UNITS or not eq.size:
         return ""
     f = _without_decoys(found)
-    left = eq.residual(f.predicted)[: eq.size] * eq.noise
+    left = eq.left_over(f.predicted)[: eq.size] * eq.noise
     x, speed = _along(eq, f, against)
     ways = {", moving forward": speed > STANDSTILL, ", moving backward": speed < -STANDSTILL}
     if against == "speed":
@@ -45,9 +45,7 @@ def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) ->
         _, median, _ = quartiles(left[chosen], rows)
         ends = (int(np.argmin(median)), int(np.argmax(median)))
         places = sorted((float(np.median(x[chosen][rows[k]])), float(median[k])) for k in ends)
-        words = " to ".join(
-            f"{quantity(size * torque, unit)} at {_place(base, at, against)}" for at, torque in places
-        )
+        words = " to ".join(f"{quantity(size * torque, unit)} at {_place(base, at, against)}" for at, torque in places)
         best = max(best, (float(np.ptp(median)), f"from {words}{way}"))
     return best[1]
 

@@ -151,9 +151,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
     if len(time) < 4 * len(kernel):
-        raise InputError(
-            f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones"
-        )
+        raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
     ratio = model.value("machine.gear_ratio")
     motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)
     acceleration = motion[:, ACCELERATION]

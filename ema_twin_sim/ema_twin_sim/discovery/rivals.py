@@ -93,4 +93,4 @@ def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
     )
     after = prune(eq, fit(eq, rival.hypothesis))
     turn = Round(best, tried, after, added, removed, "others explain more in its place")
-    return replace(found, fit=after, rounds=(*found.rounds, turn), reach=eq.reach)
+    return replace(found, fit=after, rounds=(*found.rounds, turn), weighting=eq.weighting)

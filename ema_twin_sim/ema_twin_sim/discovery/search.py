@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..effects import catalogue
 from .candidates import candidates
-from .decoys import order_decoys
-from .equation import FAR, Equation
+from .decoys import add_decoys, dependence, order_decoys
+from .equation import CORRELATION, FAR, Equation
+from .explained import MISFIT_DOUBTED, MISFIT_LEFT
 from .fit import Fit, fit
 from .found_orders import order_candidates, resolved
-from .hypothesis import PARTING, SIDED, Hypothesis
+from .hypothesis import PARTING, Hypothesis
 from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
 from .structure import structural_fits
 from .trace import Round, Search, Trial, new_names
 from .valleys import NARROW, cost, hopped
-from .worth import ENCODER_ONLY, gain, matters, unique
+from .wandering import wandering
+from .worth import COST_DECOY, ENCODER_ONLY, gain, matters, unique
 
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
@@ -36,7 +39,8 @@ LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_fric
 def settle(eq: Equation, f: Fit) -> Fit:
     """Fit, take weight from outliers, fit again."""
     for _ in range(4):
-        if not eq.reweigh(f.raw, NARROW if f.parted else math.inf):
+        moved = eq.reweigh(f.raw, NARROW if f.parted else math.inf)
+        if not (eq.inflate(f.temperature) or moved):
             break
         f = fit(eq, f.hypothesis)
     return f
@@ -52,40 +56,85 @@ def search(
     null: Hypothesis,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
-    wanting: Fit | None = None,
     most: int = ROUNDS,
+    may_wander: bool = True,
 ) -> Search:
     """Add effects to ``null``, each worth its price, and drop what later ones make needless.
 
-    In each of its phases a search goes ``most`` rounds; fewer where decoys stand by.
+    In each of its phases a search goes ``most`` rounds.
     Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
-    gearbox can only be simulated with the right loads. After an earlier search whose end was ``wanting``, decoys may
-    stand beside the effects, and play and spring are those of that end.
+    gearbox can only be simulated with the right loads. Where what is left of the torque is friction that wanders, and
+    ``may_wander``, the search begins anew with that as part of the noise.
     """
-    decoyed = wanting is not None
-    eq.reach = np.full(eq.rows, FAR)
-    current = settle(eq, fit(eq, null))
-    rounds: list[Round] = []
+    eq.weighting = eq.weighting.begun_anew(FAR)
+    bare = settle(eq, fit(eq, null))
     if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(PARTING)  # there is nothing behind the teeth
-    if parted_encoders(eq, current) and not without >= {*PARTING, *ENCODER_ONLY}:
-        eq.use_encoder = False
+    parts = parted_encoders(eq, bare) and not without >= {*PARTING, *ENCODER_ONLY}
+    eq.use_encoder = not parts
+    # without the encoders calling for it, what they alone show has no place
+    by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
+    if parts:
         progress("looking at the torque alone")
-        current, by_torque = add_effects(
-            eq, fit(eq, current.hypothesis), without | _misleading(null), progress, decoyed, most
-        )
-        rounds += by_torque
+    begun = fit(eq, bare.hypothesis) if parts else bare
+    current, rounds = add_effects(eq, begun, by_torque, progress, most=most)
+    if may_wander and not null.base.is_open and _torque_left(eq, current) > MISFIT_LEFT:
+        current, rounds = _beside_wander(eq, null, current, rounds, by_torque, progress, most)
+    if parts:
         eq.use_encoder = True
-        eq.reach = np.full(eq.rows, NARROW)
+        eq.weighting = eq.weighting.from_outliers(NARROW)
         current = fit(eq, current.hypothesis)
         if parted_encoders(eq, current):
             progress("looking at the gearbox")
-            current, by_gearbox = _add_structure(eq, current, without, wanting)
+            current, by_gearbox = _add_structure(eq, current, without)
             rounds += by_gearbox
-    else:
-        without = without | ENCODER_ONLY  # whose place is with the gearbox, which the encoders do not call for
-    current, by_all = add_effects(eq, current, without, progress, decoyed, most)
-    return significant(eq, Search(current, (*rounds, *by_all), eq.reach))
+        current, by_all = add_effects(eq, current, without, progress, most=most)
+        rounds += by_all
+    return significant(eq, Search(current, tuple(rounds), eq.weighting))
+
+
+def _beside_wander(
+    eq: Equation,
+    null: Hypothesis,
+    current: Fit,
+    rounds: list[Round],
+    without: frozenset[str],
+    progress: Callable[[str], None],
+    most: int,
+) -> tuple[Fit, list[Round]]:
+    """The end and the rounds begun anew beside friction that wanders, if that explains the torque; else those given."""
+    plain, wander = eq.weighting, wandering(eq, current) if eq.weighting.wander is None else None
+    if wander is None:
+        return current, rounds
+    progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
+    eq.weighting = replace(plain.begun_anew(FAR), wander=wander)
+    beside, rounds_beside = add_effects(eq, settle(eq, fit(eq, null)), without, progress, most=most)
+    weighting, left = eq.weighting, _torque_left(eq, beside)
+    eq.weighting = plain
+    if left > MISFIT_LEFT or _depends_on_more(eq, beside.hypothesis, left + CORRELATION * wander.price / eq.size):
+        return current, rounds
+    eq.weighting = weighting
+    return beside, rounds_beside
+
+
+def _depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
+    """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
+
+    Or less of it than ``at_most``, in misfit per row.
+    """
+    add_decoys(eq)
+    f = fit(eq, h)
+    name = next((name for _, name in screen_decoys(eq, f) if dependence(name) != "time"), None)
+    if name is None:
+        return False
+    columns = eq.decoys[name].shape[1]
+    beside = fit(eq, h.with_decoy(name, columns))
+    return _torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < max(at_most, MISFIT_DOUBTED)
+
+
+def _torque_left(eq: Equation, f: Fit) -> float:
+    """What a row of torque adds to the misfit, in the mean: one where nothing but noise is left."""
+    return float(eq.costs(f.raw)[: eq.size].mean())
 
 
 def significant(eq: Equation, found: Search) -> Search:
@@ -102,7 +151,7 @@ def less(eq: Equation, found: Search, names: Sequence[str], reason: str) -> Sear
     h = found.fit.hypothesis
     for name in names:
         h = _without(h, name)
-    return found.ended(prune(eq, settle(eq, fit(eq, h))), eq.reach, reason)
+    return found.ended(prune(eq, settle(eq, fit(eq, h))), eq.weighting, reason)
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
@@ -156,26 +205,13 @@ def with_one_more(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
     return min(tried, key=lambda f: cost(f) if math.isfinite(cost(f)) else math.inf)
 
 
-def _add_structure(eq: Equation, current: Fit, without: frozenset[str], wanting: Fit | None) -> tuple[Fit, list[Round]]:
+def _add_structure(eq: Equation, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
-    if wanting is not None:
-        h = _with_gearbox_of(wanting.hypothesis, current.hypothesis)
-        turn = _turn(eq, current, [fit(eq, h, 6)] if h is not current.hypothesis else [])
-        return turn.after, [turn]
     tried = structural_fits(eq, current, without)
     sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
     tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
     turn = _turn(eq, current, tried)
     return turn.after, [turn]
-
-
-def _with_gearbox_of(found: Hypothesis, h: Hypothesis) -> Hypothesis:
-    """A hypothesis with another's play, spring and sensors, as they are there."""
-    for name, instance in found.added.items():
-        if instance.effect in {*PARTING, *ENCODER_ONLY}:
-            h = h.with_effect(instance.effect, instance.options, found.instance(name).parameters)
-    sided = {path: value for path, value in found.by_path.items() if path.startswith(SIDED)}
-    return h.put(sided) if h.parted else h
 
 
 def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:

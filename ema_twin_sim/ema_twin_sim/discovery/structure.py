@@ -58,7 +58,7 @@ def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list
             best.append(f)
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
-    eq.reach = np.full(eq.rows, NARROW)
+    eq.weighting = eq.weighting.from_outliers(NARROW)
     return [fit(eq, f.hypothesis, 6) for f in close]
 
 

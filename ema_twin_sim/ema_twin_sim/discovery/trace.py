@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from .fit import Fit
+from .weighting import Weighting
 
 
 def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
@@ -48,7 +47,7 @@ class Search:
 
     fit: Fit
     rounds: tuple[Round, ...]
-    reach: np.ndarray  # (m,) that the end was fitted with
+    weighting: Weighting  # that the end was fitted under
 
     @property
     def changes(self) -> tuple[Round, ...]:
@@ -75,7 +74,7 @@ class Search:
         rounds = tuple(replace(turn, after=fit) if turn is last else turn for turn in self.rounds)
         return replace(self, fit=fit, rounds=rounds)
 
-    def ended(self, after: Fit, reach: np.ndarray, reason: str) -> Search:
+    def ended(self, after: Fit, weighting: Weighting, reason: str) -> Search:
         """The search with one more round, which ends at a fit that holds less."""
         turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
-        return replace(self, fit=after, rounds=(*self.rounds, turn), reach=reach)
+        return replace(self, fit=after, rounds=(*self.rounds, turn), weighting=weighting)

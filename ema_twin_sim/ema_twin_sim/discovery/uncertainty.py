@@ -35,16 +35,24 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
     _, pj = prior_rows(f.hypothesis)
     scale = f.temperature
     information = f.jacobian.T @ f.jacobian
-    posterior = scaled_inverse(information / scale + pj.T @ pj)
+    found = scaled_inverse(information / scale + pj.T @ pj)
     which = blocks(eq.parts)
+    # a decoy's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do is set
+    # aside first, in all blocks
+    asked = np.array([not free.path.startswith("decoy.") for free in f.hypothesis.free])
+    aside, _ = np.linalg.qr(f.jacobian[:, ~asked])
+    jacobian = f.jacobian[:, asked] - aside @ (aside.T @ f.jacobian[:, asked])
+    residual = f.residual - aside @ (aside.T @ f.residual)
+    pj = pj[:, asked]
+    information = jacobian.T @ jacobian
     moves = []
     for k in np.unique(which):
-        rows = which == k
-        j, r = f.jacobian[rows], f.residual[rows]
+        j, r = jacobian[which == k], residual[which == k]
         left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
         moves.append(-left @ (j.T @ r) / scale)
     away = np.array(moves) - np.mean(moves, axis=0)
-    return posterior + (len(away) - 1) / len(away) * away.T @ away
+    found[np.ix_(asked, asked)] += (len(away) - 1) / len(away) * away.T @ away
+    return found
 
 
 def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from ..effects import catalogue
 from .decoys import add_decoys, dependence
@@ -10,43 +11,53 @@ from .episodes import episodes
 from .equation import Equation
 from .explained import apart
 from .fit import Fit
-from .hypothesis import Hypothesis
+from .own_shape import by_own_shape
 from .plausible import only_constants, strained
 from .screening import screen_decoys
-from .search import less, search
+from .search import add_effects, less, significant
 from .trace import Search
 from .worth import BY_CONSTANTS
 
 
 def beside_the_unknown(
     eq: Equation,
-    null: Hypothesis,
-    barred: frozenset[str],
     found: Search,
     progress: Callable[[str], None],
 ) -> tuple[Search, tuple[str, ...]]:
-    """A search in which what is in no catalogue may stand beside the effects, and what that depends on.
+    """What of a search stands beside what is in no catalogue, and what that depends on.
 
-    Only what was found before may stay: in company anything fits. And not what shows over the very quantity that the
-    unknown depends on, or what made constants implausible: it may be nothing but the unknown's likeness.
+    An effect stands that explains by its own shape what any shape over its quantity would. The others may be nothing
+    but the likeness of the unknown, as is what made constants implausible.
     """
     add_decoys(eq)
-    if null.base.is_open:  # whose numbers nothing contradicts: what was found stays, however much is left beside it
+    if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
         return found, _most_likely(eq, found.fit)
     start = found.rounds[0].before
-    suspect = set(BY_CONSTANTS if strained(found.fit) else ())
-    likenesses = {found.fit.hypothesis.added[name].effect for name in only_constants(eq, found.fit)}
-    kept = {id for id in found.fit.hypothesis.effects if catalogue()[id].depends_on not in suspect} - likenesses
-    found = search(eq, null, barred | (set(catalogue()) - kept), progress, found.fit)
+    found = doubted(eq, found)
+    progress("asking what the rest depends on")
+    known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
+    eq.decoys = {name: columns for name, columns in eq.decoys.items() if dependence(name) not in known}
+    after, rounds = add_effects(eq, found.fit, frozenset(catalogue()), progress, decoyed=True)
+    found = significant(eq, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting))
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(eq, found.fit, start) else [])}
-    added = found.fit.hypothesis.added
-    alike = [name for name, instance in added.items() if catalogue()[instance.effect].depends_on in suspect]
-    reason = "may be nothing but the likeness of what is unknown"
-    found = less(eq, found, alike, reason)
     # what comes and goes is an outlier to a fit, and no lasting dependence
     passing = ("time",) if not suspect and episodes(eq, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(eq, found.fit)
+
+
+def doubted(eq: Equation, found: Search) -> Search:
+    """A search less the effects that may be nothing but the likeness of something unknown."""
+    add_decoys(eq)
+    added = found.fit.hypothesis.added
+    over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
+    strange = strained(found.fit)
+    lags = apart(eq, found.fit, found.rounds[0].before)
+    stands = set(by_own_shape(eq, found.fit)) - set(only_constants(eq, found.fit))
+    stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
+    stands -= {name for name in added if lags and over[name] == "encoders"}
+    reason = "may be nothing but the likeness of what is unknown"
+    return less(eq, found, [name for name in added if name not in stands], reason)
 
 
 def _most_likely(eq: Equation, f: Fit) -> tuple[str, ...]:

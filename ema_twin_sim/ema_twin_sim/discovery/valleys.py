@@ -28,16 +28,16 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 
 def ranked(eq: Equation, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
-    eq.reach = np.full(eq.rows, WIDE)
+    eq.weighting = eq.weighting.from_outliers(WIDE)
     costs = list(predictions(eq.samples, lambda h: eq.misfit(eq.residual(eq.predict(h))), family))
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
 def best_of(eq: Equation, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
     """The best fit of a ranked family: from its best few, then from beside there."""
-    eq.reach = np.full(eq.rows, WIDE)
+    eq.weighting = eq.weighting.from_outliers(WIDE)
     finalists = [fit(eq, h, 8).hypothesis for _, h in family[:FINALISTS]]
-    eq.reach = np.full(eq.rows, NARROW)
+    eq.weighting = eq.weighting.from_outliers(NARROW)
     return hopped(eq, min((fit(eq, h, 8) for h in finalists), key=cost), family[0][1].added)
 
 
@@ -61,7 +61,7 @@ def hopped(eq: Equation, best: Fit, names: Collection[str]) -> Fit:
 
 def cost(f: Fit) -> float:
     """What a fit makes small."""
-    return f.misfit + f.prior_cost
+    return f.misfit + f.variance_inflation * f.prior_cost
 
 
 def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:

@@ -13,6 +13,7 @@ from ..comparison.noise import counter_noise
 from ..discovery.equation import CORRELATION, Equation
 from ..discovery.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
 from ..discovery.valleys import NARROW
+from ..discovery.weighting import Weighting
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
@@ -60,7 +61,7 @@ class EquationMisfit:
         # an output behind play is thrown about: from the beginning, what is far off must not lead
         self._most = NARROW if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
         if math.isfinite(self._most):
-            equation.reach = np.full(self.rows, self._most)
+            equation.weighting = Weighting.even(self.rows, self._most)
 
     def residual(self, values: np.ndarray) -> np.ndarray:
         """Measured minus predicted (m,) at these values (k,)."""

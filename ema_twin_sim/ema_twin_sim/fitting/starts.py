@@ -14,6 +14,7 @@ from ..discovery.fit import fit
 from ..discovery.hypothesis import PARTING, null_hypothesis
 from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS, encoder_spread
 from ..discovery.valleys import NARROW, WIDE
+from ..discovery.weighting import Weighting
 from ..effects import catalogue
 from .equation_misfit import EquationMisfit
 from .freedom import Freedom, split, waves
@@ -43,7 +44,7 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
     part_of = excerpt(equation)
     progress("trying starts of what parts the encoders")
     misfit = EquationMisfit(part_of, freedom)
-    part_of.reach = np.full(part_of.rows, WIDE)
+    part_of.weighting = Weighting.even(part_of.rows, WIDE)
     starts = []
     for chosen in itertools.product(*choices.values()):
         values = misfit.freedom.start.copy()
@@ -52,9 +53,9 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
     costs = [misfit.cost(misfit.residual(values)) for values in starts]
     finalists = []
     for k in np.argsort(costs)[:FINALISTS]:
-        part_of.reach = np.full(part_of.rows, WIDE)
+        part_of.weighting = Weighting.even(part_of.rows, WIDE)
         wide = refine(misfit, starts[int(k)], STEPS)
-        part_of.reach = np.full(part_of.rows, NARROW)
+        part_of.weighting = Weighting.even(part_of.rows, NARROW)
         finalists.append(refine(misfit, wide.values, STEPS))
     finalists.sort(key=lambda solution: solution.cost)
     return [solution.values[: len(freedom.numbers)] for solution in finalists]
@@ -65,10 +66,10 @@ def open_start(equation: Equation, freedom: Freedom) -> np.ndarray:
 
     From afar all rows are outliers to a fit that takes them for such, and none of them draws it nearer.
     """
-    reach, use_encoder = equation.reach, equation.use_encoder
-    equation.reach, equation.use_encoder = np.full(equation.rows, FAR), False
+    weighting, use_encoder = equation.weighting, equation.use_encoder
+    equation.weighting, equation.use_encoder = Weighting.even(equation.rows, FAR), False
     found = fit(equation, null_hypothesis(freedom.model)).hypothesis.model()
-    equation.reach, equation.use_encoder = reach, use_encoder
+    equation.weighting, equation.use_encoder = weighting, use_encoder
     values = freedom.start.copy()
     for k, number in enumerate(freedom.numbers):
         part, name, parameter = split(number.path)
