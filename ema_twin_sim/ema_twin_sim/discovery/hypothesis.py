@@ -240,6 +240,14 @@ class Hypothesis:
         factors = dict(zip(SHARES, (inertia, inertia, friction, friction), strict=True))
         return {free.path: factors[free.path] for free in self.free if free.path in factors}
 
+    def teeth_of_the_file(self) -> dict[str, float]:
+        """By path, stiffness and damping of the contact as the file has them, where they are free."""
+        return {
+            free.path: self.base.value(free.path.replace("contact.", "transmission.contact_"))
+            for free in self.free
+            if free.path.startswith("contact.")
+        }
+
     def with_decoy(self, name: str, columns: int) -> Hypothesis:
         """One more dependence that is no effect: ``columns`` coefficients of the decoy of that name."""
         more = tuple(Free(f"decoy.{name}.{k}", -math.inf, math.inf, 1.0) for k in range(columns))

@@ -35,12 +35,8 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
         return found
     shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are
-    contact = {
-        free.path: shared.base.value(free.path.replace("contact.", "transmission.contact_"))
-        for free in shared.free
-        if free.path.startswith("contact.")
-    }
-    others = [shared, *([held_at(shared, contact)] if contact else [])]
+    teeth = shared.teeth_of_the_file()
+    others = [shared, *([held_at(shared, teeth)] if teeth else [])]
     fitted, *errors = (loop_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < BETTER * fitted:

@@ -1,14 +1,15 @@
 """Constants that the recordings do not move stay where the model's file has them.
 
 A search frees all constants, and each ends somewhere within its standard error. To have moved that far says nothing
-of the machine, yet where teeth meet it puts every impact at another instant. So what is not known to have moved is put
-back and the rest fitted again, and the closed loop tells whether it follows the recordings as well.
+of the machine, yet where teeth meet it puts every impact at another instant. So constants are put back and the rest
+fitted again, all of them first, then those that are not known to have moved, and the closed loop tells whether it
+follows the recordings as well.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ema_bench_replay.recording import Recording
 
@@ -16,6 +17,7 @@ from ..simulation.simulate import choose_input
 from .equation import Equation
 from .estimates import standard_errors
 from .fit import Fit, fit
+from .hypothesis import LAG, Hypothesis
 from .split import held_at, loop_error
 from .trace import Search
 
@@ -29,12 +31,27 @@ def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found:
     inputs = [choose_input(recording) for recording in recordings]
     if best.hypothesis.base.is_open or not found.taken or {*inputs} != {"setpoint"}:
         return found
-    rest = _put_back(eq, best)
-    if rest is None:
-        return found
-    fitted, put_back = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, rest))
-    as_well = math.isfinite(put_back) and put_back <= AS_WELL * fitted
-    return found.with_numbers(rest) if as_well else found
+    simpler = [rest for rest in (_as_filed(eq, best), _put_back(eq, best)) if rest is not None]
+    fitted, *errors = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, *simpler))
+    least = min(fitted, *errors)
+    for rest, error in zip(simpler, errors, strict=True):
+        if math.isfinite(error) and error <= AS_WELL * least:
+            return found.with_numbers(rest)
+    return found
+
+
+def _as_filed(eq: Equation, best: Fit) -> Fit | None:
+    """The fit with all constants and the teeth at their file's values; None where no sides part.
+
+    Where they do, the constants' errors lie along a ridge of shares that trade with each other: each of them may seem
+    to have moved by many of its standard errors.
+    """
+    if not best.parted:
+        return None
+    h = best.hypothesis
+    values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
+    with_teeth = held_at(h, h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
+    return _fitted_beside(eq, with_teeth, values)
 
 
 def _put_back(eq: Equation, best: Fit) -> Fit | None:
@@ -46,7 +63,10 @@ def _put_back(eq: Equation, best: Fit) -> Fit | None:
         for free in best.hypothesis.free
         if free.prior is not None and abs(values[free.path] - free.prior[0]) < MOVED * sure.get(free.path, 0.0)
     }
-    if not unmoved:
-        return None
-    rest = fit(eq, held_at(best.hypothesis, unmoved))
-    return fit(eq, best.hypothesis.at(rest.hypothesis.values), 0)  # all numbers free again, where they are
+    return _fitted_beside(eq, best.hypothesis, unmoved) if unmoved else None
+
+
+def _fitted_beside(eq: Equation, h: Hypothesis, values: Mapping[str, float]) -> Fit:
+    """The fit with some numbers, by path, held at values; in the end they are free again, where they are."""
+    rest = fit(eq, held_at(h, values))
+    return fit(eq, h.at(rest.hypothesis.values), 0)

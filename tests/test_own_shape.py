@@ -1,0 +1,49 @@
+"""Beside something unknown an effect stands by its own shape, and not as the likeness of another."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.discovery.decoys import add_decoys
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.fit import fit
+from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.discovery.observation import observe_all
+from ema_twin_sim.discovery.own_shape import by_own_shape
+from ema_twin_sim.discovery.search import settle
+from tests.recorded import record, with_signals
+
+RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
+
+
+def standing(recordings, model, effect, parameters):
+    """The effects that stand where one is fitted to the recordings."""
+    eq = Equation(observe_all(recordings, model))
+    f = settle(eq, fit(eq, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
+    add_decoys(eq)
+    return by_own_shape(eq, f)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters"),
+    [
+        ("stribeck_friction", {"torque": 0.06, "speed": 2.0}),
+        ("constant_load", {"torque": 0.03}),
+        ("gravity_load", {"torque": 0.04, "angle": 0.3}),
+    ],
+)
+def test_the_true_effect_stands(effect, parameters, stock):
+    recordings = record(stock.with_effect(effect, parameters), RUNS)
+    assert standing(recordings, stock, effect, parameters) == (effect,)
+
+
+def test_a_bump_of_friction_is_not_stribecks(stock):
+    """Friction that is more around one speed in the middle, and neither at rest nor fast."""
+    kt = stock.value("machine.torque_constant")
+    bumped = []
+    for recording in record(stock, RUNS):
+        speed = recording.signals["speed"]
+        bump = 0.08 * np.exp(-(((np.abs(speed) - 4.0) / 1.0) ** 2)) * np.sign(speed)
+        bumped.append(
+            with_signals(recording, {**recording.signals, "current": recording.signals["current"] + bump / kt})
+        )
+    assert standing(bumped, stock, "stribeck_friction", {"torque": 0.05, "speed": 4.0}) == ()

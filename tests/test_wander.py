@@ -1,0 +1,123 @@
+"""Friction that wanders: told by what a fit leaves over, taken as noise, and no excuse for anything else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.equation import Equation
+from ema_twin_sim.discovery.fit import fit
+from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.discovery.observation import observe_all
+from ema_twin_sim.discovery.search import settle
+from ema_twin_sim.discovery.uncertainty import covariance
+from ema_twin_sim.discovery.wander import Wander
+from ema_twin_sim.discovery.wandering import wandering
+from tests.recorded import record, with_signals
+
+RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4", "speed-sine:0.08:0.3")
+
+
+def worn(recordings, share, stock, seed=5):
+    """The recordings of a machine whose friction is by ``share`` (root mean square) more or less, a while each."""
+    random = np.random.default_rng(seed)
+    kt = stock.value("machine.torque_constant")
+    dry, viscous = (
+        sum(next(iter(held.parameters.values())) for held in stock.active.values() if held.effect == id)
+        for id in ("coulomb_friction", "viscous_friction")
+    )
+    found = []
+    for recording in recordings:
+        knots = np.linspace(0.0, recording.duration, 4)
+        drift = np.interp(recording.time, knots, random.normal(0.0, share, len(knots)))
+        speed = recording.signals["speed"]
+        friction = (dry + viscous * np.abs(speed)) * np.tanh(speed / 0.05)
+        signals = {**recording.signals, "current": recording.signals["current"] + drift * friction / kt}
+        found.append(with_signals(recording, signals))
+    return found
+
+
+def settled(recordings, model):
+    eq = Equation(observe_all(recordings, model))
+    return eq, settle(eq, fit(eq, null_hypothesis(model)))
+
+
+def told(recordings, model):
+    eq, f = settled(recordings, model)
+    return wandering(eq, f)
+
+
+@pytest.fixture
+def wander():
+    random = np.random.default_rng(1)
+    first, _ = np.linalg.qr(random.normal(size=(40, 3)))
+    second, _ = np.linalg.qr(random.normal(size=(25, 2)))
+    return Wander(
+        0.3, ((slice(0, 40), first, np.array([9.0, 4.0, 0.5])), (slice(45, 70), second, np.array([6.0, 1.0])))
+    )
+
+
+class TestWhitening:
+    def test_it_makes_the_covariance_one(self, wander):
+        covariance = np.eye(70)
+        for part, directions, spreads in wander.parts:
+            covariance[part, part] += (directions * (wander.share * spreads) ** 2) @ directions.T
+        root = wander.whitened(np.eye(70))
+        assert np.allclose(root @ covariance @ root.T, np.eye(70))
+        assert wander.price == pytest.approx(np.linalg.slogdet(covariance)[1])
+
+    def test_it_can_be_undone(self, wander):
+        rows = np.random.default_rng(2).normal(size=(70, 4))
+        assert np.allclose(wander.as_measured(wander.whitened(rows)), rows)
+
+    def test_an_equation_takes_it_and_forgets_it(self, stock):
+        eq, f = settled(worn(record(stock, RUNS), 0.05, stock), stock)
+        plain, measured = eq.weighting, eq.measured
+        eq.weighting = replace(plain, wander=wandering(eq, f))
+        assert not np.allclose(eq.measured, measured)
+        predicted = eq.predict(f.hypothesis)
+        assert np.allclose(eq.left_over(predicted)[: eq.size], f.raw[: eq.size])  # what was measured is not whitened
+        assert eq.misfit(eq.residual(predicted)) < f.misfit
+        eq.weighting = plain
+        assert np.array_equal(eq.measured, measured)
+
+
+class TestShare:
+    @pytest.mark.parametrize("share", [0.02, 0.06])
+    def test_it_is_recovered(self, share, stock):
+        found = told(worn(record(stock, RUNS), share, stock), stock)
+        assert found is not None
+        assert 0.5 * share < found.share < 2.0 * share
+
+    def test_nothing_wanders_on_a_steady_bench(self, stock):
+        assert told(record(stock, RUNS), stock) is None
+
+    def test_a_load_is_no_wandering(self, stock):
+        """What depends on the position comes again, and drives as much as it brakes."""
+        found = told(record(stock.with_effect("gravity_load", {"torque": 0.02, "angle": 0.3}), RUNS), stock)
+        assert found is None or found.share < 0.05
+
+
+class TestBesideIt:
+    def test_what_is_hidden_is_named_and_the_rest_is_told(self, stock):
+        """The constants stay near the file's: without wandering in the noise, friction drags viscous far away."""
+        true = stock.with_effect("constant_load", {"torque": 0.03})
+        found = discover(worn(record(true, RUNS), 0.05, stock), stock)
+        assert found.added == ("constant_load",)
+        assert found.verdict == "unknown" and "time" in found.depends_on
+        assert found.model.effects["constant_load"].parameters["torque"] == pytest.approx(0.03, rel=0.1)
+
+    def test_nothing_hidden_is_nothing_named(self, stock):
+        assert discover(worn(record(stock, RUNS), 0.05, stock), stock).added == ()
+
+
+def test_a_dependence_on_one_stretch_makes_no_number_uncertain(stock):
+    """Its columns stand on a block of rows alone: without the block, they are free to be anything."""
+    eq, f = settled(record(stock, RUNS), stock)
+    before = np.sqrt(np.diag(covariance(eq, f)))
+    columns = np.zeros((eq.rows, 1))
+    columns[100:130] = 1.0
+    eq.decoys["time#0"] = columns
+    after = np.sqrt(np.diag(covariance(eq, fit(eq, f.hypothesis.with_decoy("time#0", 1)))))
+    assert np.allclose(after[: len(before)], before, rtol=0.5)
