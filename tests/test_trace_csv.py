@@ -60,6 +60,24 @@ def test_a_trace_that_begins_late_begins_at_zero(trace):
     assert recording.stamps.tolist() == [0, 20_000_000, 40_000_000, 60_000_000]
 
 
+def test_what_no_signal_needs_may_hold_anything(trace):
+    """Words, dates, empty cells: nobody reads that column."""
+    rows = [f"{row}{text};" for row, text in zip(ROWS, ("settling", "", "1.2,3.4", "8.6.2026"), strict=True)]
+    plain, worded = load(trace(name="plain.csv")), load(trace(header=HEADER + "phase;", rows=rows))
+    for name, values in plain.signals.items():
+        assert np.array_equal(values, worded.signals[name])
+    assert worded.warnings == ()
+
+
+def test_time_that_repeats_now_and_then_is_left_out(trace):
+    """A clock too coarse for its sampling; the lines that are told later are still those of the file."""
+    rows = [f"{time},0;{value:.1f};".replace(".", ",") for time, value in zip(range(0, 40, 2), range(20), strict=True)]
+    doubled = [*rows[:5], rows[4], *rows[5:]]
+    recording = load(trace(header="X [ms];r77;", rows=doubled))
+    assert np.array_equal(recording.signals["current_setpoint"], np.arange(20.0))
+    assert "1 row (the first in line 7)" in recording.warnings[0] and "left out" in recording.warnings[0]
+
+
 class TestCurrent:
     """r78 is the torque-generating current; r76 is taken for it only where it follows r77."""
 
@@ -183,7 +201,7 @@ class TestBadInput:
         refused(trace(rows=[*ROWS[:3], ROWS[1]]), "line 5", "'X [ms]'", "goes back", "2 ms after 4 ms")
 
     def test_time_repeats(self, trace):
-        refused(trace(rows=[ROWS[0], ROWS[0]]), "line 3", "repeats")
+        refused(trace(rows=[ROWS[0], ROWS[0]]), "line 3", "repeats", "1 of 2 rows")
 
     def test_place_counts_the_preamble(self, trace):
         text = "\n".join(["# a", "# b", HEADER, *ROWS[:3], ROWS[1], ""])

@@ -90,6 +90,12 @@ class TestShare:
         assert found is not None
         assert 0.5 * share < found.share < 2.0 * share
 
+    def test_it_is_recovered_from_runs_of_different_lengths(self, stock):
+        runs = [*record(stock, RUNS[:2]), *record(stock, RUNS[2:], seconds=18.0), *record(stock, RUNS[:1], seconds=7.0)]
+        found = told(worn(runs, 0.05, stock), stock)
+        assert found is not None
+        assert 0.025 < found.share < 0.1
+
     def test_nothing_wanders_on_a_steady_bench(self, stock):
         assert told(record(stock, RUNS), stock) is None
 

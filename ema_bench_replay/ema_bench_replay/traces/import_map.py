@@ -80,6 +80,13 @@ class ImportMap:
     time_name: str = "X [ms]"  # names of columns when a trace is written
     column_name: str = "{column}"
 
+    def places(self, header: list[str]) -> set[int]:
+        """Which of the columns in a header may be read."""
+        columns = [column for signal in self.signals for column in signal.columns]
+        columns += [Column(column.follows) for column in columns if column.follows]
+        columns += [] if self.time is None else [self.time]
+        return {place for column in columns for place in column.find(header)}
+
 
 def load_map(name_or_path: str | Path) -> ImportMap:
     """Read an import map: the name of a shipped one, or a path. InputError names the file, the place and the remedy."""

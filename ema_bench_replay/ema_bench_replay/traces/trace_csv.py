@@ -20,6 +20,8 @@ __all__ = ["read_trace", "write_trace"]
 
 # Steps are told apart from the usual one beyond this share of it, and beyond what the time column's decimals resolve.
 _UNEQUAL = 0.01
+# Of all rows, how many may tell the time of the row before them: a clock too coarse for its sampling, and no stuck one.
+_REPEATED = 0.1
 
 
 def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
@@ -31,7 +33,7 @@ def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
     InputError.
     """
     path = Path(path)
-    table = read_table(path, import_map.delimiter, import_map.number_format)
+    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
     return _Trace(table, import_map).recording()
 
 
@@ -92,16 +94,27 @@ class _Trace:
                 f"{table.path}: line {table.header_line}: no time column ({self.map.time.name}) among {shown!r}; "
                 "export the trace with its time axis, or name it in the import map"
             )
-        values, name = table.columns[places[0]], table.header[places[0]]
+        name = table.header[places[0]]
         in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)
         unit = in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else self.map.time_unit
-        stamps = np.rint((values - values[0]) * TIME_UNITS[unit]).astype(np.int64)
+        stamps = _stamps(table.columns[places[0]], unit)
         steps = np.diff(stamps)
-        wrong = np.flatnonzero(steps <= 0)
+        repeats = np.flatnonzero(steps == 0) + 1
+        if 0 < repeats.size <= _REPEATED * len(stamps) and not (steps < 0).any():
+            self._warn(
+                f"{repeats.size} row{'s' if repeats.size > 1 else ''} (the first in line {table.line(repeats[0])}) "
+                "tell the time of the row before: left out"
+            )
+            self.table = table = table.without(repeats)
+            stamps = _stamps(table.columns[places[0]], unit)
+            steps = np.diff(stamps)
+        values = table.columns[places[0]]
+        wrong = np.flatnonzero(steps < 0) if (steps < 0).any() else np.flatnonzero(steps == 0)
         if wrong.size:
             row = int(wrong[0]) + 1
-            how = "repeats" if steps[wrong[0]] == 0 else "goes back"
-            remedy = "remove the row" if steps[wrong[0]] == 0 else "cut the file there, it holds more than one run"
+            how, remedy = "goes back", "cut the file there, it holds more than one run"
+            if steps[wrong[0]] == 0:
+                how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
             shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
             raise InputError(f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}")
         if len(stamps) < 2:
@@ -177,8 +190,7 @@ class _Trace:
             values = whole
         else:
             row = int(np.argmax(whole != values))
-            line = self.table.header_line + 1 + row
-            self._warn(f"line {line}: {name} is a counter but shows fractions ({values[row]:.10g})")
+            self._warn(f"line {self.table.line(row)}: {name} is a counter but shows fractions ({values[row]:.10g})")
         counts, findings = unwrap_counts(
             values,
             time,
@@ -219,6 +231,11 @@ class _Trace:
 
     def _warn(self, message: str) -> None:
         self.warnings.append(f"{self.table.path.name}: {message}")
+
+
+def _stamps(time: np.ndarray, unit: str) -> np.ndarray:
+    """Stamps [ns] (n,), from 0 on, of a column of time in a unit."""
+    return np.rint((time - time[0]) * TIME_UNITS[unit]).astype(np.int64)
 
 
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import re
 import warnings
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -29,14 +30,26 @@ class TraceTable:
     sha256: str
     header: list[str]  # names of the columns
     header_line: int  # its line number, counted from 1; the rows follow without a break
-    columns: list[np.ndarray]  # float64 (n,) each
+    columns: list[np.ndarray]  # float64 (n,) each; NaN where a column that nobody needs holds no number
     decimals: list[int]  # how many each column shows
     style: Style
     warnings: tuple[str, ...]
+    left_out: tuple[int, ...] = ()  # rows of the file, counted from 0 below the header, that are not in the columns
+
+    def line(self, row: int) -> int:
+        """Number of the line (counted from 1) that a row (counted from 0) stands in."""
+        for left_out in self.left_out:
+            row += left_out <= row
+        return self.header_line + 1 + row
 
     def place(self, row: int) -> str:
         """File and line of a row (counted from 0), for messages."""
-        return f"{self.path}: line {self.header_line + 1 + row}"
+        return f"{self.path}: line {self.line(row)}"
+
+    def without(self, rows: np.ndarray) -> TraceTable:
+        """The table less some rows (counted from 0, ascending); of a table that no row was taken from."""
+        columns = [np.delete(column, rows) for column in self.columns]
+        return replace(self, columns=columns, left_out=tuple(int(row) for row in rows))
 
 
 @dataclass(frozen=True)
@@ -50,11 +63,22 @@ class Style:
     thousands: str = "."  # empty where thousands are not set off
 
 
-def read_table(path: Path, delimiter: str | None = None, number_format: str | None = None) -> TraceTable:
+def all_columns(header: list[str]) -> Collection[int]:
+    """The places of all columns."""
+    return range(len(header))
+
+
+def read_table(
+    path: Path,
+    delimiter: str | None = None,
+    number_format: str | None = None,
+    needed: Callable[[list[str]], Collection[int]] = all_columns,
+) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
     Comments (#, %), blank lines and single quoted texts may stand above the header. A cut last row is left out, with a
-    warning. `delimiter` and `number_format` ("german", "english") are found out where they are None. Raises InputError.
+    warning. `delimiter` and `number_format` ("german", "english") are found out where they are None. `needed` tells
+    of a header which columns must hold numbers; others may hold words and empty cells. Raises InputError.
     """
     try:
         if path.stat().st_size > LARGEST:
@@ -66,7 +90,7 @@ def read_table(path: Path, delimiter: str | None = None, number_format: str | No
             blocks = text_blocks(file)
             first, is_last = next(blocks)
             header_text, header_line, body = _header(path, first)
-            rows = _RowReader(path, header_text, header_line, body, delimiter, number_format)
+            rows = _RowReader(path, header_text, header_line, body, delimiter, number_format, needed)
             parts = [rows.read(body, is_last)]
             parts += [rows.read(block, is_last) for block, is_last in blocks]
     except OSError as error:
@@ -84,7 +108,14 @@ class _RowReader:
     """Reads the rows of one file; what the first rows tell about their form holds for all."""
 
     def __init__(
-        self, path: Path, header: str, header_line: int, body: bytes, delimiter: str | None, number_format: str | None
+        self,
+        path: Path,
+        header: str,
+        header_line: int,
+        body: bytes,
+        delimiter: str | None,
+        number_format: str | None,
+        needed: Callable[[list[str]], Collection[int]],
     ) -> None:
         self.path = path
         self.line = header_line + 1  # of the next row
@@ -93,6 +124,7 @@ class _RowReader:
         cells = [cell.strip().strip('"').strip() for cell in header.split(self.written_delimiter)]
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
+        self.needed = sorted(needed(self.header))
         # A comma inside quotation marks is part of a number; the ones between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
         self.delimiter = ";" if self.quoted_commas else self.written_delimiter
@@ -110,7 +142,9 @@ class _RowReader:
         text = self._tidy(block)
         if is_last and text:
             text = text.rstrip(b"\n") + b"\n" if text.endswith(b"\n") else self._without_torn_row(text)
-        rows = self._fast(text)
+        rows = self._fast(text, len(self.header), self.trailing)
+        if rows is None:
+            rows = self._only_needed(text)
         if rows is None:
             rows = self._careful(text, is_last)
         self.line += len(rows)
@@ -159,7 +193,23 @@ class _RowReader:
     def _report_torn(self, line: int) -> None:
         self.warnings.append(f"{self.path.name}: line {line}: the last row is cut; used up to the row before it")
 
-    def _fast(self, text: bytes) -> np.ndarray | None:
+    def _only_needed(self, text: bytes) -> np.ndarray | None:
+        """The rows, NaN in columns that nobody needs, where nothing in the others is out of the ordinary; else None."""
+        if not 0 < len(self.needed) < len(self.header):
+            return None
+        mark, width = self.delimiter.encode(), len(self.header) + self.trailing
+        lines = [line.split(mark) for line in text.split(b"\n")[:-1]]
+        if any(len(cells) != width for cells in lines):
+            return None
+        picked = b"".join(mark.join([cells[place] for place in self.needed]) + b"\n" for cells in lines)
+        values = self._fast(picked, len(self.needed), trailing=False)
+        if values is None:
+            return None
+        rows = np.full((len(lines), len(self.header)), np.nan)
+        rows[:, self.needed] = values
+        return rows
+
+    def _fast(self, text: bytes, columns: int, trailing: bool) -> np.ndarray | None:
         """The rows where nothing is out of the ordinary, else None. What passes here, `_careful` would read alike."""
         delimiter, form = self.delimiter.encode(), self.format
         if not text or text.translate(None, b"0123456789+-.,eE\n" + delimiter):
@@ -168,11 +218,11 @@ class _RowReader:
         is_end = buffer == ord("\n")
         ends = np.flatnonzero((buffer == delimiter[0]) | is_end)
         count = int(np.count_nonzero(is_end))
-        width = len(self.header) + self.trailing
+        width = columns + trailing
         if ends.size != count * width or not is_end[ends[width - 1 :: width]].all():
             return None
         lengths = np.diff(ends, prepend=-1).reshape(count, width) - 1
-        if (lengths[:, : len(self.header)] == 0).any() or (self.trailing and lengths[:, -1].any()):
+        if (lengths[:, :columns] == 0).any() or (trailing and lengths[:, -1].any()):
             return None
         if form.thousands == self.delimiter:
             dropped = b""
@@ -189,7 +239,7 @@ class _RowReader:
                 values = np.fromstring(plain, sep=" ")
             except (ValueError, DeprecationWarning):
                 return None
-        return values.reshape(count, -1) if values.size == count * len(self.header) else None
+        return values.reshape(count, -1) if values.size == count * columns else None
 
     def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
         """The rows, cell by cell; InputError names the first one that is wrong."""
@@ -210,9 +260,13 @@ class _RowReader:
                 try:
                     rows[number, column] = self.format.value(cell)
                 except ValueError:
+                    if column not in self.needed:
+                        rows[number, column] = np.nan
+                        continue
                     wrong = f"{cell!r} is no number in {self.format.example} format" if cell else "the cell is empty"
                     raise InputError(
-                        f"{place}: column {self.header[column]!r}: {wrong}; correct it, or remove the row"
+                        f"{place}: column {self.header[column]!r}: {wrong}; correct it, remove the row, "
+                        "or leave the column out of the import map"
                     ) from None
         return rows
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from ema_bench_replay.errors import InputError
@@ -88,12 +89,19 @@ def _guessed(trace: Path) -> Guesses:
 
     from ..new_machine.columns import guess_columns
 
-    header = read_table(trace).header
-    guesses = guess_columns(header)
+    table = read_table(trace, needed=lambda header: ())
+    no_numbers = {
+        name: int(np.count_nonzero(np.isnan(column)))
+        for name, column in zip(table.header, table.columns, strict=True)
+        if np.isnan(column).any()
+    }
+    guesses = guess_columns(table.header, frozenset(no_numbers))
+    for name, count in no_numbers.items():
+        say(f"{name}: {count} of {len(table.columns[0])} cells hold no number: not used")
     if not guesses.signals:
         raise InputError(
-            f"{trace}: header: none of {', '.join(header)[:200]} tells what it is; name its columns in a copy of a "
-            "shipped map (--map siemens reads a Siemens drive's trace as it is)"
+            f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; name its columns in a copy of "
+            "a shipped map (--map siemens reads a Siemens drive's trace as it is)"
         )
     return guesses
 

@@ -28,11 +28,10 @@ def wandering(eq: Equation, f: Fit) -> Wander | None:
     known, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), 1e-30))
     residual = f.residual[: eq.size]
     residual = residual - known @ (known.T @ residual)
-    weighted = np.concatenate([c * f.weights[part][:, None] for part, c in columns])
     every = np.zeros((eq.size, sum(c.shape[1] for _, c in columns)))
     at = 0
     for part, c in columns:
-        every[part, at : at + c.shape[1]] = weighted[part]
+        every[part, at : at + c.shape[1]] = c * f.weights[part][:, None]
         at += c.shape[1]
     # what the numbers of the fit can do themselves tells nothing
     every -= known @ (known.T @ every)

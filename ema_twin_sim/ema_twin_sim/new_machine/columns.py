@@ -67,10 +67,18 @@ class Guesses:
         return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
 
 
-def guess_columns(header: Sequence[str]) -> Guesses:
-    """What each column of a header is taken for; each signal is taken once, each column too."""
+def guess_columns(header: Sequence[str], no_numbers: frozenset[str] = frozenset()) -> Guesses:
+    """What each column of a header is taken for; each signal is taken once, each column too.
+
+    Nothing is made of the columns that hold ``no_numbers``. Raises InputError where the time is among them.
+    """
     time = next((name for name in header if _is_time(name)), None)
-    free = [name for name in header if name != time and not _NO_SIGNAL.search(_words(name))]
+    if time in no_numbers:
+        raise InputError(
+            f"header: column {time!r} holds no numbers; export the time in s or ms, counted from the start"
+        )
+    usable = [name for name in header if name != time and name not in no_numbers]
+    free = [name for name in usable if not _NO_SIGNAL.search(_words(name))]
     taken: dict[str, str] = {}
     for signal, pattern in _SIGNALS:
         for name in free:
