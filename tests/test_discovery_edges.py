@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.equation import Equation
@@ -15,6 +16,7 @@ from ema_twin_sim.discovery.structure import structural_fits
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.large_arm import open_arm
 from tests.recorded import COMMANDS, record, with_signals
 
 
@@ -35,6 +37,20 @@ def test_a_recording_at_standstill_among_others_is_no_error(stock):
     assert found.added == ("gravity_load",)
     assert evidence_json(found)["steps"]
     assert diagnose(recordings, stock, without=["gravity_load", "constant_load"]).verdict == "unknown"
+
+
+@pytest.mark.parametrize("period", [0.001, 0.008, 0.016, 0.02, 0.03])
+def test_no_row_stands_on_samples_at_rest(period):
+    """However long the kernel is: a motor held at rest holds any torque up to its break-away, and none of it slides."""
+    arm = open_arm()
+    time = np.arange(int(40.0 / period)) * period
+    speed = np.where(time > 20.0, np.sin(2.0 * np.pi * 0.2 * (time - 20.0)), 0.0)
+    torque = np.where(time > 20.0, np.sign(speed), 0.05 * time)
+    signals = {"speed": speed, "motor_position": np.cumsum(speed) * period, "motor_torque": torque, "current": torque}
+    run = Recording("held", np.rint(time * 1e9).astype(np.int64), signals)
+    seen = observe(run, arm)
+    assert (seen.motion[seen.rows, 0] > 19.5).all()
+    assert len(seen.rows) * np.diff(seen.rows).min() * period > 14.0  # s of 20: the rest are its reversals
 
 
 def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):

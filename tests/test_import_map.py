@@ -9,6 +9,7 @@ from ema_bench_replay.configuration import configuration_names
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.import_map import Column, load_map
+from ema_twin_sim.model.matching import matched
 
 MAP = """
 version: 1
@@ -30,6 +31,22 @@ def own(tmp_path):
         return path
 
     return write
+
+
+def test_whatever_is_told_at_the_output_is_taken_to_the_motor(own, tmp_path, stock):
+    """The same motion at either shaft: angles and speeds times the ratio, torques over it."""
+    ratio = stock.value("machine.gear_ratio")
+    factors = {"motor_position": ratio, "speed": ratio, "motor_torque": 1.0 / ratio, "load_torque": 1.0 / ratio}
+    signals = "\n".join(f"  {name}: {{columns: [{name}], shaft: output}}" for name in factors)
+    import_map = own(f"version: 1\ntime: {{column: t, unit: s}}\nsignals:\n{signals}\n")
+    trace = tmp_path / "joint.csv"
+    trace.write_text(f"t,{','.join(factors)}\n0.000,0.5,0.1,10,20\n0.001,0.6,0.2,11,21\n0.002,0.7,0.3,12,22\n")
+    told = load(trace, import_map=import_map)
+    at_motor = matched(told, stock)
+    for name, factor in factors.items():
+        assert np.allclose(at_motor.signals[name], told.signals[name] * factor)
+    assert at_motor.motor_angle_origin == pytest.approx(0.5 * ratio)
+    assert matched(at_motor, stock) is at_motor  # once only
 
 
 @pytest.mark.parametrize("name", configuration_names("maps"))

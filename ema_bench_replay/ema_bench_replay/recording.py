@@ -34,10 +34,14 @@ SIGNALS: tuple[str, ...] = (
     "unexplained_torque",  # N m, fast shaft; only a twin fills it
 )
 
-#: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary), and, where its motor's
-#: position is given as the output's, "output"; and, where its samples are operating points, "yes".
+#: Signals that a machine may tell at the output's shaft. Then the recording's metadata hold "output" under the signal's
+#: name and AT.
+AT_EITHER_SHAFT = ("motor_position", "speed", "speed_setpoint", "motor_torque", "load_torque")
+AT = "_at"
+
+#: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary); and, where its samples
+#: are operating points, "yes".
 MOTION = "motion"
-AT_OUTPUT = "motor_position_at"
 POINTS = "operating_points"
 
 #: Stamp of the first sample where a recording has no date; ROS reads time 0 as "not set".

@@ -11,7 +11,7 @@ from typing import Any
 
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
-from ema_bench_replay.recording import SIGNALS
+from ema_bench_replay.recording import AT_EITHER_SHAFT, SIGNALS
 from ema_bench_replay.units import ALL_UNITS, MOTIONS, units_of
 
 #: Nanoseconds in one of each unit of time.
@@ -59,7 +59,7 @@ class SignalMap:
     bits: int = 32  # width of that counter
     maximum_speed: float = math.inf  # rad/s of the shaft that the counter sits on
     maximum_acceleration: float = math.inf  # rad/s²
-    at_output: bool = False  # whether a motor's position is given as the output's, to be multiplied by the gear ratio
+    at_output: bool = False  # whether it is told at the output's shaft; the gear ratio is the model's
     write_as: str = ""  # the column's name when a trace is written
     decimals: int | None = None  # of the column when a trace is written; None: as many as its values need
 
@@ -133,7 +133,7 @@ def load_map(name_or_path: str | Path) -> ImportMap:
 def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     place = f"signals.{name}"
     counter_keys = _COUNTER_KEYS if name in _POSITIONS else ()
-    shaft_key = ("shaft",) if name == "motor_position" else ()
+    shaft_key = ("shaft",) if name in AT_EITHER_SHAFT else ()
     keys = ("columns", "unit", "factor", "gain", "write_as", "decimals", *shaft_key, *counter_keys)
     value = check.mapping(content, place, keys, required=("columns",))
     if not isinstance(value["columns"], list) or not value["columns"]:

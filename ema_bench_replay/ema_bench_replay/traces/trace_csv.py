@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT_OUTPUT, MOTION, POINTS, Recording
+from ema_bench_replay.recording import AT, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
@@ -217,9 +217,9 @@ class _Trace:
             "origins": self.origins,
             "style": style,
         }
-        at_output = any(signal.at_output and signal.signal in self.columns for signal in self.map.signals)
+        at_output = [signal.signal for signal in self.map.signals if signal.at_output and signal.signal in self.columns]
         return {
-            **({AT_OUTPUT: "output"} if at_output else {}),
+            **{f"{signal}{AT}": "output" for signal in at_output},
             **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
             **({POINTS: "yes"} if self.map.of_points else {}),
             "source": self.table.path.name,

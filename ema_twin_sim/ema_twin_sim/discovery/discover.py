@@ -147,8 +147,11 @@ def discover(
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
-        found = found.ended(fit(eq, null, 0), eq.weighting, "beside what is left it makes the model no better")
-        unseen = judge_unseen(eq, as_measured, found, as_given=True)
+        # numbers that nobody knew are better fitted than as they were
+        bare = settle(eq, fit(eq, null)) if model.is_open else fit(eq, null, 0)
+        found = found.ended(bare, eq.weighting, "beside what is left it makes the model no better")
+        unseen = judge_unseen(eq, as_measured, found, as_given=not model.is_open)
+    as_given = as_given and not model.is_open
     best = found.fit
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..plant.measured_motion import SPEED
 from .decoys import add_decoys
 from .equation import Equation
 from .fit import Fit
+from .observation import STANDSTILL
 from .plausible import only_constants, strained
 from .screening import screen_decoys
 from .worth import CLIP, SHAKY, left_over
@@ -39,10 +41,12 @@ def explained(eq: Equation, f: Fit, start: Fit) -> bool:
 def _nearly(eq: Equation, f: Fit) -> bool:
     """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
 
-    There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand.
+    There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand. Not asked
+    of the few rows in which it stops or breaks away: there no friction slides.
     """
-    left = (f.raw[: eq.size] * eq.noise) ** 2
-    return float(np.sum(left)) <= NEARLY**2 * float(np.sum(eq.torque**2))
+    slides = np.concatenate([o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in eq.observations])
+    left = f.raw[: eq.size][slides] * eq.noise[slides]
+    return float(np.sum(left**2)) <= NEARLY**2 * float(np.sum(eq.torque[slides] ** 2))
 
 
 def apart(eq: Equation, f: Fit, start: Fit) -> bool:

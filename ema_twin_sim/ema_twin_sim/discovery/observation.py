@@ -30,7 +30,6 @@ from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
 
 NEEDED = ("current", "motor_position")
-PASSING = 0.5  # of a kernel: a machine without gearbox that passes through standstill so fast does not stick there
 STANDSTILL = 0.3  # rad/s of the fast shaft
 WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
 COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
@@ -159,8 +158,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     hit = geared * hardest(acceleration, SHAKEN, 2.0 * width, period)
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
-    still = _spread(np.abs(motion[:, SPEED]) < STANDSTILL, len(kernel) // 2)
-    moving = still <= (0.0 if geared else PASSING * len(kernel))
+    slow = np.abs(motion[:, SPEED]) < STANDSTILL
+    # a machine without gearbox that passes through standstill within a kernel's inner half does not stick there
+    moving = _spread(slow, len(kernel) // 2) == 0.0 if geared else _spread(~slow, len(kernel) // 2) > 0.0
     driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )

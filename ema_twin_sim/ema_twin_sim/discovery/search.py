@@ -19,7 +19,7 @@ from .hypothesis import PARTING, Hypothesis
 from .plausible import insignificant
 from .screening import Screened, screen, screen_decoys
 from .structure import structural_fits
-from .trace import Round, Search, Trial, new_names
+from .trace import NEEDLESS, Round, Search, Trial, new_names
 from .valleys import NARROW, cost, hopped
 from .wandering import wandering
 from .worth import COST_DECOY, ENCODER_ONLY, gain, matters, unique
@@ -138,9 +138,15 @@ def _torque_left(eq: Equation, f: Fit) -> float:
 
 
 def significant(eq: Equation, found: Search) -> Search:
-    """The search less what is not sure to be there."""
+    """The search less what is not sure to be there; with what had made room for that."""
+    uncertain: frozenset[str] = frozenset()
     while name := insignificant(eq, found.fit):
+        uncertain |= {found.fit.hypothesis.added[name].effect}
         found = less(eq, found, [name], "too uncertain to be named")
+        once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
+        if back := (once & catalogue().keys()) - uncertain - {*found.fit.hypothesis.effects}:
+            after, rounds = add_effects(eq, found.fit, frozenset(catalogue()) - back, most=len(back))
+            found = replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting)
     return found
 
 

@@ -14,6 +14,9 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
     return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.decoys) if n not in held)
 
 
+NEEDLESS = "needless beside what was added"
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """One thing that was tried in a round: what would be added, and what it would gain."""
@@ -33,7 +36,7 @@ class Round:
     after: Fit
     added: tuple[str, ...] = ()  # empty: nothing was worth its price
     removed: tuple[str, ...] = ()  # what was needless beside it, which may be itself
-    reason: str = "needless beside what was added"  # why that was removed
+    reason: str = NEEDLESS  # why that was removed
 
     def effect_of(self, name: str) -> str:
         """The effect, or the decoy, behind a name that was tried."""

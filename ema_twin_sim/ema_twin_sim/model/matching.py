@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT_OUTPUT, Recording
+from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
 
 from .model import Model
 
@@ -17,7 +18,7 @@ _IMPOSSIBLE = 10.0  # times the drive's limit: no unit that was mistaken, but a 
 
 
 def matched(recording: Recording, model: Model) -> Recording:
-    """The recording with the motor's position at the fast shaft, and a current where it has but the drive's torque.
+    """The recording with all of the motor's signals at the fast shaft, and a current where it has but a torque.
 
     Raises InputError where recording and model are of different motions (rotary, linear), or a speed is one that the
     drive never gives.
@@ -27,14 +28,15 @@ def matched(recording: Recording, model: Model) -> Recording:
             f"{recording.name}: is of a {recording.motion} machine, model {model.name} of a {model.motion} one; "
             "name the right import map (--map) or model (--model)"
         )
-    _refuse_impossible_speeds(recording, model)
     signals: dict[str, np.ndarray] = dict(recording.signals)
     origin = recording.motor_angle_origin
     metadata = dict(recording.metadata)
-    if metadata.pop(AT_OUTPUT, None) is not None and "motor_position" in signals:
-        ratio = model.value("machine.gear_ratio")
-        signals["motor_position"] = signals["motor_position"] * ratio
-        origin *= ratio
+    for name in AT_EITHER_SHAFT:
+        if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
+            ratio = model.value("machine.gear_ratio")
+            signals[name] = signals[name] / ratio if name.endswith("torque") else signals[name] * ratio
+            origin *= ratio if name == "motor_position" else 1.0
+    _refuse_impossible_speeds(recording, signals, model)
     if "current" not in signals and "motor_torque" in signals:
         signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
         metadata[BY_TORQUE] = "torque"
@@ -43,10 +45,10 @@ def matched(recording: Recording, model: Model) -> Recording:
     return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata)
 
 
-def _refuse_impossible_speeds(recording: Recording, model: Model) -> None:
+def _refuse_impossible_speeds(recording: Recording, signals: Mapping[str, np.ndarray], model: Model) -> None:
     limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
     for name in ("speed_setpoint", "speed"):
-        values = np.abs(recording.signals.get(name, np.zeros(1)))
+        values = np.abs(signals.get(name, np.zeros(1)))
         worst = int(np.argmax(np.where(np.isfinite(values), values, 0.0)))
         if values[worst] > _IMPOSSIBLE * limit:
             place = f"at {recording.time[worst]:.3f} s (sample {worst})"

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import AT_EITHER_SHAFT
 from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
@@ -50,6 +51,12 @@ class Guess:
     signal: str
     column: str
     unit: str | None
+
+    @property
+    def shaft(self) -> str:
+        """The shaft that its name says it is told at, motor or output."""
+        at_output = self.signal in AT_EITHER_SHAFT and re.search(_OUTPUT, _words(self.column), re.IGNORECASE)
+        return "output" if at_output else "motor"
 
 
 @dataclass(frozen=True)

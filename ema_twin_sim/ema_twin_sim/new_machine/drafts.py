@@ -234,7 +234,8 @@ def _comment(doubt: str) -> str:
 
 
 def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
-    of_output = ", shaft: output" if guess.signal == "motor_position" and shaft.name == "output" else ""
+    told_at = shaft.name if guess.signal == "motor_position" else guess.shaft
+    of_output = ", shaft: output" if told_at == "output" else ""
     if guess.unit is None and guess.signal.endswith("position") and _COUNTS.search(guess.column):
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: 4096{of_output}}}"
