@@ -50,6 +50,7 @@ def test_what_is_shown_is_looked_for():
     for printed in ("a 1.1 mA\nb and c", "a 11.0 mA\nb and c", "a 1.0 A\nb and c", "b and c\na 1.0 mA", "a 1.0 mA"):
         with pytest.raises(AssertionError, match="not printed"):
             check(step, printed)
+    assert shows("0.006 mrad", "0.0… mrad") and not shows("0.1 mrad", "0.0… mrad")
 
 
 def test_the_effect_on_its_page_is_the_one_in_its_file():

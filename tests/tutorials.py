@@ -20,7 +20,7 @@ DOCS = Path(__file__).resolve().parent.parent / "docs"
 _BLOCK = re.compile(r"^```(shell|text)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _DRAWN = re.compile("[│┃]|\x1b\\[[0-9;?]*[A-Za-z]")
 """What tables and terminals put between words."""
-_NUMBER = re.compile(r"(?<![\d.])(\d+(?:\.\d+)?)(?!\d)")
+_NUMBER = re.compile(r"(?<![\d.])(\d+(?:\.\d+)?)(?!\d|[\d.]*…)")  # whole: of one that goes on in "…" the digits stand
 TOLERANCE = 0.02
 """By what share a number may be another on another machine."""
 
