@@ -38,6 +38,7 @@ from .trace import Round, Search, new_names
 from .unknown import beside_the_unknown, doubted
 from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
+from .wandering_end import wandering_after_all
 
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 
@@ -209,7 +210,12 @@ def _searched(
     start = found.rounds[0].before
     if explained(eq, found.fit, start):
         return found, eq.weighting.wander is None or _explained_without_wander(eq, found.fit, start)
-    if found.fit.parted or apart(eq, found.fit, start) or eq.weighting.wander is not None:
+    if eq.weighting.wander is not None:
+        return found, False
+    beside = wandering_after_all(eq, found, barred, start, progress)
+    if beside is not None:
+        return beside, _explained_without_wander(eq, beside.fit, start)
+    if found.fit.parted or apart(eq, found.fit, start):
         return found, False
     progress("something is left: thinking again of what was found")
     return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)

@@ -78,7 +78,7 @@ def search(
         progress("looking at the torque alone")
     begun = fit(eq, bare.hypothesis) if parts else bare
     current, rounds = add_effects(eq, begun, by_torque, progress, most=most)
-    if may_wander and not null.base.is_open and _torque_left(eq, current) > MISFIT_LEFT:
+    if may_wander and not null.base.is_open and torque_left(eq, current) > MISFIT_LEFT:
         current, rounds = _beside_wander(eq, null, current, rounds, by_torque, progress, most)
     if parts:
         eq.use_encoder = True
@@ -109,15 +109,15 @@ def _beside_wander(
     progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
     eq.weighting = replace(plain.begun_anew(FAR), wander=wander)
     beside, rounds_beside = add_effects(eq, settle(eq, fit(eq, null)), without, progress, most=most)
-    weighting, left = eq.weighting, _torque_left(eq, beside)
+    weighting, left = eq.weighting, torque_left(eq, beside)
     eq.weighting = plain
-    if left > MISFIT_LEFT or _depends_on_more(eq, beside.hypothesis, left + CORRELATION * wander.price / eq.size):
+    if left > MISFIT_LEFT or depends_on_more(eq, beside.hypothesis, left + CORRELATION * wander.price / eq.size):
         return current, rounds
     eq.weighting = weighting
     return beside, rounds_beside
 
 
-def _depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
+def depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
     """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
 
     Or less of it than ``at_most``, in misfit per row.
@@ -129,10 +129,10 @@ def _depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
         return False
     columns = eq.decoys[name].shape[1]
     beside = fit(eq, h.with_decoy(name, columns))
-    return _torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < max(at_most, MISFIT_DOUBTED)
+    return torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < max(at_most, MISFIT_DOUBTED)
 
 
-def _torque_left(eq: Equation, f: Fit) -> float:
+def torque_left(eq: Equation, f: Fit) -> float:
     """What a row of torque adds to the misfit, in the mean: one where nothing but noise is left."""
     return float(eq.costs(f.raw)[: eq.size].mean())
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
@@ -53,9 +54,12 @@ def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
 def loop_error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:
     """The current's mean square error [A2] of the simulated loop, geometric mean over the recordings.
 
-    One that ends in chaos must not decide for all. Infinite where the loop cannot follow.
+    One that ends in chaos must not decide for all. Infinite where the loop cannot follow, or is too stiff to simulate.
     """
     jobs = zip(recordings, inputs, strict=True)
-    table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
+    try:
+        table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
+    except InputError:
+        return math.inf
     mean = table[:, 0] / np.maximum(table[:, 1], 1.0)
     return float(np.exp(np.mean(np.log(np.maximum(mean, 1e-18))))) if np.isfinite(mean).all() else math.inf
