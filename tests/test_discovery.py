@@ -9,13 +9,13 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
-from ema_twin_sim.discovery.contradictions import contradictions
+from ema_twin_sim.discovery.criteria.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import despiked, observe, observe_all
 from ema_twin_sim.discovery.unseen import WORSE
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import despiked, observe, observe_all
 from ema_twin_sim.measured.smoothing import gaussian, smooth
 from tests.recorded import COMMANDS, record, with_signals
 

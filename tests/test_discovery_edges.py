@@ -7,13 +7,13 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
 from ema_twin_sim.discovery.evidence import evidence_json
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe, observe_all
-from ema_twin_sim.discovery.structure import structural_fits
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.identification.compliance import structural_fits
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm

@@ -2,16 +2,16 @@
 
 import pytest
 
+from ema_twin_sim.discovery.criteria.explained import apart
+from ema_twin_sim.discovery.criteria.plausible import insignificant, only_constants, strained
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.explained import apart
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe_all
-from ema_twin_sim.discovery.plausible import insignificant, only_constants, strained
-from ema_twin_sim.discovery.search import search
+from ema_twin_sim.discovery.search.search import search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record
 
 RUNS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")

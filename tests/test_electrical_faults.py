@@ -9,9 +9,9 @@ import pytest
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.discovery.candidates import candidates
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
+from ema_twin_sim.identification.candidates import candidates
+from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.assembly import assemble
 from ema_twin_sim.simulation.command import parse_command

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.load import load
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.observation import observe_all
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.equation_misfit import EquationMisfit
 from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.freedom import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
 from tests.recorded import with_signals

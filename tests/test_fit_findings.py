@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.recording import MOTION, POINTS, Recording
-from ema_twin_sim.discovery.shown_by import SHOWN_BY
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
 from ema_twin_sim.fitting.fit import METHODS, fit_model
+from ema_twin_sim.identification.shown_by import SHOWN_BY
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
 

@@ -96,7 +96,7 @@ class TestViewer:
 import sys
 import numpy as np
 from ema_twin_sim.commands.live_view import LiveView
-from ema_twin_sim.comparison.noise import noise_floors
+from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import Pair
 from ema_twin_sim.views.rerun_view import RerunView

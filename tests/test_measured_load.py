@@ -10,10 +10,10 @@ from ema_bench_replay.recording import POINTS, Recording
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.torque_error import torque_error
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.simulate_many import simulate_many
 from ema_twin_sim.simulation.twin import Twin

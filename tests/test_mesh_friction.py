@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench

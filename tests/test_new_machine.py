@@ -6,7 +6,7 @@ import yaml
 
 from docs.examples import press
 from ema_bench_replay.load import load
-from ema_twin_sim.discovery.consistency import inconsistencies
+from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.estimates import standard_errors
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe
-from ema_twin_sim.discovery.on_bound import on_bounds, reached_bound
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.estimates import standard_errors
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.on_bound import on_bounds, reached_bound
+from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.large_arm import open_arm, swings_of

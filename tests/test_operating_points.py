@@ -14,9 +14,9 @@ from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.commands.judged import write_evidence_bag
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.halves import halves
 from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.measured.folds import halves
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.operating_points import approached
 from ema_twin_sim.simulation.simulate import simulate

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.discovery.decoys import add_decoys
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe_all
-from ema_twin_sim.discovery.own_shape import by_own_shape
-from ema_twin_sim.discovery.search import settle
+from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
+from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.generic_bases import add_decoys
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record, with_signals
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")

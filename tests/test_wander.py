@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.equation import Equation
-from ema_twin_sim.discovery.fit import fit
-from ema_twin_sim.discovery.hypothesis import null_hypothesis
-from ema_twin_sim.discovery.observation import observe_all
-from ema_twin_sim.discovery.search import settle
-from ema_twin_sim.discovery.uncertainty import covariance
-from ema_twin_sim.discovery.wander import Wander
-from ema_twin_sim.discovery.wandering import wandering
+from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.uncertainty import covariance
+from ema_twin_sim.identification.wander import Wander
+from ema_twin_sim.identification.wandering import wandering
+from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record, with_signals
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4", "speed-sine:0.08:0.3")

@@ -53,11 +53,11 @@ def run(
     from ema_bench_replay.traces.trace_csv import read_trace
 
     from ..comparison.compare import compare as compare_models
-    from ..comparison.noise import noise_floors
     from ..discovery.discover import discover
     from ..fitting.fit import fit_model
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
+    from ..simulation.sensor_noise import noise_floors
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
 

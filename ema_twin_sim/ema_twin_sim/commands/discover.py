@@ -184,8 +184,8 @@ def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
 
 
 def _steps(found: Discovery) -> ReportTable:
-    from ..discovery.halves import HALF_OF
     from ..effects import catalogue
+    from ..measured.folds import HALF_OF
 
     several = len(found.unseen.recordings) > 1
     judged_on = f"recordings that were {'not ' if several else ''}fitted to"

@@ -69,7 +69,6 @@ def run(
     """
     from ema_bench_replay.recording import refuse_points
 
-    from ..comparison.noise import noise_floors
     from ..model import save_model
     from ..model.matching import matched
     from ..model.model_file import check_model_name
@@ -77,6 +76,7 @@ def run(
     from ..nodes.live_model import live_model
     from ..own_effects import load_effects
     from ..simulation.dc_link_check import refuse_recording_beyond_link
+    from ..simulation.sensor_noise import noise_floors
     from ..simulation.simulate import choose_input
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
     from .rerun_file import check_rrd_name, tell_of_rrd

@@ -29,7 +29,7 @@ class ErrorPrinter:
     """
 
     def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
-        from ..comparison.noise import noise_floors
+        from ..simulation.sensor_noise import noise_floors
 
         self.watchers: list = []
         self._floors = noise_floors(model)

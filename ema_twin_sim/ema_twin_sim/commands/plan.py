@@ -18,8 +18,8 @@ from .wording import dependence_words, effect_words, listed
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
 
-    from ..discovery.bench_limits import Limits
-    from ..discovery.next_command import Proposal
+    from ..discovery.experiment.bench_limits import Limits
+    from ..discovery.experiment.next_command import Proposal
     from ..discovery.plan import Plan
     from ..model import Model
 
@@ -97,8 +97,8 @@ def _limits(
     recordings: Sequence[Recording], model: Model, speed: float | None, travel: float | None, current: float | None
 ) -> Limits | None:
     """What the recordings have driven, with the limits that are given in their place; None where none is."""
-    from ..discovery.bench_limits import driven_limits
-    from ..discovery.observation import observe
+    from ..discovery.experiment.bench_limits import driven_limits
+    from ..measured.observation import observe
 
     if speed is None and travel is None and current is None:
         return None
@@ -148,7 +148,7 @@ def show(found: Plan) -> None:
 
 
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
-    from ..discovery.next_command import DECIDED
+    from ..discovery.experiment.next_command import DECIDED
 
     table = ReportTable(f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)")
     table.words("command")

@@ -12,7 +12,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..discovery.consistency import inconsistencies
+from ..measured.consistency import inconsistencies
 from ..measured.scales import to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE

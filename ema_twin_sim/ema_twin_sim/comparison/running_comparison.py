@@ -10,8 +10,8 @@ from typing import TypedDict
 import numpy as np
 
 from ..model import Model
+from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import POINTWISE
-from .noise import noise_floors
 
 UNITS: dict[str, str] = {
     "current": "A",

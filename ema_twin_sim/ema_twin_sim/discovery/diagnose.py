@@ -18,20 +18,20 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
+from ..identification.equation import Equation
+from ..identification.estimates import reported, standard_errors
+from ..identification.fit import Fit, fit
+from ..identification.hypothesis import PARTING
+from ..identification.parallel import simulations
+from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
 from ..model.own_units import in_si, shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
+from .criteria.worth import gain, matters, price, price_of_noise
 from .discover import Discovery, discover
-from .equation import Equation
-from .estimates import reported, standard_errors
-from .fit import Fit, fit
-from .hypothesis import PARTING
-from .rivals import substitutes
-from .side_by_side import simulations
-from .trace import Round, Trial, new_names
-from .uncertainty import held_out
-from .worth import gain, matters, price, price_of_noise
+from .search.rivals import substitutes
+from .search.trace import Round, Trial, new_names
 
 BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
 DRAWS = 400

@@ -10,35 +10,35 @@ from typing import Any
 from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
+from ..identification.equation import Equation
+from ..identification.estimates import constants, far_off, parameters, standard_errors
+from ..identification.fit import Fit, fit
+from ..identification.hypothesis import PARTING, Hypothesis, null_hypothesis
+from ..identification.on_bound import on_bounds
+from ..measured.consistency import refuse_inconsistent
+from ..measured.folds import halves
+from ..measured.observability import at_rest, not_shown, woken
+from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
+from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
 from .cautions import ALONE, OPEN_CONSTANTS
-from .company import in_better_company, thought_again
-from .consistency import refuse_inconsistent
-from .contradictions import contradictions
+from .criteria.contradictions import contradictions
+from .criteria.explained import apart, explained
 from .ending import NOISY, why_ended
-from .equation import Equation
-from .estimates import constants, far_off, parameters, standard_errors
-from .explained import apart, explained
-from .fit import Fit, fit
-from .halves import halves
-from .hypothesis import PARTING, Hypothesis, null_hypothesis
+from .experiment.suggestion import suggest
 from .left_over import left_over_words
-from .observation import observe_all
-from .on_bound import on_bounds
-from .rivals import Rivalry, judged_against_rivals
-from .search import ROUNDS, less, search, settle, significant
-from .shown_by_points import at_rest, not_shown, woken
+from .search.rivals import Rivalry, judged_against_rivals
+from .search.search import ROUNDS, less, search, settle, significant
+from .search.search_order import in_better_company, thought_again
+from .search.trace import Round, Search, new_names
+from .search.unknown import beside_the_unknown, doubted
+from .search.wandering_end import wandering_after_all
 from .split import with_best_split
-from .suggestion import suggest
-from .switching_ripple import with_switching_ripple
-from .trace import Round, Search, new_names
-from .unknown import beside_the_unknown, doubted
 from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
-from .wandering_end import wandering_after_all
 
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from ..identification.equation import Equation
 from ..model.own_units import shown
 from ..quantities import quantity
-from .episodes import episodes, listed_episodes
-from .equation import Equation
-from .explained import lagging
-from .trace import Search
+from .criteria.episodes import episodes, listed_episodes
+from .criteria.explained import lagging
+from .search.trace import Search
 from .unseen import Unseen
 
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise

@@ -15,15 +15,15 @@ import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..identification.equation import Equation
+from ..identification.fit import Fit
+from ..identification.generic_bases import dependence
+from ..measured.observation import STANDSTILL
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
-from .decoys import dependence
 from .discover import Discovery
-from .equation import Equation
-from .fit import Fit
-from .observation import STANDSTILL
-from .trace import Round, Trial, new_names
+from .search.trace import Round, Trial, new_names
 
 BINS = 24
 FEWEST = 5  # rows of a bin that has a median

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
+from ..identification.equation import Equation
+from ..identification.fit import Fit
+from ..measured.observation import STANDSTILL
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from ..quantities import quantity
-from .equation import Equation
-from .fit import Fit
-from .observation import STANDSTILL
-from .trace import Search
+from .search.trace import Search
 
 _BINS = 24
 _FEWEST = 5  # rows of a bin that has a median

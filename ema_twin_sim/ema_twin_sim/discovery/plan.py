@@ -9,10 +9,10 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from .bench_limits import Limits, driven_limits
 from .discover import discover
-from .doubts import doubts
-from .next_command import DECIDED, Choice, Pair, Proposal, best_command, signals_of
+from .experiment.bench_limits import Limits, driven_limits
+from .experiment.doubts import doubts
+from .experiment.next_command import DECIDED, Choice, Pair, Proposal, best_command, signals_of
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",

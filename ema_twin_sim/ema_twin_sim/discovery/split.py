@@ -16,13 +16,13 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..identification.equation import Equation
+from ..identification.fit import fit
+from ..identification.hypothesis import Hypothesis
+from ..identification.parallel import simulations
 from ..model import Model
 from ..simulation.simulate import choose_input
-from .equation import Equation
-from .fit import fit
-from .hypothesis import Hypothesis
-from .side_by_side import simulations
-from .trace import Search
+from .search.trace import Search
 from .unseen import squares
 
 BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred

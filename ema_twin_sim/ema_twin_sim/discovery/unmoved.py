@@ -13,13 +13,13 @@ from collections.abc import Mapping, Sequence
 
 from ema_bench_replay.recording import Recording
 
+from ..identification.equation import Equation
+from ..identification.estimates import standard_errors
+from ..identification.fit import Fit, fit
+from ..identification.hypothesis import LAG, Hypothesis
 from ..simulation.simulate import choose_input
-from .equation import Equation
-from .estimates import standard_errors
-from .fit import Fit, fit
-from .hypothesis import LAG, Hypothesis
+from .search.trace import Search
 from .split import held_at, loop_error
-from .trace import Search
 
 MOVED = 2.0  # standard errors from its file's value within which a constant is not known to have moved
 AS_WELL = 1.02  # of the squared error of the closed loop: what the file's values may cost

@@ -11,16 +11,16 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..comparison.noise import noise_floors
 from ..comparison.running_comparison import share_removed
+from ..identification.equation import Equation
+from ..identification.fit import Fit
+from ..identification.parallel import simulations
+from ..identification.uncertainty import held_out
 from ..model import Model
 from ..model.own_units import in_si, shown
+from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import choose_input, simulate
-from .equation import Equation
-from .fit import Fit
-from .side_by_side import simulations
-from .trace import Search
-from .uncertainty import held_out
+from .search.trace import Search
 
 WORSE = 1.2  # times the error of the start, from which on the end is worse
 

@@ -9,14 +9,14 @@ from functools import cached_property
 
 import numpy as np
 
-from ..comparison.noise import counter_noise
-from ..discovery.equation import CORRELATION, Equation
-from ..discovery.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
-from ..discovery.valleys import NARROW
-from ..discovery.weighting import Weighting
+from ..identification.equation import CORRELATION, Equation
+from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
+from ..identification.local_minima import NARROW
+from ..identification.weighting import Weighting
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
+from ..simulation.sensor_noise import counter_noise
 from .freedom import Freedom, Number
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")

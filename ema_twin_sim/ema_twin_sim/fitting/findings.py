@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..discovery.on_bound import reached_bound
-from ..discovery.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..effects import catalogue
+from ..identification.on_bound import reached_bound
+from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..model import Model
 from ..model.own_units import shown
 from .absurd import Circumstances, absurdities

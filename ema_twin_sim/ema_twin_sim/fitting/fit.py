@@ -15,14 +15,14 @@ from ema_bench_replay.recording import Recording
 from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
-from ..discovery.consistency import refuse_inconsistent
-from ..discovery.equation import Equation
-from ..discovery.halves import halves
-from ..discovery.observation import observe_all
-from ..discovery.shown_by_points import at_rest, woken
-from ..discovery.switching_ripple import with_switching_ripple
 from ..effects import catalogue
+from ..identification.equation import Equation
+from ..measured.consistency import refuse_inconsistent
+from ..measured.folds import halves
+from ..measured.observability import at_rest, woken
+from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
+from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown_entry

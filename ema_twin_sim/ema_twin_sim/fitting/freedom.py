@@ -10,9 +10,9 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..discovery.hypothesis import GUESSED, INERTIAS, PARTING, SIDES_PRIOR
-from ..discovery.search_limits import Reached, search_limits
 from ..effects import Parameter, catalogue
+from ..identification.hypothesis import GUESSED, INERTIAS, PARTING, SIDES_PRIOR
+from ..identification.search_limits import Reached, search_limits
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest

@@ -21,11 +21,11 @@ from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.recording import Recording
 
-from ..comparison.noise import counter_noise, noise_floors
-from ..discovery.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
+from ..measured.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
+from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
 from .freedom import Freedom
 

@@ -8,14 +8,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..discovery.equation import FAR, Equation
-from ..discovery.excerpt import excerpt
-from ..discovery.fit import fit
-from ..discovery.hypothesis import PARTING, null_hypothesis
-from ..discovery.structure import DAMPING, STIFFNESS, WIDTHS, encoder_spread
-from ..discovery.valleys import NARROW, WIDE
-from ..discovery.weighting import Weighting
 from ..effects import catalogue
+from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spread
+from ..identification.equation import FAR, Equation
+from ..identification.excerpt import excerpt
+from ..identification.fit import fit
+from ..identification.hypothesis import PARTING, null_hypothesis
+from ..identification.local_minima import NARROW, WIDE
+from ..identification.weighting import Weighting
 from .equation_misfit import EquationMisfit
 from .freedom import Freedom, split, waves
 from .solver import Solution, refine, solve

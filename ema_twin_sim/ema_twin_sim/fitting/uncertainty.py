@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..discovery.uncertainty import blocks, scaled_inverse
+from ..identification.uncertainty import blocks, scaled_inverse
 from .misfit import Misfit
 from .solver import Solution, priors
 

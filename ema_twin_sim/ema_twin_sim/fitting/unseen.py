@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import MIXED
 from ..comparison.running_comparison import RunningComparison, SignalError
-from ..discovery.halves import HALF_OF
+from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
 from ..simulation.simulate import simulate

@@ -15,7 +15,7 @@ _SET = r"(\bset|\bref|\bcmd|command|desired|target|soll|demand|goal)"
 _NO_SIGNAL = re.compile(r"error|fehler|deviation|abweichung|limit|\bdc\b|\bmax|\bmin\b", re.IGNORECASE)
 _TORQUE = r"torque|force|moment|kraft"
 _SPEED = r"speed|velocity|drehzahl|geschwindigkeit|omega"
-_PLACE = r"position|angle|pos\b|lage|winkel|\bweg\b"
+_PLACE = r"position|angle|pos\b|lage|winkel|\bweg\b|twist|verdreh"
 _OUTPUT = r"(output|load|joint|link|arm|slow|secondary|abtrieb)"
 
 _SIGNALS: tuple[tuple[str, str], ...] = (
@@ -93,6 +93,9 @@ def guess_columns(header: Sequence[str], no_numbers: frozenset[str] = frozenset(
                 taken[signal] = name
                 free.remove(name)
                 break
+    _as_the_only_one(taken, "motor_position", "output_position")
+    if "current" not in taken:
+        _as_the_only_one(taken, "motor_torque", "load_torque")
     linear = any(
         _UNIT.search(name) and _unit(name, signal, "linear")
         for signal, name in taken.items()
@@ -102,6 +105,12 @@ def guess_columns(header: Sequence[str], no_numbers: frozenset[str] = frozenset(
     signals = tuple(Guess(signal, name, _unit(name, signal, motion)) for signal, name in taken.items())
     left = tuple(name for name in header if name != time and name not in taken.values())
     return Guesses(None if time is None else _time(time), signals, left, motion)
+
+
+def _as_the_only_one(taken: dict[str, str], signal: str, other: str) -> None:
+    """The machine's own where there is but one: of a joint's angle alone, it is the motor's that the joint tells."""
+    if signal not in taken and other in taken:
+        taken[signal] = taken.pop(other)
 
 
 def _is_time(name: str) -> bool:

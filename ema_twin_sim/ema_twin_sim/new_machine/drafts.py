@@ -58,11 +58,19 @@ def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[
             units = {guess.signal: guess.unit for guess in guesses.signals}
             known = None not in (units.get("motor_position"), units.get("speed"))
             shaft = position_shaft(recording, given.gear_ratio, units_known=known)
+            if shaft.name == "motor" and _told_at_the_output(guesses):
+                shaft = Shaft("output", given.gear_ratio)
             drafted = draft_map(guesses, of, shaft)
         model = draft_model(recording, given, shaft)
         files[1].write_text(model)
         load_model(files[1])
     return drafted, model
+
+
+def _told_at_the_output(guesses: Guesses) -> bool:
+    """Whether position and speed, where there is one, both say in their names that they are the output's."""
+    shafts = {guess.shaft for guess in guesses.signals if guess.signal in ("motor_position", "speed")}
+    return shafts == {"output"}
 
 
 def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..discovery.consistency import is_usual_mistake, way_by_speed
+from ..measured.consistency import is_usual_mistake, way_by_speed
 
 OWN = 0.1  # of one, within which a position goes the way of the motor's speed
 ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..comparison.noise import noise_floors
 from ..model import Model
+from ..simulation.sensor_noise import noise_floors
 from ..simulation.twin import Twin
 
 

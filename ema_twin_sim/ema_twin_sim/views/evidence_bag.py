@@ -24,7 +24,7 @@ from ema_bench_replay.recording import Recording
 
 from ..discovery.discover import Discovery
 from ..discovery.evidence import Compared, compared_fits
-from ..discovery.halves import HALF_OF
+from ..measured.folds import HALF_OF
 from ..model.own_units import shown
 from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 

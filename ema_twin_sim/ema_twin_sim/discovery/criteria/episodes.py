@@ -1,0 +1,64 @@
+"""Episodes: stretches of time in which a machine was another than before and after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...identification.equation import Equation
+from ...identification.fit import Fit
+from ...plant.measured_motion import SPEED, TIME
+
+FAR = 8.0  # standard deviations of a row's noise
+SHORTEST = 0.1  # s
+HOLES = 0.2  # s within an episode in which rows may be near again, or not judged
+MOST = 0.6  # of all rows that are far off must lie in episodes
+LONGEST = 0.5  # of a recording's rows: what is off for longer is no episode
+
+
+@dataclass(frozen=True)
+class Episode:
+    """One stretch of a recording, and the mean torque [N m, fast shaft] that it asks for beyond the model.
+
+    ``against`` counts it positive where it brakes the motion.
+    """
+
+    recording: str
+    start: float  # s
+    end: float  # s
+    torque: float
+    against: float
+
+
+def episodes(eq: Equation, f: Fit) -> tuple[Episode, ...]:
+    """The stretches in which what is left over stands far out of the noise; none where it does so all along."""
+    found = []
+    far_rows = in_episodes = 0
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        if o.of_points:  # whose order tells of no time
+            continue
+        raw = f.raw[part]
+        time = o.motion[o.rows, TIME]
+        far = np.flatnonzero(np.abs(raw) > FAR)
+        far_rows += len(far)
+        if not len(far) or len(far) > LONGEST * len(raw):
+            continue
+        for piece in np.split(far, np.flatnonzero(np.diff(time[far]) > HOLES) + 1):
+            start, end = float(time[piece[0]]), float(time[piece[-1]])
+            if end - start < SHORTEST:
+                continue
+            in_episodes += len(piece)
+            torque = raw[piece] * o.torque_noise[piece]
+            braking = torque * np.sign(o.motion[o.rows[piece], SPEED])
+            found.append(Episode(o.name, start, end, float(np.mean(torque)), float(np.mean(braking))))
+    return tuple(found) if in_episodes > MOST * far_rows else ()
+
+
+def listed_episodes(found: Sequence[Episode], most: int = 6, second: float = 1.0) -> str:
+    """``RUN from 4.91 s to 6.72 s, …``, the longest of them in order of time; a ``second`` of theirs is so many s."""
+    longest = sorted(found, key=lambda e: e.start - e.end)[:most]
+    told = [f"{e.recording} from {second * e.start:.2f} s to {second * e.end:.2f} s" for e in found if e in longest]
+    more = len(found) - len(told)
+    return ", ".join(told) + (f", and {more} more" if more else "")

@@ -1,0 +1,111 @@
+"""Explained: whether nothing is left that the sensors' noise does not account for, by an explanation to believe."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...identification.equation import Equation
+from ...identification.fit import Fit
+from ...identification.generic_bases import add_decoys
+from ...identification.screening import screen_decoys
+from ...measured.observation import STANDSTILL
+from ...plant.measured_motion import SPEED
+from .plausible import only_constants, strained
+from .worth import CLIP, SHAKY, left_over
+
+UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
+MUCH = 2.0  # times that, from which on it is not asked what it depends on
+MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
+MISFIT_DOUBTED = 1.1  # the same, from which on it is asked whether that depends on anything
+DEPENDS = 25.0  # gain of such a dependence; where nothing is missing, it stays below ten
+BRISTLED = 2.0  # times these where friction gives way before it slides: every law of that does so a little differently
+REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
+APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
+INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
+LAGGING = 8.0  # standard deviations of a single reading: the first sample's own noise stays below four
+NEARLY = 0.1  # of the torque's rms
+PARTLY = 0.25  # of how far the encoders part at the start
+WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
+REMAINS = (
+    0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
+)
+
+
+def explained(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
+    if f.hypothesis.base.is_open:
+        return _nearly(eq, f) and not apart(eq, f, start)
+    return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
+
+
+def _nearly(eq: Equation, f: Fit) -> bool:
+    """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
+
+    There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand. Not asked
+    of the few rows in which it stops or breaks away: there no friction slides.
+    """
+    slides = np.concatenate([o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in eq.observations])
+    left = f.raw[: eq.size][slides] * eq.noise[slides]
+    return float(np.sum(left**2)) <= NEARLY**2 * float(np.sum(eq.torque[slides] ** 2))
+
+
+def apart(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses.
+
+    And whether the output has lagged behind since the start, which nothing but play and springs lets it: a fit leaves
+    the encoders' zeros open, and in one direction no more than that shows.
+    """
+    before = eq.residual(start.predicted)[eq.size :]
+    parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
+    if f.hypothesis.base.is_open:  # as with the torque: no more can be asked than that little is left
+        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[eq.size :] ** 2))) > max(PARTLY * parted, APART)
+    if lagging(eq, f):
+        return True
+    usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
+    allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
+    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
+    return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
+
+
+def lagging(eq: Equation, f: Fit) -> dict[str, float]:
+    """By recording, how far [rad, slow shaft] its output lies off the motor since the first sample, beyond its noise.
+
+    Nothing beside play or a spring, where it may begin anywhere, nor of a machine whose encoders are not known.
+    """
+    found: dict[str, float] = {}
+    if f.parted or f.hypothesis.base.is_open:
+        return found
+    for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
+        first = o.encoder_piece == o.encoder_piece[0] if len(o.encoder_rows) else np.zeros(0, bool)
+        if first.any():
+            off = float(np.median((eq.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
+            reading = float(o.encoder_noise.min()) / float(np.linalg.norm(o.kernel))
+            if abs(off) > LAGGING * reading:
+                found[o.name] = off
+    return found
+
+
+def depends(eq: Equation, f: Fit) -> bool:
+    """Whether what is left depends on anything."""
+    add_decoys(eq)
+    return any(gained > DEPENDS for gained, _ in screen_decoys(eq, f)[:1])
+
+
+def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
+    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
+    bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
+    if not f.parted:
+        misfit = float(eq.costs(f.raw)[: eq.size].mean()) / (BRISTLED if bristled else 1.0)
+        if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(eq, f)):
+            return True
+    for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
+        if not len(o.rows):
+            continue
+        allowed = UNEXPLAINED * float(np.median(o.torque_noise))
+        if bristled:
+            allowed *= BRISTLED
+        if f.parted:
+            allowed = max(SHAKY * allowed, REMAINDER * before)
+        if left > allowed and (f.parted or left > MUCH * allowed or depends(eq, f)):
+            return True
+    return False

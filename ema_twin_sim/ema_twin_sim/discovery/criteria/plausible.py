@@ -1,0 +1,103 @@
+"""Plausible: what an explanation must be beside fitting well, so that a wrong model is not dressed up.
+
+Where the true cause is in no catalogue, two or three effects together can stand in for it. They give themselves away:
+constants of the machine end far from what its file says, a size is hardly known to be there at all, or each constant
+has a cause of its own.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...effects import catalogue
+from ...identification.equation import Equation
+from ...identification.fit import Fit, fit, prior_rows
+from ...identification.hypothesis import LAG, SIDED
+from ...identification.uncertainty import covariance, scaled_inverse
+from .worth import COST_PARAMETER, FLOOR, unique
+
+STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
+STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
+STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it should have put them right
+OFF = 2.0  # tolerances that are worth telling then
+OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
+SIGNIFICANT = 4.0  # standard errors from doing nothing, the shape held
+KNOWN = 1.0  # standard errors that a size must have with its shape free: 49 ± 57 mN m is no number to give anybody
+NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
+LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
+"""Effects of which each may stand behind one constant that is off, where the model has it."""
+BEHIND_ALL = "torque_constant_error"  # what may stand behind all of them at once
+
+
+def strained(f: Fit) -> tuple[str, ...]:
+    """What the constants act over that ended far from what the model's file says, one alone or all together.
+
+    Of inertia and friction that a gearbox parts, it is the sums: their shares are hardly known.
+    """
+    values = {**f.hypothesis.by_path, **f.hypothesis.as_the_file_shares()}
+    off = {
+        free.path: abs(values[free.path] - free.prior[0]) / free.prior[1]
+        for free in f.hypothesis.free
+        if free.prior is not None and free.path != LAG and not free.path.startswith(SIDED)
+    }
+    told_by_constants = any(catalogue()[id].depends_on in NOTHING_ELSE for id in f.hypothesis.effects)
+    most = STRAINED_BESIDE if told_by_constants else STRAINED_TOGETHER
+    limit = OFF if sum(z**2 for z in off.values()) > most else STRAINED
+    over = [OVER[path.partition(".")[2]] for path, z in off.items() if z > limit]
+    return tuple(dict.fromkeys(over))
+
+
+def insignificant(eq: Equation, f: Fit) -> str | None:
+    """The added effect that is the least sure to be there, where that is not sure enough.
+
+    A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
+    free it must be known at least to its own size. Not asked of what constants off their file show: how far they are
+    off was that effect's worth.
+    """
+    away = {}
+    spread = covariance(eq, f)
+    paths = [free.path for free in f.hypothesis.free]
+    for name in f.hypothesis.added:
+        instance = f.hypothesis.instance(name)
+        effect = catalogue()[instance.effect]
+        size = effect.parameters[0]
+        if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
+            k = paths.index(f"effects.{name}.{size.name}")
+            others = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]
+            shape = others if size.neutral is not None else []
+            with_shape = spread[k, shape]
+            variance = spread[k, k] - with_shape @ scaled_inverse(spread[np.ix_(shape, shape)]) @ with_shape
+            # of a stiffness, it is the softness that is there or not: as many standard errors from none
+            off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
+            away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
+            if abs(off) < KNOWN * math.sqrt(max(float(spread[k, k]), 0.0)):
+                return name
+    least = min(away, key=lambda name: away[name], default=None)
+    return least if least is not None and away[least] < SIGNIFICANT else None
+
+
+def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
+    """Added effects that nothing but constants far from their file calls for, where these are several.
+
+    One cause may stand behind one constant; a cause for each is no explanation. And what is to stand behind all of
+    them must do so: where one constant alone is off, and only half put right, it is not what all have in common.
+    """
+    for name, instance in f.hypothesis.added.items():
+        if instance.effect == BEHIND_ALL:
+            unscaled = fit(eq, f.hypothesis.without(name), 4, known=f)
+            if f.prior_cost > _beside_the_worst(unscaled) + COST_PARAMETER:
+                return (name,)
+    alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
+    if len(alike) < 2:
+        return ()
+    bare = {name: fit(eq, f.hypothesis.without(name), 4, known=f) for name in alike}
+    found = tuple(name for name in alike if unique(eq, bare[name], f) < FLOOR)
+    return found if len(found) > 1 else ()
+
+
+def _beside_the_worst(f: Fit) -> float:
+    """What the constants cost that are off their file, but for the one that is off the most."""
+    residuals, _ = prior_rows(f.hypothesis)
+    return float(residuals @ residuals - np.max(residuals**2, initial=0.0))

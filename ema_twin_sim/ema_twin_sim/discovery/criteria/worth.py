@@ -1,0 +1,155 @@
+"""Worth: what an effect must gain to be named. Every effect and every number that it brings has a price.
+
+Prices are in units of the noise, a chi-square over the rows' correlation: what is not there gains a few by chance, and
+more where the best of many is taken. They were set on benches with nothing hidden, so that none of these is accused.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ...effects import catalogue
+from ...identification.equation import Equation
+from ...identification.fit import Fit
+from ...identification.hypothesis import PARTING
+
+COST_EFFECT = 7.0
+COST_PARAMETER = 4.0
+COST_DECOY = 6.0  # of each column
+SHAKY = 3.0  # times more is gained by chance beside an output that bounces
+CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
+STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
+FLOOR = 0.2  # of a recording's noise: the smallest share worth a name
+SHAKY_FLOOR = 0.7  # the same beside an output that bounces, which is never known as well as one that does not
+UNLOADED_FLOOR = 0.35  # the same of friction in proportion to a load where there is none: it looks like all friction
+SURE = 40.0  # gain from which on friction in proportion to a load may be half as small there
+VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
+SHARE = 0.1  # of the excess that an effect must remove
+BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
+"""What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
+ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
+PARTING_SHARE = 0.02  # of how far the encoders of a machine that is not known part, in power
+LARGEST = 2.0  # times the largest torque measured: what one effect may come to
+AT_BOUND = 0.99  # of a bound, from which on a number stands on it
+FEWEST = 20  # rows of a recording that tell anything
+
+
+def price(f: Fit) -> float:
+    """What a hypothesis costs beside its misfit: priors, effects, parameters."""
+    parameters = sum(fr.path.startswith("effects.") for fr in f.hypothesis.free)
+    decoys = sum(fr.path.startswith("decoy.") for fr in f.hypothesis.free)
+    return f.prior_cost + COST_EFFECT * len(f.hypothesis.added) + COST_PARAMETER * parameters + COST_DECOY * decoys
+
+
+def gain(eq: Equation, before: Fit, after: Fit) -> float:
+    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
+    return (before.misfit - after.misfit) / price_of_noise(eq, before, after) + price(before) - price(after)
+
+
+def price_of_noise(eq: Equation, before: Fit, after: Fit) -> float:
+    """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
+    shaky = SHAKY if before.parted and after.parted else 1.0
+    return shaky * min(before.temperature, after.temperature)
+
+
+def unique(eq: Equation, before: Fit, after: Fit) -> float:
+    """The largest rms, in units of noise, that an effect takes from some recording's rows.
+
+    Beside a gearbox that bounces or rings, a torque must show in the torque, and not right after an impact: what lies
+    there, and where the output comes to rest, no contact law gets right.
+    """
+    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    by_torque = before.parted and after.parted and not came & ENCODER_ONLY
+    fell = after.weights**2 * (before.raw**2 - after.raw**2)
+    best = 0.0
+    for k, part in enumerate(eq.torque_parts):
+        rows = fell[part][eq.observations[k].calm] if by_torque else fell[part]
+        if len(rows) >= FEWEST:
+            best = max(best, float(np.mean(rows)))
+    for part in () if by_torque else eq.encoder_parts:
+        if part.stop - part.start >= FEWEST:
+            best = max(best, float(np.mean(fell[part])))
+    return math.sqrt(best)
+
+
+def matters(eq: Equation, before: Fit, after: Fit) -> bool:
+    """Whether a step is large enough to be named."""
+    came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
+    if any(_does_nothing(after, name) or _too_large(eq, after, name) for name in came):
+        return False
+    over = {catalogue()[id].depends_on for id in came.values()}
+    if over == {"encoders"} and _hardly_parts(eq, before, after):
+        return False
+    relief = before.prior_cost - after.prior_cost
+    if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
+        return True
+    if before.parted != after.parted or "encoders" in over:
+        count, misfit, remains = eq.judged, before.misfit, after.misfit
+    else:  # encoders that do not fit are no matter of torques
+        count = eq.size
+        misfit, remains = (float(eq.costs(f.raw)[:count].sum()) for f in (before, after))
+    fall, excess = misfit - remains, max(misfit - count, 0.0)
+    left = math.sqrt(max(1.0, remains / count))
+    floor = SHAKY_FLOOR if after.parted and not came.keys() <= _before_the_gearbox(after) else FLOOR
+    if [*came.values()] == ["mesh_friction"]:
+        if not VARYING_LOADS & after.hypothesis.held:
+            floor = max(floor, UNLOADED_FLOOR)
+        elif after.parted and gain(eq, before, after) > SURE:
+            # a few per cent of a load are less than any other effect, and nothing else follows the load's size
+            floor *= 0.5
+    return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
+
+
+def _before_the_gearbox(f: Fit) -> set[str]:
+    """The added effects that came before play or spring: the torque alone tells of them."""
+    added = f.hypothesis.added
+    parts = [held.effect in PARTING for held in added.values()]
+    return {*list(added)[: parts.index(True)]} if True in parts else set()
+
+
+def left_over(eq: Equation, f: Fit) -> list[float]:
+    """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
+    parted = f.parted
+    found = []
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]  # of a standstill there are none
+        if len(z) < FEWEST:
+            found.append(0.0)
+            continue
+        sizes = np.sort(np.minimum(np.abs(z), CLIP))[: -max(STRAY_ROWS, len(z) // 100)]
+        excess = max(float(np.mean(sizes**2)) - 1.0, 0.0)
+        found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
+    return found
+
+
+def _hardly_parts(eq: Equation, before: Fit, after: Fit) -> bool:
+    """Whether next to nothing of how far the encoders part is gone: all that can be asked where they are not known."""
+    if not after.hypothesis.base.is_open:
+        return False
+    parted, gone = 0.0, 0.0
+    for part in eq.encoder_parts:
+        noise = eq.noise_of_encoders(part)
+        difference = eq.measured[part] * noise
+        parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
+        gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
+    return gone < PARTING_SHARE * parted
+
+
+def _too_large(eq: Equation, f: Fit, name: str) -> bool:
+    """Whether an effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
+    instance = f.hypothesis.instance(name)
+    size = catalogue()[instance.effect].parameters[0]
+    most = LARGEST * float(np.abs(eq.torque).max(initial=0.0))
+    return size.unit == "N m" and abs(instance.parameters[size.name]) > most
+
+
+def _does_nothing(f: Fit, name: str) -> bool:
+    """Whether an effect's stiffness is as high as it may be, where it does not show: it stands in for another."""
+    size = catalogue()[f.hypothesis.added[name].effect].parameters[0]
+    path = f"effects.{name}.stiffness"
+    if size.name != "stiffness" or size.neutral is not None:
+        return False
+    upper = next(free.upper for free in f.hypothesis.free if free.path == path)
+    return f.hypothesis.by_path[path] >= AT_BOUND * upper

@@ -1,0 +1,225 @@
+"""Doubts: which explanations the recordings leave open, each as a hypothesis that can be simulated.
+
+A found effect is in doubt where something else in its place explains the recordings nearly as well: another effect,
+another kind of the same, or nothing but constants within their tolerance. An effect that was too small to be named is
+in doubt too; and where no recording reverses, a load is, found or not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...effects import catalogue
+from ...identification.candidates import Candidate, candidates
+from ...identification.equation import Equation
+from ...identification.fit import Fit, fit, prior_rows
+from ...identification.hypothesis import PARTING, Hypothesis
+from ...identification.screening import screen
+from ...measured.observation import STANDSTILL
+from ...model import EffectInstance
+from ...plant.measured_motion import SPEED
+from ..criteria.worth import ENCODER_ONLY, FLOOR, gain
+from ..search.rivals import Rivalry
+from ..search.search import entrants
+from ..search.trace import Search
+
+OPEN = 16.0
+"""Price paid, in units of noise (four standard deviations): a rival that loses by less is not yet beaten."""
+ALTERNATIVES = 3
+"""Explanations that are held against a found effect."""
+NOTHING = "none"
+_SHOWN_BY_REVERSALS = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
+_NOTED = 0.5  # share of the smallest size worth a name from which on an effect is worth another look
+_SURE = 64.0  # squared standard errors above zero from which on nobody asks whether an effect is there at all
+_MOVING = 0.1  # s of motion that make a direction
+_AWAY = 2.0  # standard errors by which what one direction leaves open is taken to be away from zero
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """One explanation of all recordings: what it is called among its rivals, and its fit."""
+
+    name: str  # an effect with its kind, or ``none``
+    fit: Fit
+
+
+@dataclass(frozen=True, eq=False)
+class Doubt:
+    """Rivals of which the recordings do not tell which is right, the leading one first."""
+
+    rivals: tuple[Rival, ...]
+    behind: tuple[float, ...]  # how much each loses by to the first, prices paid, in units of noise
+    reason: str
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the rivals are called."""
+        return tuple(rival.name for rival in self.rivals)
+
+
+def doubts(
+    eq: Equation,
+    found: Search,
+    rivals: Sequence[Rivalry],
+    without: frozenset[str] = frozenset(),
+    *,
+    thorough: bool = True,
+) -> tuple[Doubt, ...]:
+    """What the recordings of ``eq`` leave in doubt after a search and the look at its rivals.
+
+    ``thorough`` holds every effect of the catalogue against each found one, and not its known rivals only, unless a
+    gearbox with play or spring has to be simulated for that.
+    """
+    best = found.fit
+    standing = {rivalry.effect: rivalry for rivalry in rivals}
+    held = []
+    for name, instance in best.hypothesis.added.items():
+        if instance.effect in PARTING:
+            continue  # what parts the encoders was decided by their difference
+        wanted: set[str] = set()
+        fits: tuple[Fit, ...] = ()
+        if instance.effect in standing:
+            rivalry = standing[instance.effect]
+            fits = tuple(f for f in rivalry.fits if name not in f.hypothesis.added)
+            wanted = {*rivalry.group} - {instance.effect}
+            if rivalry.behind < OPEN:
+                wanted.add(rivalry.runner_up)
+        if thorough and not best.parted:  # a gearbox takes too long to try everything on
+            wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
+        doubt = _about(eq, best, name, wanted, without, fits)
+        if doubt is not None:
+            held.append(doubt)
+    doubt = _too_small(eq, found)
+    if doubt is not None:
+        held.append(doubt)
+    if not reverses(eq):
+        doubt = _one_direction(eq, best, without, {n.partition("(")[0] for d in held for n in d.names})
+        if doubt is not None:
+            held.append(doubt)
+    return tuple(held)
+
+
+def reverses(eq: Equation) -> bool:
+    """Whether the recordings show motion in both directions."""
+    forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in eq.observations)
+    backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in eq.observations)
+    return min(forward, backward) > _MOVING
+
+
+def information(eq: Equation, f: Fit) -> np.ndarray:
+    """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
+    _, pj = prior_rows(f.hypothesis)
+    return f.jacobian.T @ f.jacobian / f.temperature + pj.T @ pj
+
+
+def _about(
+    eq: Equation, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
+) -> Doubt | None:
+    """The doubt about a found effect: what of its alternatives, none included, loses by little; some have ``fits``."""
+    instance = best.hypothesis.added[name]
+    kinds = _other_kinds(best.hypothesis, name, without)
+    if not (wanted or kinds or fits or _may_be_nothing(eq, best, name)):
+        return None
+    bare = fit(eq, best.hypothesis.without(name), 4, known=best)
+    tried = list(fits)
+    if wanted:
+        barred = without | (frozenset(catalogue()) - wanted)
+        tried += [fit(eq, h, 6, known=bare) for h in entrants(eq, bare, barred)[:ALTERNATIVES]]
+    for s in screen(eq, bare, kinds):
+        h = bare.hypothesis.with_effect(s.candidate.effect, s.candidate.options, s.start)
+        tried.append(fit(eq, h, 6, known=bare))
+    others = {
+        _last(f).effect: f for f in sorted(tried, key=lambda f: gain(eq, best, f)) if _last(f).effect != instance.effect
+    }
+    alike = [f for f in tried if _last(f).effect == instance.effect]
+    rivals = [Rival(NOTHING, bare), *(Rival(id, f) for id, f in others.items())]
+    rivals += [Rival(_in_full(_last(f)), f) for f in alike]
+    behind = [(-gain(eq, best, rival.fit), rival) for rival in rivals]
+    near = sorted((entry for entry in behind if entry[0] < OPEN), key=lambda entry: entry[0])[:ALTERNATIVES]
+    if not near:
+        return None
+    own = _in_full(instance) if any(rival.fit in alike for _, rival in near) else instance.effect
+    instead = " or ".join(
+        "nothing but constants within their tolerance" if rival.name == NOTHING else rival.name for _, rival in near
+    )
+    return Doubt(
+        (Rival(own, best), *(rival for _, rival in near)),
+        (0.0, *(loss for loss, _ in near)),
+        f"{instead} would explain the recordings nearly as well as {own}",
+    )
+
+
+def _last(f: Fit) -> EffectInstance:
+    return list(f.hypothesis.added.values())[-1]
+
+
+def _in_full(instance: EffectInstance) -> str:
+    return Candidate(instance.effect, instance.options).name
+
+
+def _other_kinds(h: Hypothesis, name: str, without: frozenset[str]) -> list[Candidate]:
+    """The same effect with one option chosen differently, numbers apart: these show themselves."""
+    instance = h.added[name]
+    barred = without | (frozenset(catalogue()) - {instance.effect})
+
+    def differs_in_kind(options: dict[str, str]) -> bool:
+        changed = [k for k, v in options.items() if v != instance.options.get(k)]
+        return len(changed) == 1 and not options[changed[0]].replace(".", "").isdigit()
+
+    return [c for c in candidates(h.without(name), barred) if differs_in_kind(dict(c.options))]
+
+
+def _may_be_nothing(eq: Equation, best: Fit, name: str) -> bool:
+    """Whether an effect's size is so uncertain that the recordings may do without it."""
+    size = catalogue()[best.hypothesis.added[name].effect].parameters[0]
+    if size.neutral is None:
+        return False
+    paths = [free.path for free in best.hypothesis.free]
+    k = paths.index(f"effects.{name}.{size.name}")
+    spread = np.linalg.pinv(information(eq, best), hermitian=True)[k, k]
+    return (best.hypothesis.values[k] - size.neutral) ** 2 < _SURE * float(spread)
+
+
+def _too_small(eq: Equation, found: Search) -> Doubt | None:
+    """The doubt about an effect that would have been worth its price, but was too small to be named.
+
+    Beside decoys, or an output that bounces, such a one is what no effect explains.
+    """
+    best = found.fit
+    if found.stopped is None or best.hypothesis.decoys or best.parted:
+        return None
+    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / eq.judged))
+    for trial in found.stopped.tried:
+        new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
+        if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:
+            name = trial.fit.hypothesis.added[new[0]].effect
+            reason = f"{name} shows, but is too small beside the noise to be named"
+            return Doubt((Rival(NOTHING, best), Rival(name, trial.fit)), (0.0, -trial.gain), reason)
+    return None
+
+
+def _one_direction(eq: Equation, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
+    """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
+    if best.hypothesis.held & {*_SHOWN_BY_REVERSALS} or named & {*_SHOWN_BY_REVERSALS}:
+        return None
+    id = next((id for id in _SHOWN_BY_REVERSALS if id not in without), None)
+    if id is None:
+        return None
+    rival = Rival(id, _as_large_as_may_be(eq, best, id))
+    reason = f"no recording reverses, and in one direction {id} looks like friction that is off by a little"
+    return Doubt((Rival(NOTHING, best), rival), (0.0, -gain(eq, best, rival.fit)), reason)
+
+
+def _as_large_as_may_be(eq: Equation, best: Fit, id: str) -> Fit:
+    """An effect as large as the recordings allow, the constants giving way to it."""
+    size = catalogue()[id].parameters[0]
+    free = fit(eq, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
+    k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")
+    spread = math.sqrt(float(np.linalg.pinv(information(eq, free), hermitian=True)[k, k]))
+    value = free.hypothesis.values[k] + math.copysign(_AWAY * spread, free.hypothesis.values[k])
+    base = best.hypothesis.base.with_effect(id, {size.name: min(max(value, size.lower), size.upper)})
+    return fit(eq, replace(best.hypothesis, base=base), 4, known=best)

@@ -1,0 +1,386 @@
+"""The command that would best tell rivals apart: each is simulated under many, and the others try to explain it.
+
+A rival may move every free number of its own, as far as the recordings so far and its tolerance leave it free. What it
+still cannot explain of another's simulated recording, and what it has to give up for the rest, is how far the two would
+come apart: in standard deviations, of the noise and of what no rival explains.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ...identification.equation import Equation
+from ...identification.hypothesis import Hypothesis
+from ...measured.observation import STANDSTILL, Observation, observe
+from ...model.own_units import shown
+from ...plant.measured_motion import SPEED, TIME
+from ...simulation.command import parse_command
+from ...simulation.lumped_model import lumped_model
+from ...simulation.virtual_bench import virtual_bench
+from ..search.rivals import CLOSE
+from .bench_limits import Limits, driven_limits, reached, widened
+from .command_grid import Planned, command_grid
+from .doubts import NOTHING, Doubt, Rival, information, reverses
+
+DECIDED = 5.0
+"""Standard deviations by which rivals must come apart for a recording to decide between them."""
+PLENTY = 30.0
+"""Standard deviations beyond which more is no better."""
+_ALIKE = 0.8  # share of the best separation from which on commands count as equals, and the gentlest is taken
+_GENTLE = 0.5  # share of the limits below which less is no gentler
+_SLOWEST = 2.0  # times standstill: the top speed of a command that shows anything
+_TURNS = 8  # half periods in a recording that are liked best
+_FINALISTS = 8  # commands that are looked at again, without linearising
+_FEW_FINALISTS = 2
+_STEP = 1.25e-4  # s of integration: a plan needs no more
+_STEPS = 3  # of a rival's fit to what another would show
+_RUNNERS_UP = 3
+_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not that of side_by_side, which works for each of the commands
+_NOTED = 0.7  # share of a difference that one part of a recording must hold to be told
+_DENSE = 1.3  # times more difference there than in the recording as a whole
+
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A command to record next, and what it would tell."""
+
+    command: str  # as ``simulate --command`` takes it
+    seconds: float
+    separation: Mapping[Pair, float]  # standard deviations by which each pair of rivals would come apart
+    beyond: tuple[str, ...]  # what it would exceed of what the recordings have driven
+    why: str
+
+    def as_json(self) -> dict[str, object]:
+        """SI units."""
+        return {
+            "command": self.command,
+            "seconds": self.seconds,
+            "separation": [
+                {"between": list(pair), "standard_deviations": value} for pair, value in self.separation.items()
+            ],
+            "beyond": list(self.beyond),
+            "why": self.why,
+        }
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The best command, if any decides something, those that come after it, and what none of them can tell apart."""
+
+    best: Proposal | None
+    runners_up: tuple[Proposal, ...]
+    inseparable: tuple[Pair, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Explanation:
+    """A rival with what the recordings so far leave open about it."""
+
+    name: str
+    hypothesis: Hypothesis
+    information: np.ndarray  # (k, k) of its free numbers
+
+
+@dataclass(frozen=True, eq=False)
+class _Evaluated:
+    trial: Planned
+    done: Limits  # the furthest that a rival went
+    separation: Mapping[Pair, float]
+
+
+class _Field:
+    """The rivals, the pairs of them that are to be told apart, and the bench that they are simulated on."""
+
+    def __init__(self, eq: Equation, held: Sequence[Doubt], signals: frozenset[str]) -> None:
+        self.base = held[0].rivals[0].fit.hypothesis.base
+        self.temperature = min(rival.fit.temperature for doubt in held for rival in doubt.rivals)
+        self.contenders: dict[int, _Explanation] = {}
+        self.nested: set[Pair] = set()
+        self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
+        for doubt in held:
+            known = zip(doubt.rivals, doubt.behind, strict=True)
+            for (one, _), (other, behind) in itertools.combinations(known, 2):
+                if one is not doubt.rivals[0] and behind > CLOSE:
+                    continue  # neither is likely
+                if _holds(other, one):  # the larger of nested ones first
+                    one, other = other, one
+                pair = self._named(one, other)
+                self.pairs[pair] = (id(one.fit), id(other.fit))
+                if _holds(one, other):
+                    self.nested.add(pair)
+            for rival in doubt.rivals:
+                self.contenders.setdefault(id(rival.fit), _contender(eq, rival))
+        self.noise = float(np.median([o.torque_noise.min() for o in eq.observations if len(o.rows)]))
+        self.signals = signals
+        self.reversed = reverses(eq)
+        self.origins = (eq.observations[0].motor_origin, eq.observations[0].output_origin)
+
+    def _named(self, one: Rival, other: Rival) -> Pair:
+        """What a pair is called: of two effects of one kind beside the same rival, the second is numbered."""
+        pair, number = (one.name, other.name), 2
+        while self.pairs.get(pair, (id(one.fit), id(other.fit))) != (id(one.fit), id(other.fit)):
+            pair, number = (f"{one.name}_{number}", other.name), number + 1
+        return pair
+
+    def grid(self, limits: Limits, *, few: bool) -> tuple[Planned, ...]:
+        """The commands within limits."""
+        ratio = self.base.value("machine.gear_ratio")
+        gain = self.base.value("drive.position_gain") / ratio
+        second, radian = (shown(self.base, 1.0, unit)[0] for unit in ("s", "rad"))
+        return command_grid(limits, _SLOWEST * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
+
+    def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
+        """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
+        model = self.contenders[rival].hypothesis.model()
+        command = parse_command(trial.command)
+        bench = virtual_bench(lumped_model(model), command, trial.seconds, seed=None, step=_STEP, origins=self.origins)
+        seen = {name: values for name, values in bench.signals.items() if name in self.signals}
+        o = observe(replace(bench, signals=seen), self.base)
+        if len(o.rows):
+            # the simulated current is free of noise: the bench's will be what it was
+            o = replace(o, torque_noise=o.torque_noise * (self.noise / o.torque_noise.min()))
+        return o, reached(o, model.value("machine.gear_ratio"))
+
+    def evaluate(self, trial: Planned, limits: Limits) -> _Evaluated | None:
+        """How far all pairs would come apart; None where a rival cannot do it or would leave the limits."""
+        shown: dict[int, Equation] = {}
+        furthest: Limits | None = None
+        for rival in self.contenders:
+            try:
+                o, done = self.simulated(rival, trial)
+            except InputError:
+                return None  # the machine that this rival describes does not follow such a command
+            if limits.effort(done) > 1.0:
+                return None
+            if furthest is None or limits.effort(done) > limits.effort(furthest):
+                furthest = done
+            shown[rival] = Equation([o])
+        assert furthest is not None  # a doubt has rivals
+        return _Evaluated(trial, furthest, self._separation(shown, 1))
+
+    def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
+        """How far all pairs would come apart under a command that they can follow."""
+        return self._separation(
+            {rival: Equation([self.simulated(rival, trial)[0]]) for rival in self.contenders}, steps
+        )
+
+    def _separation(self, shown: Mapping[int, Equation], steps: int) -> dict[Pair, float]:
+        found = {}
+        for pair, (one, other) in self.pairs.items():
+            found[pair] = self.apart(shown[one], one, other, steps)[0]
+            if pair not in self.nested:  # what holds a rival and more can do all that the rival can
+                found[pair] = min(found[pair], self.apart(shown[other], other, one, steps)[0])
+        return found
+
+    def apart(self, eq: Equation, true: int, other: int, steps: int) -> tuple[float, np.ndarray]:
+        """(standard deviations, rows (m,)) by which a rival misses what a true one shows, at its best."""
+        truth = eq.predict(self.contenders[true].hypothesis).rows
+        contender = self.contenders[other]
+        h, known = contender.hypothesis, contender.information
+        even = np.ones(eq.rows)
+        heat = self.temperature
+        lower, upper = eq.bounds(h)
+        moved = np.zeros(len(h.values))
+        predicted = eq.predict(h)
+        missed = eq.centred(truth - predicted.rows, even)
+        best, rows = float(missed @ missed) / heat, missed
+        for _ in range(steps):
+            slopes = eq.jacobian(h.at(contender.hypothesis.values + moved), predicted, even)
+            a = slopes.T @ slopes / heat + known
+            scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
+            g = (slopes.T @ missed / heat - known @ moved) * scale
+            move = scale * np.linalg.solve(a * np.outer(scale, scale) + 1e-9 * np.eye(len(g)), g)
+            if steps == 1:  # as far as straight lines tell
+                left = missed - slopes @ move
+                value = float(left @ left) / heat + float(move @ known @ move)
+                return (math.sqrt(max(value, 0.0)) if math.isfinite(value) else 0.0), left
+            gained = False
+            for share in (1.0, 0.3):
+                trial = np.clip(contender.hypothesis.values + moved + share * move, lower, upper)
+                p = eq.predict(h.at(trial))
+                left = eq.centred(truth - p.rows, even)
+                away = trial - contender.hypothesis.values
+                value = float(left @ left) / heat + float(away @ known @ away)
+                if value < best:
+                    best, rows, moved, predicted, missed, gained = value, left, away, p, left, True
+                    break
+            if not gained:
+                break
+        return (math.sqrt(best) if math.isfinite(best) else 0.0), rows
+
+    def why(self, e: _Evaluated) -> str:
+        """A sentence: what would come apart, how far, and where in the recording."""
+        pair = next(p for p, value in e.separation.items() if value >= DECIDED)
+        shown = []
+        for true, rival in (self.pairs[pair], self.pairs[pair][::-1]):
+            o, _ = self.simulated(true, e.trial)
+            shown.append((o, self.apart(Equation([o]), true, rival, _STEPS)[1]))
+        o, rows = max(shown, key=lambda entry: float(entry[1] @ entry[1]))
+        other = "a model without it" if pair[1] == NOTHING else pair[1]
+        novel = "" if self.reversed or not _turns(o) else "; no recording so far reverses"
+        return (
+            f"{pair[0]} and {other} would come apart by {e.separation[pair]:.0f} standard deviations, "
+            f"{_place(o, rows)}{novel}"
+        )
+
+
+def _turns(o: Observation) -> bool:
+    speed = o.motion[:, SPEED]
+    return bool((speed > STANDSTILL).any() and (speed < -STANDSTILL).any())
+
+
+def _place(o: Observation, rows: np.ndarray) -> str:
+    """In which part of a recording most of a difference lies that is spread over rows (m,)."""
+    power = rows**2
+    count = len(o.rows)
+    total = float(power.sum())
+    if float(power[count:].sum()) > _NOTED * total:
+        return "between the encoders"
+    power = power[:count]
+    speed, time = o.motion[o.rows, SPEED], o.motion[o.rows, TIME]
+    top = float(np.abs(speed).max())
+    parts = {
+        "while it moves backward": speed < 0.0,
+        "while it moves forward": speed > 0.0,
+        "where it is slow": np.abs(speed) < 0.4 * top,
+        "where it is fast": np.abs(speed) > 0.8 * top,
+        "late in the run": time > 0.6 * time[-1],
+        "early in the run": time < 0.4 * time[-1],
+    }
+    for name, part in parts.items():
+        share = float(power[part].sum()) / total if total else 0.0
+        if share > _NOTED and share * len(part) > _DENSE * max(int(part.sum()), 1):
+            return f"mostly {name}"
+    return "all along"
+
+
+def _holds(one: Rival, other: Rival) -> bool:
+    """Whether a rival has all effects of another, and more."""
+    return {*one.fit.hypothesis.model().effects} > {*other.fit.hypothesis.model().effects}
+
+
+def _contender(eq: Equation, rival: Rival) -> _Explanation:
+    f = rival.fit
+    known = information(eq, f)
+    keep = np.array([not free.path.startswith("decoy.") for free in f.hypothesis.free])
+    if not keep.all():  # decoys stand for what these recordings show, and say nothing of another
+        inner = np.linalg.pinv(known[np.ix_(~keep, ~keep)], hermitian=True)
+        across = known[np.ix_(keep, ~keep)]
+        known = known[np.ix_(keep, keep)] - across @ inner @ across.T
+    h = f.hypothesis
+    for name in h.decoys:
+        h = h.without_decoy(name)
+    return _Explanation(rival.name, h, known)
+
+
+def best_command(
+    eq: Equation,
+    held: Sequence[Doubt],
+    signals: frozenset[str],
+    *,
+    limits: Limits | None = None,
+    few: bool = False,
+    progress: Callable[[str], None] = lambda text: None,
+) -> Choice:
+    """The command that decides most of these doubts (one or more), by the largest smallest separation.
+
+    ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within what the
+    recordings have driven, unless only a command beyond that decides. ``few`` tries a handful of commands only.
+    """
+    field = _Field(eq, held, signals)
+    allowed = limits or driven_limits(eq.observations, field.base.value("machine.gear_ratio"))
+    found = _evaluate_all(field, allowed, few, (), progress)
+    if limits is None and not any(min(e.separation.values()) >= DECIDED for e in found):
+        more = widened(allowed, field.base, field.origins[1])
+        found += _evaluate_all(field, more, few, found, progress)
+    finalists = _varied(_ranked(found, allowed))[: _FEW_FINALISTS if few else _FINALISTS]
+    progress("looking closer at the best commands")
+    closer = list(_SIDE_BY_SIDE.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists))
+    ranked = _ranked(closer, allowed)
+    separable = {pair for e in (*found, *closer) for pair, value in e.separation.items() if value >= DECIDED}
+    inseparable = tuple(pair for pair in field.pairs if pair not in separable)
+    if not ranked or max(ranked[0].separation.values()) < DECIDED:
+        return Choice(None if field.reversed else _there_and_back(field, allowed), (), tuple(field.pairs))
+    telling = [e for e in _varied(ranked) if max(e.separation.values()) >= DECIDED]
+    chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
+    proposals = [
+        Proposal(
+            e.trial.asked,
+            e.trial.lasts,
+            e.separation,
+            allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else (),
+            field.why(e) if k == 0 else "",
+        )
+        for k, e in enumerate(chosen[: 1 + _RUNNERS_UP])
+    ]
+    return Choice(proposals[0], tuple(proposals[1:]), inseparable)
+
+
+def _there_and_back(field: _Field, limits: Limits) -> Proposal | None:
+    """A triangle, not faster and not further than half of what is allowed; no rival tells what it would show."""
+    half = replace(limits, speed=0.5 * limits.speed, lower=0.5 * limits.lower, upper=0.5 * limits.upper)
+    triangles = [trial for trial in field.grid(half, few=True) if trial.kind == "triangle"]
+    if not triangles:
+        return None
+    trial = min(triangles, key=lambda trial: abs(trial.turns - _TURNS))
+    return Proposal(trial.asked, trial.lasts, {}, (), "no recording so far reverses; what it will show, none can tell")
+
+
+def _evaluate_all(
+    field: _Field, limits: Limits, few: bool, before: Sequence[_Evaluated], progress: Callable[[str], None]
+) -> list[_Evaluated]:
+    """All commands of the grid that keep within limits and were not evaluated before."""
+    known = {e.trial for e in before}
+    trials = [trial for trial in field.grid(limits, few=few) if trial not in known]
+    progress(f"simulating {len(trials)} commands under {len(field.contenders)} rivals")
+    return [e for e in _SIDE_BY_SIDE.map(lambda trial: field.evaluate(trial, limits), trials) if e is not None]
+
+
+def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:
+    """Best first: most pairs decided, within limits, the largest smallest separation, and among equals the gentlest."""
+    separable = {pair for e in found for pair, value in e.separation.items() if value >= DECIDED}
+
+    def rank(e: _Evaluated) -> tuple[int, bool, float]:
+        decided = sum(value >= DECIDED for value in e.separation.values())
+        smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
+        return decided, allowed.effort(e.done) <= 1.0, min(smallest, PLENTY)
+
+    left = sorted(found, key=rank, reverse=True)
+    ordered: list[_Evaluated] = []
+    while left:
+        most, inside, best = rank(left[0])
+        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= _ALIKE * best]
+        # half of what was driven is gentle, and some turns average over what drifts
+        gentlest = min(
+            alike,
+            key=lambda e: (
+                e.trial.kind.startswith("speed-"),
+                max(_GENTLE, round(allowed.effort(e.done), 1)),
+                abs(e.trial.turns - _TURNS),
+            ),
+        )
+        ordered.append(gentlest)
+        left.remove(gentlest)
+    return ordered
+
+
+def _varied(ranked: Sequence[_Evaluated]) -> list[_Evaluated]:
+    """The same, but the best of each kind of command first."""
+    first = {e.trial.kind: e for e in reversed(ranked)}
+    return sorted(ranked, key=lambda e: first[e.trial.kind] is not e)
+
+
+def signals_of(recordings: Sequence[Recording]) -> frozenset[str]:
+    """The signals that all recordings have."""
+    return frozenset.intersection(*(frozenset(recording.signals) for recording in recordings))

@@ -1,0 +1,125 @@
+"""Orders that a residual shows, on a machine of which not all are known: they are found, not assumed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from ...comparison.orders import find_order
+from ...effects import catalogue
+from ...identification.candidates import Candidate
+from ...identification.equation import Equation
+from ...identification.fit import Fit
+from ...measured.observation import Observation
+from ...plant.layout import OUTPUT_TORQUE
+from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
+
+HIGHEST = 160
+MOST = 3  # orders that are tried in a round
+FEWEST_TURNS = 0.4  # of the motor
+SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
+SAME = 1e-4  # rad, within which two points are of one angle
+WHOLE = 0.02  # of an order, within which it is a whole number
+LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
+
+
+def order_candidates(eq: Equation, f: Fit) -> list[Candidate]:
+    """Effects whose order is free, at the orders that stand out of a fit's residual.
+
+    None where the machine has no others than the usual.
+
+    What the motor's own turns bring about repeats with each of them: its orders are whole numbers, and those of its
+    electrical angle among them. What turns with the output has whole orders there; what its gears, or a bearing, bring
+    about repeats with turns of its own.
+    """
+    base = f.hypothesis.base
+    if not base.other_orders:
+        return []
+    ratio = base.value("machine.gear_ratio")
+    found = [("cogging", str(order)) for order in standing_out(eq, f)]
+    if ratio != 1.0:  # else the output's angle is the motor's
+        found += [("output_ripple", str(order)) for order in standing_out(eq, f, ratio)]
+    if (order := of_the_gears(eq, f)) is not None:
+        found.append(("cogging" if ratio == 1.0 else "mesh_ripple", f"{order:.5g}"))
+    held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
+    return [
+        Candidate(id, {**effect.default_options(), "order": order})
+        for id, order in found
+        if (effect := catalogue()[id]) and (id, order) not in held
+        if not (effect.searched and order in effect.options["order"])
+    ]
+
+
+def motor_order(effect: str, order: float, gear_ratio: float) -> float:
+    """An effect's order in cycles per turn of the motor."""
+    found = catalogue()[effect]
+    return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
+
+
+def of_the_gears(eq: Equation, f: Fit) -> float | None:
+    """The strongest order, of all that are resolved; None where it is unclear, or whole as those of a shaft are."""
+    parts = []
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
+        if not o.of_points:
+            parts.append((f.residual[part], angle, np.sign(speed)))
+    strongest = find_order(parts)
+    if strongest is None or strongest.dissipative or strongest.share < LEAST_SHARE:
+        return None
+    return None if _is_whole(strongest.order) else strongest.order
+
+
+def highest_order(o: Observation) -> float:
+    """The order from which on the rows of an observation no longer resolve a wave: two rows a cycle, and no aliases."""
+    if not o.of_points:
+        step = float(np.quantile(np.abs(o.motion[o.rows, SPEED]), SLOW)) * o.period if len(o.rows) else 0.0
+        return np.pi / step if step > 0.0 else np.inf
+    angle = o.motion[o.rows, MOTOR_ANGLE]
+    if len(angle) < 2 or np.ptp(angle) == 0.0:
+        return 0.0
+    turned = np.mod(angle, 2.0 * np.pi) if np.ptp(angle) > 2.0 * np.pi else angle
+    steps = np.diff(np.unique(np.round(turned / SAME))) * SAME
+    return float(np.pi / np.median(steps)) if len(steps) else 0.0
+
+
+def resolved(eq: Equation, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
+    """The candidates less those of orders that no table of points resolves."""
+    if not all(o.of_points for o in eq.observations):
+        return list(options)
+    highest = max((highest_order(o) for o in eq.observations), default=np.inf)
+    return [
+        c
+        for c in options
+        if "order" not in c.options or motor_order(c.effect, float(c.options["order"]), gear_ratio) < highest
+    ]
+
+
+def standing_out(eq: Equation, f: Fit, gear_ratio: float | None = None) -> list[int]:
+    """The orders with the most power, as far up as the samples resolve them, in cycles per turn of the motor.
+
+    Where a ``gear_ratio`` is given, in cycles per turn of the output, less those that are whole for the motor too; and
+    less the first, which is gravity's.
+    """
+    at_output = gear_ratio is not None
+    per_turn = gear_ratio or 1.0
+    power = np.zeros(HIGHEST + 1)
+    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
+        if at_output:
+            angle = o.output_origin + o.motion[o.rows, OUTPUT_ANGLE]
+        if not len(angle) or np.ptp(angle) < 2.0 * np.pi * FEWEST_TURNS:
+            continue
+        highest = highest_order(o) * per_turn
+        residual = f.residual[part] - f.residual[part].mean()
+        turn = np.exp(1j * angle)
+        wave = np.ones(len(angle), complex)
+        for order in range(1, HIGHEST + 1):
+            wave *= turn
+            if order < highest and not (at_output and (order == 1 or _is_whole(order / per_turn))):
+                power[order] += abs(residual @ wave) ** 2 / len(angle)
+    return [int(order) for order in np.argsort(-power)[:MOST] if power[order] > 0.0]
+
+
+def _is_whole(order: float) -> bool:
+    return round(order) > 0 and abs(order - round(order)) < WHOLE

@@ -1,0 +1,96 @@
+"""Rivals: what could stand in for a found effect and explain the recordings as well."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from ...identification.equation import Equation
+from ...identification.fit import Fit, fit
+from ...identification.hypothesis import PARTING
+from ..criteria.worth import ENCODER_ONLY, gain, unique
+from .search import prune
+from .trace import Round, Search, Trial, new_names
+
+CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
+BETTER = 1.0  # the same: a rival that gains more takes the effect's place
+NEAR = 0.5  # share of the winner's gain from which on what was tried in its round may be a rival
+SWAPS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Rivalry:
+    """One found effect, the best that could stand in for it, and those that the data cannot tell from it."""
+
+    effect: str
+    runner_up: str  # empty: nothing else came near
+    behind: float  # how much the runner-up loses by, in units of noise
+    group: tuple[str, ...]  # the effect and what the data cannot tell from it, sorted
+    fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
+
+
+def judged_against_rivals(eq: Equation, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
+    """The search with every effect that a rival beats replaced by it, and what still comes near."""
+    rivals = rivalries(eq, found)
+    for _ in range(SWAPS):
+        better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
+        if better is None or better.behind > -BETTER:
+            break
+        other = swapped(eq, found, better.fits[0])
+        if gain(eq, found.fit, other.fit) <= 0.0:
+            break  # the rival did not stay either
+        found = other
+        rivals = rivalries(eq, found)
+    return found, rivals
+
+
+def rivalries(eq: Equation, found: Search) -> tuple[Rivalry, ...]:
+    """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
+    best = found.fit
+    judged = []
+    for name, instance in best.hypothesis.added.items():
+        turn = next((t for t in found.taken if name in t.added), None)
+        if turn is None or instance.effect in PARTING:
+            continue
+        fits = sorted(substitutes(eq, best, name, turn), key=lambda f: -gain(eq, best, f))
+        worth = [gain(eq, best, f) for f in fits]
+        effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
+        close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
+        runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
+        group = tuple(sorted({instance.effect, *close}))
+        judged.append(Rivalry(instance.effect, runner_up, behind, group, tuple(fits)))
+    return tuple(judged)
+
+
+def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
+    """The end of the search with an effect replaced by each that came near it in its round."""
+    winner = max(trial.gain for trial in turn.tried if name in trial.names)
+    bare = best.hypothesis.without(name)
+    effect = best.hypothesis.added[name].effect
+    found = []
+    for trial in turn.tried:
+        if len(trial.names) != 1 or trial.gain < NEAR * winner:
+            continue
+        other = trial.fit.hypothesis.added.get(trial.names[0])
+        if other is None or other.effect == effect or other.effect in best.hypothesis.effects:
+            continue
+        if ENCODER_ONLY & {effect, other.effect}:  # what no torque shows stands in for no torque
+            continue
+        start = trial.fit.hypothesis.instance(trial.names[0])
+        found.append(fit(eq, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+    return found
+
+
+def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
+    """The search with one more round, in which a rival took the place of one effect, or of several."""
+    best = found.fit
+    added, removed = new_names(best, rival), new_names(rival, best)
+    bare = best.hypothesis
+    for name in removed:
+        bare = bare.without(name)
+    nothing = fit(eq, bare, 8, known=best)
+    tried = tuple(
+        Trial(names, f, gain(eq, nothing, f), unique(eq, nothing, f)) for names, f in ((added, rival), (removed, best))
+    )
+    after = prune(eq, fit(eq, rival.hypothesis))
+    turn = Round(best, tried, after, added, removed, "others explain more in its place")
+    return replace(found, fit=after, rounds=(*found.rounds, turn), weighting=eq.weighting)

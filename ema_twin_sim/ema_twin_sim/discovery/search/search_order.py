@@ -1,0 +1,85 @@
+"""Company: effects that were found one after the other, and others that explain more together.
+
+One step at a time, what fits best alone comes in, and keeps out what fits best in company: a sum of two friction curves
+over the speed comes near many a sum of two others. So others come in first, or what came in first is left out, the rest
+is sought without it, and then it may come back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...effects import catalogue
+from ...identification.equation import Equation
+from ...identification.fit import Fit, fit
+from ...identification.hypothesis import Hypothesis
+from ..criteria.plausible import strained
+from ..criteria.worth import ENCODER_ONLY, gain
+from .rivals import BETTER, swapped
+from .search import add_effects, entrants, search, significant, with_one_more
+from .trace import Search
+
+MORE = 2  # effects that may join those that came in first
+SEVERAL = 4  # effects that another explanation may have
+THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
+
+
+def in_better_company(eq: Equation, found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
+    """The search with other effects in the place of those that show over the speed, where these explain more together.
+
+    Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
+    """
+    best = found.fit
+    alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
+    if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
+        return found
+    progress("trying other friction curves in company")
+    bare = best.hypothesis
+    for name in alike:
+        bare = bare.without(name)
+    start = fit(eq, bare)
+    others = without | {id for id in catalogue() if not _by_speed(id)}
+    for effect in sorted(catalogue().keys() - others):
+        for h in entrants(eq, start, frozenset(catalogue().keys() - {effect}))[:1]:
+            other, _ = add_effects(eq, with_one_more(eq, start, h), others, most=MORE)
+            eq.weighting = found.weighting  # misfits compare under one weighting only
+            other = fit(eq, other.hypothesis)
+            if gain(eq, best, other) > BETTER:
+                best = other
+    if best is not found.fit:
+        better = significant(eq, swapped(eq, found, best))
+        eq.weighting = found.weighting
+        if gain(eq, found.fit, fit(eq, better.fit.hypothesis)) > 0.0:
+            eq.weighting = better.weighting
+            return better
+    return found
+
+
+def thought_again(
+    eq: Equation,
+    null: Hypothesis,
+    barred: frozenset[str],
+    found: Search,
+    content: Callable[[Fit], bool],
+    progress: Callable[[str], None],
+) -> tuple[Search, bool]:
+    """A search with a ``content`` end, begun without one of the effects that came first; else the one given.
+
+    With it, whether its end is ``content``.
+    """
+    firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
+    for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
+        other = search(eq, null, barred | {effect}, progress, most=SEVERAL, may_wander=False)
+        if other.fit.parted:
+            continue
+        after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress, most=MORE)
+        other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), weighting=eq.weighting))
+        if content(other.fit):
+            return other, True
+    eq.weighting = found.weighting
+    return found, False
+
+
+def _by_speed(effect: str) -> bool:
+    return catalogue()[effect].depends_on == "speed"

@@ -1,0 +1,65 @@
+"""Unknown: what is left depends on something, though no effect of the catalogue explains it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...effects import catalogue
+from ...identification.equation import Equation
+from ...identification.fit import Fit
+from ...identification.generic_bases import add_decoys, dependence
+from ...identification.screening import screen_decoys
+from ..criteria.episodes import episodes
+from ..criteria.explained import apart
+from ..criteria.own_shape import by_own_shape
+from ..criteria.plausible import only_constants, strained
+from ..criteria.worth import BY_CONSTANTS
+from .search import add_effects, less, significant
+from .trace import Search
+
+
+def beside_the_unknown(
+    eq: Equation,
+    found: Search,
+    progress: Callable[[str], None],
+) -> tuple[Search, tuple[str, ...]]:
+    """What of a search stands beside what is in no catalogue, and what that depends on.
+
+    An effect stands that explains by its own shape what any shape over its quantity would. The others may be nothing
+    but the likeness of the unknown, as is what made constants implausible.
+    """
+    add_decoys(eq)
+    if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
+        return found, _most_likely(eq, found.fit)
+    start = found.rounds[0].before
+    found = doubted(eq, found)
+    progress("asking what the rest depends on")
+    known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
+    eq.decoys = {name: columns for name, columns in eq.decoys.items() if dependence(name) not in known}
+    after, rounds = add_effects(eq, found.fit, frozenset(catalogue()), progress, decoyed=True)
+    found = significant(eq, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting))
+    depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.decoys))
+    suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(eq, found.fit, start) else [])}
+    # what comes and goes is an outlier to a fit, and no lasting dependence
+    passing = ("time",) if not suspect and episodes(eq, found.fit) else ()
+    return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(eq, found.fit)
+
+
+def doubted(eq: Equation, found: Search) -> Search:
+    """A search less the effects that may be nothing but the likeness of something unknown."""
+    add_decoys(eq)
+    added = found.fit.hypothesis.added
+    over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
+    strange = strained(found.fit)
+    lags = apart(eq, found.fit, found.rounds[0].before)
+    stands = set(by_own_shape(eq, found.fit)) - set(only_constants(eq, found.fit))
+    stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
+    stands -= {name for name in added if lags and over[name] == "encoders"}
+    reason = "may be nothing but the likeness of what is unknown"
+    return less(eq, found, [name for name in added if name not in stands], reason)
+
+
+def _most_likely(eq: Equation, f: Fit) -> tuple[str, ...]:
+    """What the residual depends on the most, however little that explains."""
+    return tuple(dependence(name) for _, name in screen_decoys(eq, f)[:1])

@@ -1,0 +1,41 @@
+"""The end of a search, judged once more with friction that wanders as part of the noise.
+
+Beside a gearbox, or where several effects are missing, wandering shows only once all of them were found: the same
+effects, fitted beside it, may leave nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ...identification.equation import CORRELATION, FAR, Equation
+from ...identification.fit import Fit, fit
+from ...identification.local_minima import NARROW
+from ...identification.wandering import wandering
+from ..criteria.explained import explained
+from .search import add_effects, depends_on_more, settle, significant, torque_left
+from .trace import Search
+
+
+def wandering_after_all(
+    eq: Equation, found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
+) -> Search | None:
+    """The search, its end beside friction that wanders, where nothing else is left then; None where more is."""
+    wander = None if found.weighting.wander is not None else wandering(eq, found.fit)
+    if wander is None:
+        return None
+    progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
+    plain = eq.weighting
+    eq.weighting = replace(plain.begun_anew(NARROW if found.fit.parted else FAR), wander=wander)
+    after, rounds = add_effects(eq, settle(eq, fit(eq, found.fit.hypothesis)), without, progress)
+    beside = significant(eq, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting))
+    allowed = torque_left(eq, beside.fit) + CORRELATION * wander.price / eq.size
+    if explained(eq, beside.fit, start):
+        weighting = eq.weighting
+        eq.weighting = plain
+        if not depends_on_more(eq, beside.fit.hypothesis, allowed):
+            eq.weighting = weighting
+            return beside
+    eq.weighting = plain
+    return None

@@ -1,0 +1,34 @@
+"""Columns of bases: what a torque may depend on in any way, as columns that are linear in their coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..measured.observation import Observation
+from ..measured.smoothing import smooth_at
+from .equation import Equation
+
+
+def hat_columns(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
+    """(n, k) piecewise linear: each is one at its own of the ``knots`` (k,), and zero at all others."""
+    return np.stack([np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))], 1)
+
+
+def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
+    """Torques given at full rate (n, k) [N m], at one recording's rows of torque (m, k) in units of noise."""
+    out = np.empty((len(o.rows), columns.shape[1]))
+    for k in range(columns.shape[1]):
+        got = np.empty(len(o.rows))
+        smooth_at(np.ascontiguousarray(columns[:, k]), o.kernel, o.rows, got)
+        out[:, k] = got / o.torque_noise
+    return out
+
+
+def at_rows(eq: Equation, columns: Sequence[np.ndarray]) -> np.ndarray:
+    """Torques given at full rate, one array (n, k) per recording [N m], at all rows (m, k) in units of all noise."""
+    out = np.zeros((eq.rows, columns[0].shape[1]))
+    for o, part, c in zip(eq.observations, eq.torque_parts, columns, strict=True):
+        out[part] = at_rows_of(o, c)
+    return eq.whitened(out)

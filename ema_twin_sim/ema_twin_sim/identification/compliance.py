@@ -1,0 +1,118 @@
+"""Where a search for play and spring begins: both ring and bounce, so that a fit from afar ends in the wrong valley.
+
+Starts are tried on the few seconds of each recording that hold the most reversals, on a grid, with little weight on
+what is far off; the best few are fitted there, and only the best of these on everything.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from .equation import Equation
+from .excerpt import excerpt
+from .fit import Fit, fit
+from .hypothesis import Hypothesis
+from .local_minima import NARROW, best_of, ranked, starting
+from .sensors import with_sensors
+
+STIFFNESS = tuple(3.0 * 1.3**k for k in range(22))
+DAMPING = (0.004, 0.015, 0.05, 0.15)
+WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
+SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
+CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
+OUTPUT_SHARE = 0.4  # of the friction, to begin with, that is at the output
+HOPELESS = 4.0  # times the least misfit of a start, from which on a family is left out
+RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
+SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
+
+
+def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list[Fit]:
+    """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
+    h = with_sensors(eq, current)
+    if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
+        # a rigid train takes an output that lags behind for a lighter one
+        h = h.put({"scale.inertia": 1.0})
+    h = _on_both_sides(h)
+    held = h.held | without
+    spread = encoder_spread(eq)
+    part = excerpt(eq)
+    springs = [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
+    families = []
+    if "shaft_compliance" not in held:
+        families.append(ranked(part, [h.with_effect("shaft_compliance", {}, s) for s in springs]))
+    if "backlash" not in held and spread > 0.0:
+        families.append(ranked(part, _gaps(h, spread)))
+    hopeless = HOPELESS * min((family[0][0] for family in families), default=0.0)
+    best = [best_of(part, family) for family in families if family[0][0] <= hopeless]
+    play = next((f for f in best if "shaft_compliance" not in held and "backlash" in f.hypothesis.effects), None)
+    if play is not None:
+        # the flight through the gap told its width and the output's friction: the spring is looked for from there
+        width = f"effects.{list(play.hypothesis.added)[-1]}.width"
+        gaps = [starting(play.hypothesis, {width: share}) for share in (0.96, 1.0, 1.04)]
+        both = [gap.with_effect("shaft_compliance", {}, s) for gap in gaps for s in springs[4:]]
+        f = best_of(part, ranked(part, both))
+        if not _is_contact(f):
+            best.append(f)
+    least = min((f.misfit for f in best), default=0.0)
+    close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
+    eq.weighting = eq.weighting.from_outliers(NARROW)
+    return [fit(eq, f.hypothesis, 6) for f in close]
+
+
+def _on_both_sides(h: Hypothesis) -> Hypothesis:
+    """A hypothesis that found Coulomb friction, with a part of it at the output: a rigid train does not tell the sides
+    apart, and without friction an output would fly through a gap for good.
+    """
+    dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == "coulomb_friction"}
+    if len(dry) != 1 or "coulomb_friction" in {i.effect for i in h.base.active.values()}:
+        return h
+    ((name, found),) = dry.items()
+    h = starting(h, {f"effects.{name}.torque": 1.0 - OUTPUT_SHARE})
+    shared = {**found.parameters, "torque": found.parameters["torque"] * OUTPUT_SHARE}
+    return h.with_effect("coulomb_friction", {**found.options, "side": "output"}, shared)
+
+
+def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
+    """A hypothesis with play: gaps of a few widths, teeth of a few kinds, friction on either side."""
+    gaps = [h.with_effect("backlash", {}, {"width": spread * share}) for share in WIDTHS]
+    return [
+        starting(gap, {**side, "contact.stiffness": stiffness, "contact.damping": damping})
+        for gap, side, (stiffness, damping) in itertools.product(gaps, _sides(gaps[0]), CONTACTS)
+    ]
+
+
+def _is_contact(f: Fit) -> bool:
+    """Whether a spring beside play is but the teeth's own contact."""
+    plant = f.predicted.plant[0]
+    return bool(plant["contact_stiffness"] > plant["output_inertia"] * SPRINGY**2)
+
+
+def _sides(h: Hypothesis) -> list[dict[str, float]]:
+    """Factors that put more or less of the friction on the output's side, their sum as it was."""
+    dry = h.model().active.values()
+    torque = {
+        side: sum(i.parameters["torque"] for i in dry if i.effect == "coulomb_friction" and i.options["side"] == side)
+        for side in ("motor", "output")
+    }
+    return [
+        {
+            "scale.output_coulomb": share,
+            "scale.coulomb_friction": max(0.0, 1.0 - (share - 1.0) * torque["output"] / max(torque["motor"], 1e-12)),
+        }
+        for share in SIDES
+    ]
+
+
+def encoder_spread(eq: Equation) -> float:
+    """How far the encoders part over a reversal [rad, slow shaft]: the widest of all recordings."""
+    return max(
+        (
+            float(np.ptp(np.quantile(eq.encoder[p.start - eq.size : p.stop - eq.size], (0.02, 0.98))))
+            for p in eq.encoder_parts
+            if p.stop > p.start
+        ),
+        default=0.0,
+    )

@@ -1,0 +1,87 @@
+"""How far a search looks for a number that may be of any size: as far as the recordings reach, many times over.
+
+Machines differ in size by many powers of ten, so that no torque or stiffness is too large by itself. It is where the
+torque that it makes at the speeds, accelerations and ways of these recordings is many times all that was measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..effects import Effect, Parameter
+from ..measured.observation import Observation
+from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
+
+MOST = 10.0  # times the largest torque measured: what one effect may come to
+SHAPES = 1e3  # times what was reached: a number that only shapes an effect, which is no more or no less beyond
+QUICKEST = 0.05  # of the longest recording: a change in time that is over sooner is a part of the start
+LATEST = 0.02  # s in own units, what a fieldbus of the reference bench may take: a later encoder is another machine's
+USUAL = 0.95  # of all rows are within the speed, or acceleration, that counts as reached
+_POWERS = {
+    "N m": (0, 0, 0),
+    "N m s/rad": (1, 0, 0),
+    "N m s^2/rad^2": (2, 0, 0),
+    "kg m^2": (0, 1, 0),
+    "N m/rad": (0, 0, 1),
+}
+"""By unit, the powers of speed, acceleration and way by which a number becomes a torque."""
+
+
+@dataclass(frozen=True)
+class Reached:
+    """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow one, s."""
+
+    torque: float
+    speed: float
+    acceleration: float
+    travel: float
+    duration: float
+
+
+def reached(observations: Sequence[Observation]) -> Reached:
+    """What these recordings reach where they are judged."""
+    judged = [o for o in observations if len(o.rows)]
+    speed, acceleration = (
+        float(np.quantile(np.concatenate([np.abs(o.motion[o.rows, column]) for o in judged]), USUAL)) if judged else 0.0
+        for column in (SPEED, ACCELERATION)
+    )
+    return Reached(
+        max((float(np.abs(o.torque).max()) for o in judged), default=0.0),
+        speed,
+        acceleration,
+        max((float(np.ptp(o.motion[:, OUTPUT_ANGLE])) for o in observations), default=0.0),
+        max((float(np.ptp(o.motion[:, TIME])) for o in observations), default=0.0),
+    )
+
+
+def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[float, float]:
+    """(lower, upper) of a parameter in a search: its own bounds, and what the recordings reach where it has none."""
+    lower, upper = parameter.lower, parameter.upper
+    if math.isinf(upper):
+        upper = _largest(effect, parameter, of)
+        if parameter.unit == "rad/s":
+            lower = max(lower, of.speed / SHAPES)
+        if parameter.unit == "s" and parameter.lower > 0.0:
+            lower = max(lower, QUICKEST * of.duration)
+    if math.isinf(lower):
+        lower = -_largest(effect, parameter, of)
+    return lower, max(lower, upper)
+
+
+def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
+    size = effect.parameters[0]
+    most = MOST if parameter is size else SHAPES
+    if parameter.unit == "s" and parameter is size:
+        return LATEST
+    if parameter.unit in _POWERS:
+        if parameter.lower > 0.0:  # a stiffness that may be as good as rigid
+            return math.inf
+        speed, acceleration, travel = _POWERS[parameter.unit]
+        unit = of.speed**speed * of.acceleration**acceleration * of.travel**travel
+        return most * of.torque / unit if unit > 0.0 and of.torque > 0.0 else math.inf
+    known = {"rad/s": of.speed, "s": of.duration}.get(parameter.unit, 0.0)
+    return SHAPES * known if known > 0.0 else math.inf

@@ -1,0 +1,83 @@
+"""Wandering: by what share friction wanders, told by what a fit leaves over."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..plant.measured_motion import SPEED, TIME
+from .basis_columns import at_rows, at_rows_of, hat_columns
+from .equation import CORRELATION, Equation
+from .fit import Fit
+from .generic_bases import KNOT, KNOTS, MOST_KNOTS
+from .wander import Wander
+
+SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
+"""Of the friction, by which it may wander: from a quarter of a per cent to eleven."""
+CERTAIN = 12.0
+"""Gain in log-likelihood from which on friction is taken to wander."""
+
+
+def wandering(eq: Equation, f: Fit) -> Wander | None:
+    """How friction wanders, by what a fit leaves over: the share that is most likely; None where none is."""
+    columns = _friction_over_time(eq)
+    if columns is None:
+        return None
+    slopes = f.jacobian[: eq.size]
+    known, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), 1e-30))
+    residual = f.residual[: eq.size]
+    residual = residual - known @ (known.T @ residual)
+    every = np.zeros((eq.size, sum(c.shape[1] for _, c in columns)))
+    at = 0
+    for part, c in columns:
+        every[part, at : at + c.shape[1]] = c * f.weights[part][:, None]
+        at += c.shape[1]
+    # what the numbers of the fit can do themselves tells nothing
+    every -= known @ (known.T @ every)
+    directions, spreads, _ = np.linalg.svd(every, full_matrices=False)
+    square, rest = (directions.T @ residual) ** 2, float(residual @ residual)
+    gains = [_log_likelihood(share, spreads, square, rest, eq.size) for share in (0.0, *SHARES)]
+    best = int(np.argmax(gains))
+    if best == 0 or gains[best] - gains[0] < CERTAIN:
+        return None
+    parts = tuple((part, *np.linalg.svd(c, full_matrices=False)[:2]) for part, c in columns)
+    return Wander(SHARES[best - 1], parts)
+
+
+def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest: float, count: int) -> float:
+    """Of a residual whose power along some directions is ``square`` (k,) and ``rest`` in all, in rows of which every
+    second one counts; the size of the noise is the most likely one.
+    """
+    inflation = 1.0 + (share * spreads) ** 2
+    left = rest - float(np.sum(square * (1.0 - 1.0 / inflation)))
+    independent = count / CORRELATION
+    return -0.5 * independent * math.log(max(left, 1e-300)) - 0.5 * float(np.sum(np.log(inflation)))
+
+
+def _friction_over_time(eq: Equation) -> list[tuple[slice, np.ndarray]] | None:
+    """Per recording its rows, and what the friction there (m, k), in units of noise, would add a while each."""
+    moving = [o for o in eq.observations if len(o.rows) and not o.of_points]
+    if not moving:
+        return None
+    speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in moving])
+    knots = np.unique(np.quantile(speeds, np.linspace(0.0, 1.0, KNOTS)))
+    if len(knots) < 2:
+        return None
+    by_speed = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
+    braking = at_rows(eq, [b * s for b, s in zip(by_speed, sense, strict=True)])[: eq.size]
+    # what does not brake in both directions, and what accelerates, is no friction
+    driving = at_rows(eq, by_speed)[: eq.size]
+    accelerating = (eq.acceleration / eq.noise)[:, None]
+    slopes = np.concatenate([braking, driving, accelerating], axis=1)
+    levels = np.linalg.lstsq(slopes, eq.measured[: eq.size], rcond=1e-6)[0][: len(knots)]
+    found = []
+    for k, (o, part) in enumerate(zip(eq.observations, eq.torque_parts, strict=True)):
+        if not len(o.rows) or o.of_points:
+            continue
+        lasts = float(o.motion[-1, TIME])
+        times = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
+        friction = (np.maximum(by_speed[k] @ levels, 0.0))[:, None] * sense[k]
+        found.append((part, at_rows_of(o, friction * hat_columns(o.motion[:, TIME], times))))
+    return found

@@ -1,0 +1,33 @@
+"""Bandwidth: how narrow the kernels may be through which a recording is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .smoothing import gaussian, smooth
+
+NARROWER = 0.7  # from one width that is tried to the next
+QUIET = 0.02  # of the acceleration's rms that noise may make
+SURE = 0.1  # of the speed at which a motor counts as standing still
+
+
+def narrowest(position: np.ndarray, period: float, noise: float, widest: float, least: float) -> float:
+    """The least width [s], from ``least`` to ``widest``, whose second derivative of a position (n,) [rad] is quiet.
+
+    ``noise`` [rad] is the standard deviation of one sample.
+    """
+    allowed = QUIET * float(np.sqrt(np.mean(smooth(position, gaussian(widest, period, 2)) ** 2)))
+    width = widest
+    while width * NARROWER >= least and noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 2))) <= allowed:
+        width *= NARROWER
+    return width
+
+
+def narrowest_for_speed(period: float, noise: float, widest: float, least: float, standstill: float) -> float:
+    """The least width [s] whose first derivative tells the sign of a speed above ``standstill`` [rad/s]."""
+    width = widest
+    while width * NARROWER >= least:
+        if noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 1))) > SURE * standstill:
+            break
+        width *= NARROWER
+    return width

@@ -1,0 +1,294 @@
+"""Consistency: whether a recording's signals fit each other, and the model's inertia, before anything is fitted.
+
+No effect makes a shaft turn by a multiple of its speed. A factor between two signals is a unit, a count, a sign or a
+gear ratio that is wrong in the import map; the usual ones are known by their size.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from ..model.matching import BY_TORQUE
+from ..model.own_units import shown
+from ..plant.measured_motion import SPEED
+from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
+from ..simulation.assembly import assemble
+from ..simulation.required import required_torque
+from .observation import Observation, observe
+from .smoothing import smooth_at
+
+WINDOW = 0.1  # s over which ways are compared
+MOVING = 0.3  # of the largest: less of a signal tells no factor
+FEWEST = 30  # samples that do
+STEADY = 0.1  # spread of a factor, relative, from which on it is none
+NAMED_INERTIA = 0.25  # relative, within which a factor of the inertia is a usual mistake
+LEFT = 0.1  # of what friction leaves of the torque, in power: where an acceleration leaves more, it is not in charge
+OVER_LIMIT = 3.0  # times the drive's limit
+ALL_BUT_SPIKES = 0.999  # quantile of a current that is its largest
+PIECE = 300.0  # s that are judged at once: half an hour takes memory, and tells no more
+NOISY = 0.3  # of an acceleration: with more noise in it, a slope to it tells nothing
+
+LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
+"""Effects whose torque a model knows beforehand, whatever moves."""
+
+DEGREES, RPM, TURN = 180.0 / math.pi, 60.0 / (2.0 * math.pi), 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class _Relation:
+    """How two signals belong together; shares are relative."""
+
+    off: float  # beyond which they do not fit
+    named: float  # within which a factor is a usual mistake
+    unnamed: bool  # whether any other factor is one too
+    counted: bool  # whether counts, or the gear ratio, may stand between them
+
+
+WAY_AND_SPEED = _Relation(off=0.1, named=0.03, unnamed=True, counted=True)
+TWO_SHAFTS = _Relation(off=0.25, named=0.03, unnamed=False, counted=True)  # play and springs take something away
+SETPOINT = _Relation(off=0.5, named=0.15, unnamed=False, counted=False)  # which a drive follows late, or not at all
+
+
+class _Factor(NamedTuple):
+    """``signal`` is so many times what ``other`` makes it."""
+
+    signal: str
+    other: str
+    value: float
+    relation: _Relation
+
+    def turned(self) -> _Factor:
+        return _Factor(self.other, self.signal, 1.0 / self.value, self.relation)
+
+
+@dataclass(frozen=True)
+class Inconsistency:
+    """One signal that does not fit another, in words; ``remedy`` is what to look at."""
+
+    recording: str
+    what: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.recording}: {self.what}; {self.remedy}"
+
+
+def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
+    """Raise InputError with the first signal that does not fit the others."""
+    for recording in recordings:
+        for found in inconsistencies(recording, model):
+            raise InputError(str(found))
+
+
+def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """What does not fit, the plainest first. The recording is matched to the model, which is of a rotary machine."""
+    if recording.of_points:
+        return
+    off = [
+        factor
+        for factor in _factors(recording, model)
+        if abs(factor.value - 1.0) > factor.relation.off and (factor.relation.unnamed or _mistake(factor, model))
+    ]
+    named = [name for factor in off for name in factor[:2]]
+    for found in off:
+        # what fits none of two others is what is wrong
+        factor = found.turned() if named.count(found.other) > named.count(found.signal) else found
+        pair = {factor.signal, factor.other}
+        yield Inconsistency(
+            recording.name,
+            f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
+            f"check unit, factor and counts of {factor.signal} and {factor.other} in the import map"
+            + (", and machine.gear_ratio" if pair == {"output_position", "motor_position"} else ""),
+        )
+    yield from _by_limit(recording, model)
+    yield from _by_inertia(recording, model)
+
+
+def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
+    """The factors between all signals that belong together and show one."""
+    signals = recording.signals
+    lag = _lag(recording)
+
+    def way(name: str) -> np.ndarray:
+        return signals[name][lag:] - signals[name][:-lag]
+
+    def told(
+        signal: str, other: str, values: np.ndarray, expected: np.ndarray, relation: _Relation
+    ) -> Iterator[_Factor]:
+        value = _steady_factor(values, expected)
+        if value is not None:
+            yield _Factor(signal, other, value, relation)
+
+    if (times := way_by_speed(recording)) is not None:
+        yield _Factor("motor_position", "speed", times, WAY_AND_SPEED)
+    if recording.has("output_position", "motor_position"):
+        expected = way("motor_position") / model.value("machine.gear_ratio")
+        yield from told("output_position", "motor_position", way("output_position"), expected, TWO_SHAFTS)
+    for setpoint, name in (("speed_setpoint", "speed"), ("current_setpoint", "current")):
+        if recording.has(setpoint, name):
+            yield from told(setpoint, name, signals[setpoint], signals[name], SETPOINT)
+    if recording.has("output_command", "output_position"):
+        expected = way("output_position")
+        yield from told("output_command", "output_position", way("output_command"), expected, SETPOINT)
+
+
+def way_by_speed(recording: Recording) -> float | None:
+    """How many times the way that the speed makes the motor's position goes; None where that is no steady multiple."""
+    if not recording.has("speed", "motor_position"):
+        return None
+    lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
+    return _steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+
+
+def is_usual_mistake(times: float) -> bool:
+    """Whether a factor between way and speed is one that units make."""
+    sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
+    return any(abs(abs(times) - size) <= WAY_AND_SPEED.named * size for size in sizes)
+
+
+def _lag(recording: Recording) -> int:
+    """The samples that ways are taken over."""
+    return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
+
+
+def _travelled(recording: Recording) -> np.ndarray:
+    """The way (n,) [rad] that the speed makes, across samples that are missing; NaN where there is no speed."""
+    speed = recording.signals["speed"]
+    known = np.isfinite(speed)
+    if not known.any():
+        return np.full(len(speed), np.nan)
+    speed = np.interp(recording.time, recording.time[known], speed[known])
+    return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
+
+
+def _steady_factor(values: np.ndarray, expected: np.ndarray) -> float | None:
+    """How many times what was expected the values are; None where they are no steady multiple of it."""
+    both = np.isfinite(values) & np.isfinite(expected)
+    values, expected = values[both], expected[both]
+    large = np.abs(expected) > MOVING * np.abs(expected).max(initial=0.0)
+    if large.sum() < FEWEST:
+        return None
+    ratios = values[large] / expected[large]
+    middle = float(np.median(ratios))
+    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    return middle if spread < STEADY * abs(middle) else None
+
+
+def _mistake(factor: _Factor, model: Model) -> str:
+    """What a factor is usually the sign of, in words; empty where it is none of these."""
+    signal, other, value, relation = factor
+    ratio = model.value("machine.gear_ratio")
+    usual = [
+        (DEGREES, f"as if {signal} were in degrees and read as radians"),
+        (1.0 / DEGREES, f"as if {other} were in degrees and read as radians"),
+        (RPM, f"as if {signal} were in rpm and read as rad/s"),
+        (1.0 / RPM, f"as if {other} were in rpm and read as rad/s"),
+        (TURN, f"as if {other} were in revolutions and read as radians"),
+        (1.0 / TURN, f"as if {signal} were in revolutions and read as radians"),
+        (1000.0, f"as if {signal} were in thousandths (mA, mrad)"),
+        (0.001, f"as if {other} were in thousandths (mA, mrad)"),
+    ]
+    if relation.counted:
+        counts = f"as if the counts_per_revolution of {signal} were"
+        usual += [
+            (4.0, f"{counts} those before the fourfold evaluation of its lines"),
+            (0.25, f"{counts} taken times four twice"),
+            (2.0, "as if one of them counted twice"),
+            (0.5, "as if one of them counted half"),
+        ]
+        if ratio != 1.0:
+            usual.append((ratio, f"the gear ratio: as if {signal} were of the other shaft"))
+            usual.append((1.0 / ratio, f"one over the gear ratio: as if {signal} were of the other shaft"))
+    for size, words in usual:
+        if abs(abs(value) - size) <= relation.named * size:
+            return f", {words}" + (", and of the other sign" if value < 0.0 else "")
+    return ", of the other sign" if abs(value + 1.0) <= relation.named else ""
+
+
+def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """Whether the current stays within what the drive can give."""
+    limit = model.value("drive.current_limit")
+    if recording.has("current") and BY_TORQUE not in recording.metadata:
+        largest = float(np.nanquantile(np.abs(recording.signals["current"]), ALL_BUT_SPIKES))
+        if largest > OVER_LIMIT * limit:
+            largest, limit = (shown(model, value, "A")[0] for value in (largest, limit))
+            yield Inconsistency(
+                recording.name,
+                f"current reaches {largest:.3g} A where the model's drive is limited to {limit:.3g} A, as if current "
+                "were in mA and read as A",
+                "check unit and factor of current in the import map, and drive.current_limit",
+            )
+
+
+def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """Whether the current accelerates the machine as its inertia and its loads let it, where these are known."""
+    parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
+    if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
+        return
+    motor, output = origins_of(recording, model)  # unknown ones are zero of the whole, not of each piece
+    recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
+    for start in PIECE * np.unique(recording.time // PIECE):
+        factor = _times_inertia(recording, start, model, sum(part.value for part in parts))
+        if factor is not None:
+            break  # the first piece that can tell does
+    else:
+        return
+    usual = {
+        1000.0: "as if current were in mA and read as A",
+        1.0 / DEGREES: "as if the motion were in degrees",
+        -1.0: "as if its sign were turned round",
+    }
+    why = next((text for times, text in usual.items() if abs(factor - times) <= NAMED_INERTIA * abs(times)), None)
+    if why is None:  # what a load or a disturbance makes of it has any size
+        return
+    yield Inconsistency(
+        recording.name,
+        f"current is {factor:.3g} times what the model's inertia needs for the acceleration, {why}",
+        "check unit, factor and sign of current and of the positions in the import map, and the model's inertias",
+    )
+
+
+def _times_inertia(recording: Recording, start: float, model: Model, inertia: float) -> float | None:
+    """How many times the torque that the inertia [kg m^2] needs is there, from ``start`` [s] on; None: unknown."""
+    try:
+        piece = recording.between(start, start + PIECE)
+        seen = observe(piece, model)
+    except InputError:
+        return None  # whoever needs the motion will say so
+    speed = seen.motion[seen.rows, SPEED]
+    needed = inertia * seen.acceleration + _load(piece, model, seen)
+    columns = np.stack([needed, np.sign(speed), speed, np.ones(len(speed))], axis=1)
+    size = np.linalg.norm(columns, axis=0)
+    if len(speed) < FEWEST or not size.all():
+        return None
+    if reading_noise(seen.acceleration) > NOISY * float(np.std(seen.acceleration)):
+        return None
+    found, *_ = np.linalg.lstsq(columns / size, seen.torque, rcond=None)
+    left = seen.torque - columns / size @ found
+    without = columns[:, 1:] / size[1:]
+    rest = seen.torque - without @ np.linalg.lstsq(without, seen.torque, rcond=None)[0]
+    if float(left @ left) > LEFT * float(rest @ rest):
+        return None
+    factor = float(found[0] / size[0])
+    return factor if found[1] * factor >= 0.0 else None  # a spring that the model lacks turns no friction's sign round
+
+
+def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
+    """Torque [N m] (m,) of the loads that the model has, and of a measured one; none where its gearbox parts."""
+    effects = {name: instance for name, instance in model.active.items() if instance.effect in LOADS}
+    assembly = assemble(replace(model, effects=effects))
+    load = np.zeros(len(seen.rows))
+    if assembly.plant[0]["two_inertia"] == 0.0:
+        needed = np.ascontiguousarray(required_torque(assembly, recording, seen.motion))
+        smooth_at(needed, seen.kernel, seen.rows, load)
+    return load

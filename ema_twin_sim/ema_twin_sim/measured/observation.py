@@ -1,0 +1,412 @@
+"""What was observed in a recording, ready to be explained: the measured motion, the drive's torque, the encoders'
+difference, and the rows (instants) at which they are judged.
+
+Measured and predicted values go through the same Gaussian kernel, so nothing is lost by it; the drive's own smoothing
+of the speed is undone. A row is not judged near standstill (dry friction has no sign there), near a gap, or at an end.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, median_filter
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from ..model.own_units import shown
+from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
+from ..reading_noise import reading_noise
+from ..simulation.angle_origins import origins_of
+from ..simulation.operating_points import FEWEST as FEWEST_POINTS
+from ..simulation.operating_points import doubled, motion_at_points
+from ..simulation.sensor_noise import counter_noise
+from ..simulation.simulate import LONGEST_GAP
+from ..simulation.twin import hold
+from .bandwidth import narrowest, narrowest_for_speed
+from .smoothing import gaussian, smooth, smooth_at
+
+NEEDED = ("current", "motor_position")
+STANDSTILL = 0.3  # rad/s of the fast shaft
+WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
+COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
+COUNTER_SPEED_WIDTH = 0.004  # s, for the speed that friction depends on there
+COUNTER_PULL = 0.06  # s, the width over which the integrated speed follows the counter
+LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
+START = 0.03  # s at the ends that are not judged
+HARD = 50.0  # rad/s2: beyond it, rows count less
+SHAKEN = 0.05  # s after hard acceleration in which rows count less
+CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
+THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
+JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
+SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
+NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
+LEAST_ROWS = 100  # of motion, in all recordings together: a second, or two where the speed is not recorded
+FEWEST = 10  # samples
+LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
+LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
+CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """One recording as a diagnosis sees it: n samples at full rate, m rows of torque, k rows of the encoders.
+
+    Torques are in N m at the fast shaft, noises are standard deviations.
+    """
+
+    name: str
+    period: float  # s
+    geared: bool  # whether something stands behind teeth or a spring
+    motion: np.ndarray  # (n, 7) with the columns MOTION
+    motor_origin: float  # rad, the motor counter's own angle where its position is zero
+    output_origin: float  # rad, the same of the output encoder
+    kernel: np.ndarray
+    rows: np.ndarray  # int64 (m,), the samples at which the torque is judged
+    torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
+    torque_rate: np.ndarray  # (m,) its slope, N m/s
+    acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
+    torque_noise: np.ndarray  # (m,)
+    calm: np.ndarray  # bool (m,), no hard acceleration shortly before
+    thrown: np.ndarray  # bool (m,), so hard an acceleration not long before that an output with play rests anywhere
+    encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
+    encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
+    encoder_noise: np.ndarray  # (k,)
+    encoder_piece: (
+        np.ndarray
+    )  # int64 (k,), rises by one where the difference jumps: each piece has an offset of its own
+
+    @property
+    def of_points(self) -> bool:
+        """Whether rows are operating points, each by itself."""
+        return len(self.kernel) == 1
+
+    def without_encoders(self) -> Observation:
+        """The torque alone."""
+        none = np.zeros(0)
+        return replace(
+            self,
+            encoder_rows=self.encoder_rows[:0],
+            encoder=none,
+            encoder_noise=none,
+            encoder_piece=self.encoder_piece[:0],
+        )
+
+    def window(self, first: int, last: int) -> Observation:
+        """The samples from ``first`` to before ``last``; times stay as they are."""
+        reach = len(self.kernel) // 2  # a row looks so far to both sides
+        rows = (self.rows >= first + reach) & (self.rows < last - reach)
+        encoder = (self.encoder_rows >= first + reach) & (self.encoder_rows < last - reach)
+        return replace(
+            self,
+            motion=np.ascontiguousarray(self.motion[first:last]),
+            rows=self.rows[rows] - first,
+            torque=self.torque[rows],
+            torque_rate=self.torque_rate[rows],
+            acceleration=self.acceleration[rows],
+            torque_noise=self.torque_noise[rows],
+            calm=self.calm[rows],
+            thrown=self.thrown[rows],
+            encoder_rows=self.encoder_rows[encoder] - first,
+            encoder=self.encoder[encoder],
+            encoder_noise=self.encoder_noise[encoder],
+            encoder_piece=self.encoder_piece[encoder],
+        )
+
+
+def observe(recording: Recording, model: Model) -> Observation:
+    """Take from a recording what a diagnosis needs. Raises InputError where it lacks a signal that all stands on."""
+    if recording.of_points:
+        return _observe_points(recording, model)
+    missing = [name for name in NEEDED if not recording.has(name)]
+    if missing:
+        raise InputError(
+            f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
+            f"(it holds {', '.join(recording.signals)})"
+        )
+    if len(recording) < FEWEST:
+        raise InputError(f"{recording.name}: {len(recording)} samples are too few to tell anything")
+    second, _ = shown(model, 1.0, "s")
+    longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
+    if longest is not None and second * longest.duration > LONGEST_GAP:
+        raise InputError(
+            f"{recording.name}: {second * longest.duration:.4g} s are missing at {second * longest.time:.4g} s; "
+            "cut it there (--to, --from)"
+        )
+    period, time, signals, whole = _even(recording)
+    if np.ptp(signals["current"]) == 0.0:
+        raise InputError(
+            f"{recording.name}: its current is {shown(model, signals['current'][0], 'A')[0]:g} A all along; is that "
+            "the right column of the trace? Name it in the import map"
+        )
+    width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
+    # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
+    geared = model.value("machine.output_inertia") > 0.0
+    reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
+    if not geared and "speed" not in signals:
+        width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
+    kernel = gaussian(width, period)
+    if len(time) < 4 * len(kernel):
+        raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
+    ratio = model.value("machine.gear_ratio")
+    motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)
+    acceleration = motion[:, ACCELERATION]
+    drive = model.value("machine.torque_constant") * signals["current"]
+    hit = geared * hardest(acceleration, SHAKEN, 2.0 * width, period)
+    centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
+    judged = _judged(time, period, whole, kernel)
+    slow = np.abs(motion[:, SPEED]) < STANDSTILL
+    # a machine without gearbox that passes through standstill within a kernel's inner half does not stick there
+    moving = _spread(slow, len(kernel) // 2) == 0.0 if geared else _spread(~slow, len(kernel) // 2) > 0.0
+    driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
+        model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
+    )
+    rows = centres[(judged & moving & driven)[centres]]
+    white = _torque_noise(signals["current"], recording.signals["current"], kernel, model)
+    if "load_torque" in signals:
+        white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
+    largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
+    noise = np.maximum(noise, LEAST_NOISE * largest)
+    output = signals.get("output_position")
+    difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
+    jumps = _jumps(difference, motion[:, SPEED] * period / ratio)
+    breaks = jumps != 0.0
+    motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
+    difference = difference - np.cumsum(jumps)
+    whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
+    encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
+    thrown = geared * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    if not thrown[encoder_rows].all():
+        encoder_rows = encoder_rows[~thrown[encoder_rows]]
+    parting = np.hypot(
+        _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
+        JITTER * smooth(difference, gaussian(width, period, 1)),
+    )
+    motor_origin, output_origin = origins_of(recording, model)
+    return Observation(
+        name=recording.name,
+        period=period,
+        geared=geared,
+        motion=motion,
+        motor_origin=motor_origin,
+        output_origin=output_origin,
+        kernel=kernel,
+        rows=rows,
+        torque=_at(drive, kernel, rows),
+        torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
+        acceleration=acceleration[rows],
+        torque_noise=noise[rows],
+        calm=hit[rows] < HARD,
+        thrown=thrown[rows],
+        encoder_rows=encoder_rows,
+        encoder=_at(difference, kernel, encoder_rows),
+        encoder_noise=parting[encoder_rows],
+        encoder_piece=np.cumsum(breaks)[encoder_rows],
+    )
+
+
+def _observe_points(recording: Recording, model: Model) -> Observation:
+    """Operating points: rows that are judged as they are, each by itself."""
+    motion = motion_at_points(recording, model)
+    motion = motion[np.isfinite(motion).all(axis=1)]
+    if len(motion) < FEWEST_POINTS:
+        raise InputError(f"{recording.name}: {len(motion)} operating points are too few to tell anything")
+    count = len(motion)
+    constant = model.value("machine.torque_constant")
+    torque = constant * motion[:, MOTOR_CURRENT]
+    noise = model.value("sensors.current_noise") or reading_noise(motion[:, MOTOR_CURRENT])
+    nowhere = np.zeros(0)
+    motor_origin, output_origin = origins_of(recording, model)
+    return Observation(
+        name=recording.name,
+        period=float(np.median(np.diff(motion[:, TIME]))),
+        geared=model.value("machine.output_inertia") > 0.0,
+        motion=doubled(motion),
+        motor_origin=motor_origin,
+        output_origin=output_origin,
+        kernel=np.ones(1),
+        rows=np.arange(count) * 2 + 1,
+        torque=torque,
+        torque_rate=np.zeros(count),
+        acceleration=np.zeros(count),
+        torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        calm=np.ones(count, bool),
+        thrown=np.zeros(count, bool),
+        encoder_rows=np.zeros(0, np.int64),
+        encoder=nowhere,
+        encoder_noise=nowhere,
+        encoder_piece=np.zeros(0, np.int64),
+    )
+
+
+def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
+    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
+    if not recording.has(*NEEDED):
+        raise InputError(f"{recording.name}: has no {' and no '.join(n for n in NEEDED if not recording.has(n))}")
+    period, time, signals, _ = _even(recording)
+    if len(time) < FEWEST:
+        raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
+    reading = max(counter_noise(model, "motor"), reading_noise(signals["motor_position"]))
+    least = period
+    width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)
+    motion, _ = _motion(signals, time, period, max(width, least), model, reading, False)
+    return motion, period
+
+
+def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
+    """All recordings. Raises InputError where together they hold too little motion to judge anything."""
+    if not recordings:
+        raise InputError("no recording is given; a diagnosis needs at least one")
+    found = [observe(recording, model) for recording in recordings]
+    moving = sum(len(o.rows) * o.period * float(np.diff(o.rows).min(initial=len(o.motion))) for o in found)
+    standstill, unit = shown(model, STANDSTILL, "rad/s")
+    if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
+        raise InputError(
+            f"{', '.join(o.name for o in found)}: {shown(model, moving, 's')[0]:.2g} s of motion faster than "
+            f"{standstill:.2g} {unit} at the motor; a diagnosis needs more of it: record longer, or move faster"
+        )
+    return found
+
+
+def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
+    """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
+    period = recording.sample_period
+    steps = np.diff(recording.stamps) * 1e-9
+    used = {name: recording.signals[name] for name in (*NEEDED, "speed", "output_position") if recording.has(name)}
+    whole = np.ones(len(recording), bool)
+    for values in used.values():
+        whole &= np.isfinite(values)
+    if whole.sum() < 2:
+        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
+    measured = recording.time[whole]
+    used = {name: despiked(values[whole]) for name, values in used.items()}
+    if recording.has("load_torque"):
+        used["load_torque"] = _held(recording.signals["load_torque"])[whole]
+    if whole.all() and np.abs(steps - period).max() < 0.02 * period:
+        return period, recording.time, used, whole
+    time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
+    signals = {name: np.interp(time, measured, values) for name, values in used.items()}
+    after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
+    return period, time, signals, measured[after] - measured[after - 1] <= 1.5 * period
+
+
+def _motion(
+    signals: dict[str, np.ndarray],
+    time: np.ndarray,
+    period: float,
+    width: float,
+    model: Model,
+    reading: float,
+    geared: bool,
+) -> tuple[np.ndarray, float]:
+    """(motion (n, 7) with the columns MOTION, noise of the acceleration [rad/s2]).
+
+    ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
+    """
+    position = signals["motor_position"]
+    if "speed" in signals:
+        smoothing = model.value("sensors.speed_smoothing")
+        sharp = gaussian(period, period) + smoothing * gaussian(period, period, 1)
+        speed = smooth(signals["speed"], sharp)
+        exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
+        acceleration = smooth(signals["speed"], exact)
+        travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
+        angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
+        noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
+    else:
+        speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
+        if not geared:
+            speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
+        speed = smooth(position, gaussian(speed_width, period, 1))
+        angle = smooth(position, gaussian(speed_width, period))
+        bend = gaussian(width, period, 2)
+        acceleration = smooth(position, bend)
+        noise = reading * float(np.linalg.norm(bend))
+    output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
+    load = signals.get("load_torque", np.zeros(len(time)))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
+
+
+def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """Samples (n,) that are neither near an end nor near a gap."""
+    margin = len(kernel) // 2 + round(START / period)
+    judged = _spread(~whole, len(kernel) // 2) == 0.0
+    judged[:margin] = judged[len(time) - margin :] = False
+    return judged
+
+
+def _spread(where: np.ndarray, reach: int) -> np.ndarray:
+    """Above zero within ``reach`` / 2 samples of where it is true: the kernel's outer half weighs next to nothing."""
+    return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
+
+
+def hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
+    """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
+    left, right = round(before / period), round(after / period)
+    return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+
+
+def _held(load: np.ndarray) -> np.ndarray:
+    """A measured load (n,) as a twin takes it where it has no value."""
+    held = load.copy()
+    hold(held)
+    return held
+
+
+def despiked(values: np.ndarray) -> np.ndarray:
+    """The values (n,) without single samples that stand far out of their neighbours' line: transmission errors."""
+    middle = 0.5 * (values[:-2] + values[2:])
+    out = values[1:-1] - middle
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
+    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
+    wild = (np.abs(out) > SPIKE * spread) & (before * out < -0.25 * out**2) & (after * out < -0.25 * out**2)
+    if spread == 0.0 or not wild.any():
+        return values
+    kept = values.copy()
+    kept[1:-1][wild] = middle[wild]
+    return kept
+
+
+def _jumps(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
+    """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
+
+    A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
+    of a sample: by so much the encoders may part where an output is hit.
+    """
+    step = np.diff(difference, prepend=difference[:1])
+    out = step - median_filter(step, NEIGHBOURS)
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
+    return np.where(np.abs(out) > most, out, 0.0)
+
+
+def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model: Model) -> float:
+    """Standard deviation [N m] of a smoothed current's torque: its white noise and its resolution.
+
+    Steps that are wide beside the noise are not white: smoothing takes nothing of them away. They are those of the
+    ``raw`` values, as they stand in the recording: between samples that were filled in, there are no steps.
+    """
+    levels = np.unique(raw[np.isfinite(raw)])
+    step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
+    noise = model.value("sensors.current_noise")
+    smoothed = float(np.linalg.norm(kernel))
+    coarse = step / math.sqrt(12.0) if step > 2.0 * noise else 0.0
+    white = max(reading_noise(current), noise if coarse else 0.0)
+    return model.value("machine.torque_constant") * math.hypot(white * smoothed, coarse)
+
+
+def _encoder_noise(model: Model) -> float:
+    """Standard deviation [rad, slow shaft] of the difference of both encoders."""
+    return math.hypot(counter_noise(model, "output"), counter_noise(model, "motor") / model.value("machine.gear_ratio"))
+
+
+def _at(values: np.ndarray, kernel: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    smoothed = np.empty(len(rows))
+    smooth_at(np.ascontiguousarray(values), kernel, rows, smoothed)
+    return smoothed
