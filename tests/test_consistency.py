@@ -9,9 +9,9 @@ from recorded import with_signals
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
-from ema_twin_sim.discovery import consistency
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.measured import consistency
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.simulation.command import parse_command
