@@ -7,7 +7,6 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from ema_bench_replay.errors import InputError
@@ -85,6 +84,8 @@ def run(
 
 def _guessed(trace: Path) -> Guesses:
     """What the columns of a trace seem to be. Raises InputError where nothing can be told of them."""
+    import numpy as np
+
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
