@@ -214,7 +214,7 @@ def _searched(
         return found, False
     beside = wandering_after_all(eq, found, barred, start, progress)
     if beside is not None:
-        return beside, _explained_without_wander(eq, beside.fit, start)
+        return beside, False
     if found.fit.parted or apart(eq, found.fit, start):
         return found, False
     progress("something is left: thinking again of what was found")

@@ -23,6 +23,7 @@ from ..simulation.simulate import choose_input, simulate
 from .search.trace import Search
 
 WORSE = 1.2  # times the error of the start, from which on the end is worse
+NEARER = 0.8  # times the start's error of the output's position, below which the end is nearer in that
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,14 @@ class Unseen:
 
     @property
     def betters(self) -> bool:
-        """Whether the end is nearer to the recordings than the start: in the signal, or in how the encoders part."""
-        return self.rmse[-1] < self.rmse[0] or (self.encoders and self.output[-1] < self.output[0])
+        """Whether the end is nearer to the recordings than the start: in the signal, in how the encoders part, or
+        clearly in where the output is, and no farther in the signal.
+        """
+        if self.rmse[-1] < self.rmse[0]:
+            return True
+        if self.encoders:
+            return self.output[-1] < self.output[0]
+        return bool(self.output) and self.output[-1] < NEARER * self.output[0] and not self.worsens
 
     @property
     def worsens(self) -> bool:

@@ -15,6 +15,7 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, order_decoys
 from ...identification.screening import screen_decoys
 
+TELLING = 0.1  # of the noise's variance: what an effect must take away where no basis takes anything
 OWN_SHARE = 0.98  # of the misfit that the best basis takes away, which an effect must take away
 
 
@@ -29,9 +30,11 @@ def _own(eq: Equation, f: Fit, name: str) -> bool:
     kept = eq.decoys
     try:
         eq.decoys = _over(eq, bare, over)
+        if not eq.decoys:  # of what shows over this, there is no other shape
+            return True
         best = next((found for _, found in screen_decoys(eq, bare)), None)
         if best is None:
-            return True
+            return bare.misfit - f.misfit > TELLING * f.judged
         any_shape = fit(eq, bare.hypothesis.with_decoy(best, eq.decoys[best].shape[1]), 3, known=bare)
         return bare.misfit - f.misfit >= OWN_SHARE * (bare.misfit - any_shape.misfit)
     finally:

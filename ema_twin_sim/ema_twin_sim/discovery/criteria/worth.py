@@ -13,7 +13,6 @@ import numpy as np
 from ...effects import catalogue
 from ...identification.equation import Equation
 from ...identification.fit import Fit
-from ...identification.hypothesis import PARTING
 
 COST_EFFECT = 7.0
 COST_PARAMETER = 4.0
@@ -92,7 +91,7 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
         misfit, remains = (float(eq.costs(f.raw)[:count].sum()) for f in (before, after))
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
-    floor = SHAKY_FLOOR if after.parted and not came.keys() <= _before_the_gearbox(after) else FLOOR
+    floor = SHAKY_FLOOR if after.parted else FLOOR
     if [*came.values()] == ["mesh_friction"]:
         if not VARYING_LOADS & after.hypothesis.held:
             floor = max(floor, UNLOADED_FLOOR)
@@ -100,13 +99,6 @@ def matters(eq: Equation, before: Fit, after: Fit) -> bool:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size
             floor *= 0.5
     return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
-
-
-def _before_the_gearbox(f: Fit) -> set[str]:
-    """The added effects that came before play or spring: the torque alone tells of them."""
-    added = f.hypothesis.added
-    parts = [held.effect in PARTING for held in added.values()]
-    return {*list(added)[: parts.index(True)]} if True in parts else set()
 
 
 def left_over(eq: Equation, f: Fit) -> list[float]:

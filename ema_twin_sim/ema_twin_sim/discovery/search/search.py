@@ -20,10 +20,11 @@ from ...identification.screening import Screened, screen, screen_decoys
 from ...identification.wandering import wandering
 from ..criteria.explained import MISFIT_DOUBTED, MISFIT_LEFT
 from ..criteria.plausible import insignificant
-from ..criteria.worth import COST_DECOY, ENCODER_ONLY, gain, matters, unique
+from ..criteria.worth import COST_DECOY, ENCODER_ONLY, gain, matters, price, unique
 from .found_orders import order_candidates, resolved
 from .trace import NEEDLESS, Round, Search, Trial, new_names
 
+USUAL = 4  # effects that a machine may lack; where more seem missing, friction that wanders may be behind them
 DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 PROMISING = 0.05  # of the largest gain by regression, from which on an effect is worth a fit
@@ -78,7 +79,7 @@ def search(
         progress("looking at the torque alone")
     begun = fit(eq, bare.hypothesis) if parts else bare
     current, rounds = add_effects(eq, begun, by_torque, progress, most=most)
-    if may_wander and not null.base.is_open and torque_left(eq, current) > MISFIT_LEFT:
+    if may_wander and eq.weighting.wander is None and not null.base.is_open:
         current, rounds = _beside_wander(eq, null, current, rounds, by_torque, progress, most)
     if parts:
         eq.use_encoder = True
@@ -102,16 +103,25 @@ def _beside_wander(
     progress: Callable[[str], None],
     most: int,
 ) -> tuple[Fit, list[Round]]:
-    """The end and the rounds begun anew beside friction that wanders, if that explains the torque; else those given."""
-    plain, wander = eq.weighting, wandering(eq, current) if eq.weighting.wander is None else None
+    """The end and the rounds begun anew beside friction that wanders, if that explains the torque; else those given.
+
+    Asked where something is left, or where it took suspiciously many effects to leave nothing.
+    """
+    many = len(current.hypothesis.added) > USUAL
+    if torque_left(eq, current) <= MISFIT_LEFT and not many:
+        return current, rounds
+    plain, wander = eq.weighting, wandering(eq, rounds[1].after if many else current)
     if wander is None:
         return current, rounds
+    cost_of_many = _torque_cost(eq, current) if many else math.inf
     progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
     eq.weighting = replace(plain.begun_anew(FAR), wander=wander)
     beside, rounds_beside = add_effects(eq, settle(eq, fit(eq, null)), without, progress, most=most)
     weighting, left = eq.weighting, torque_left(eq, beside)
+    too_dear = _torque_cost(eq, beside) + wander.price > cost_of_many
     eq.weighting = plain
-    if left > MISFIT_LEFT or depends_on_more(eq, beside.hypothesis, left + CORRELATION * wander.price / eq.size):
+    paid = left + CORRELATION * wander.price / eq.size
+    if left > MISFIT_LEFT or too_dear or depends_on_more(eq, beside.hypothesis, paid):
         return current, rounds
     eq.weighting = weighting
     return beside, rounds_beside
@@ -120,7 +130,7 @@ def _beside_wander(
 def depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
     """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
 
-    Or less of it than ``at_most``, in misfit per row.
+    Or hardly more of it than ``at_most``, in misfit per row.
     """
     add_decoys(eq)
     f = fit(eq, h)
@@ -129,7 +139,12 @@ def depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
         return False
     columns = eq.decoys[name].shape[1]
     beside = fit(eq, h.with_decoy(name, columns))
-    return torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < max(at_most, MISFIT_DOUBTED)
+    return torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < at_most + MISFIT_DOUBTED - 1.0
+
+
+def _torque_cost(eq: Equation, f: Fit) -> float:
+    """What a hypothesis costs by the torque, as twice a negative log-likelihood, its price paid."""
+    return float(eq.costs(f.raw)[: eq.size].sum()) / CORRELATION + price(f)
 
 
 def torque_left(eq: Equation, f: Fit) -> float:
