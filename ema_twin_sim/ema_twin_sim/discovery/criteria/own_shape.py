@@ -15,7 +15,7 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, order_decoys
 from ...identification.screening import screen_decoys
 
-TELLING = 0.1  # of the noise's variance: what an effect must take away where no basis takes anything
+TELLING = 0.03  # of the noise's variance: what an effect must take away for its shape to tell anything
 OWN_SHARE = 0.98  # of the misfit that the best basis takes away, which an effect must take away
 
 
@@ -32,11 +32,14 @@ def _own(eq: Equation, f: Fit, name: str) -> bool:
         eq.decoys = _over(eq, bare, over)
         if not eq.decoys:  # of what shows over this, there is no other shape
             return True
+        took = bare.misfit - f.misfit
+        if took < TELLING * f.judged:
+            return False
         best = next((found for _, found in screen_decoys(eq, bare)), None)
         if best is None:
-            return bare.misfit - f.misfit > TELLING * f.judged
+            return True
         any_shape = fit(eq, bare.hypothesis.with_decoy(best, eq.decoys[best].shape[1]), 3, known=bare)
-        return bare.misfit - f.misfit >= OWN_SHARE * (bare.misfit - any_shape.misfit)
+        return took >= OWN_SHARE * (bare.misfit - any_shape.misfit)
     finally:
         eq.decoys = kept
 
