@@ -204,7 +204,7 @@ def _searched(
     found = search(eq, null, barred, progress)
     if null.base.is_open:
         return found, explained(eq, found.fit, found.rounds[0].before)
-    if sum(bool(turn.added) for turn in found.rounds) >= ROUNDS:
+    if len(found.fit.hypothesis.added) >= ROUNDS:  # what takes more effects than that is something else
         return found, False
     found = in_better_company(eq, found, barred, progress)
     start = found.rounds[0].before

@@ -33,7 +33,7 @@ def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found:
         return found
     simpler = [rest for rest in (_as_filed(eq, best), _put_back(eq, best)) if rest is not None]
     fitted, *errors = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, *simpler))
-    least = min(fitted, *errors)
+    least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
         if math.isfinite(error) and error <= AS_WELL * least:
             return found.with_numbers(rest)
