@@ -5,6 +5,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery import unmoved
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.evidence import evidence_json
@@ -51,6 +52,13 @@ def test_no_row_stands_on_samples_at_rest(period):
     seen = observe(run, arm)
     assert (seen.motion[seen.rows, 0] > 19.5).all()
     assert len(seen.rows) * np.diff(seen.rows).min() * period > 14.0  # s of 20: the rest are its reversals
+
+
+def test_constants_that_all_moved_for_sure_stay_where_they_are(stock, monkeypatch):
+    monkeypatch.setattr(unmoved, "MOVED", 0.0)  # standard errors: whatever is not exactly at its file's value
+    found = discover(record(stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})), stock)
+    assert (found.verdict, found.added) == ("explained", ("gravity_load",))
+    assert {"inertia", "motor inertia", "motor_inertia"} & {*found.constants["machine"]}
 
 
 def test_a_model_with_play_is_fitted_without_an_output_encoder(stock):
