@@ -15,7 +15,7 @@ from ema_twin_sim.model import Model
 _MODELS = Path(__file__).resolve().parents[2] / "config" / "models"
 
 
-_DRAWN = (
+DRAWN = (
     "motor_inertia",
     "output_inertia",
     "motor_viscous",
@@ -120,7 +120,7 @@ def drawn_machine(random: np.random.Generator, off: float = 0.05) -> Machine:
 
 def near(machine: Machine, random: np.random.Generator, off: float) -> Machine:
     """A machine whose constants are each off by up to ``off``, the torque constant by a fifth of that."""
-    shares = {name: off for name in _DRAWN} | {"torque_constant": 0.2 * off}
+    shares = {name: off for name in DRAWN} | {"torque_constant": 0.2 * off}
     drawn = {name: getattr(machine, name) * (1.0 + random.uniform(-share, share)) for name, share in shares.items()}
     return replace(machine, **drawn)
 

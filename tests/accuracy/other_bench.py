@@ -16,7 +16,7 @@ from ema_bench_replay.recording import Recording
 from .commands import Drive
 from .hide import HIDE
 from .layout import BURST_COLUMNS, HARMONIC_COLUMNS, PLANT, STEP, STEP_NS, TRACE
-from .machine import Machine, spring, stock_constants
+from .machine import DRAWN, Machine, spring, stock_constants
 from .plant import run
 from .trace import Shown, shown_recording
 from .unkind import Unkind
@@ -131,18 +131,7 @@ class OtherBench:
         plant["back_emf"] = winding["back_emf_constant"]
         plant["resistance"] = winding["phase_resistance"]
         plant["inductance"] = winding["phase_inductance"]
-        for name in (
-            "motor_inertia",
-            "output_inertia",
-            "torque_constant",
-            "motor_viscous",
-            "output_viscous",
-            "motor_level",
-            "output_level",
-            "current_lag",
-            "filter",
-            "smoothing",
-        ):
+        for name in ("torque_constant", *DRAWN):
             plant[name] = getattr(machine, name)
         plant["stiffness"], plant["damping"] = machine.gear
         # friction turns round over next to no travel, on both sides alike

@@ -13,7 +13,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..identification.equation import Equation
@@ -57,9 +56,6 @@ def loop_error(model: Model, recordings: Sequence[Recording], inputs: Sequence[s
     One that ends in chaos must not decide for all. Infinite where the loop cannot follow, or is too stiff to simulate.
     """
     jobs = zip(recordings, inputs, strict=True)
-    try:
-        table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
-    except InputError:
-        return math.inf
+    table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))
     mean = table[:, 0] / np.maximum(table[:, 1], 1.0)
     return float(np.exp(np.mean(np.log(np.maximum(mean, 1e-18))))) if np.isfinite(mean).all() else math.inf
