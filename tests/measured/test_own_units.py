@@ -8,8 +8,8 @@ import pytest
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.measured.scales import REFERENCE_INERTIA, REFERENCE_TORQUE, own_units, rms_torque, to_own_units
-from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.measured.scales import own_units, rms_torque, to_own_units
+from ema_twin_sim.model import load_model, reference_bench, save_model
 from ema_twin_sim.model.constants import CONSTANTS
 from ema_twin_sim.model.own_units import OwnUnits, in_si, model_in, native, native_as_given, recording_in, shown
 from ema_twin_sim.simulation.simulate import simulate
@@ -80,8 +80,8 @@ def test_in_own_units_a_machine_has_the_reference_size(stock, runs):
     ):
         told, own = to_own_units(recordings, model)
         inertia = sum(own.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-        assert inertia == pytest.approx(REFERENCE_INERTIA)
-        assert rms_torque(told, own) == pytest.approx(REFERENCE_TORQUE)
+        assert inertia == pytest.approx(reference_bench.INERTIA)
+        assert rms_torque(told, own) == pytest.approx(reference_bench.TORQUE)
 
 
 def test_scales_do_not_depend_on_order_names_or_cuts(stock, runs):

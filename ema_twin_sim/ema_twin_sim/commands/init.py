@@ -153,7 +153,9 @@ def _say_next(files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesse
     map_name, model = (quote(str(file)) for file in files)
     say("Then:")
     say(f"  ema-twin info {trace} --map {map_name}")
-    if guesses.drives:
+    if guesses.both_encoders and not guesses.drives:
+        say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
+    if guesses.drives or guesses.both_encoders:
         say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o better.yaml")
     else:
         say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")

@@ -75,6 +75,7 @@ def run(
     from ..nodes.live import run_live
     from ..nodes.live_model import live_model
     from ..own_effects import load_effects
+    from ..simulation.behind_motor import refuse_encoders_alone
     from ..simulation.dc_link_check import refuse_recording_beyond_link
     from ..simulation.sensor_noise import noise_floors
     from ..simulation.simulate import choose_input
@@ -96,6 +97,7 @@ def run(
         if len(recordings) != 1:
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         refuse_points(recordings[0])
+        refuse_encoders_alone(recordings[0])
         recording = matched(recordings[0], found)
     driving = choose_input(recording, input) if recording is not None else input
     if recording is not None and driving is not None:

@@ -19,7 +19,7 @@ from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.operating_points import HOLDING
-from ..simulation.simulate import POINTWISE, choose_input, simulate
+from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
 from .where import STANDSTILL, Dependence, Stretch, find_dependences
 
@@ -205,6 +205,8 @@ def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
 
 def explained_signals(source: str) -> tuple[str, ...]:
     """The signals whose errors are traced to a place: the headline of the input, and the encoders' difference."""
+    if source == BY_MOTOR:
+        return ("output_position",)
     return ("unexplained_torque",) if source == "current" else ("current", "output_position")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..model import Model
 from ..simulation.sensor_noise import noise_floors
-from ..simulation.simulate import POINTWISE
+from ..simulation.simulate import BY_MOTOR, POINTWISE
 
 UNITS: dict[str, str] = {
     "current": "A",
@@ -25,6 +25,7 @@ UNITS: dict[str, str] = {
 DRIVEN: dict[str, tuple[str, ...]] = {
     "current": ("current",),
     POINTWISE: ("speed", "motor_position", "output_position"),
+    BY_MOTOR: ("speed", "motor_position"),
 }
 """The compared signals that drive the twin under an input: their residuals say nothing."""
 

@@ -24,7 +24,7 @@ from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
-from .cautions import ALONE, OPEN_CONSTANTS
+from .cautions import ALONE, OPEN_CONSTANTS, WITHOUT_TORQUE
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
 from .ending import NOISY, why_ended
@@ -119,7 +119,7 @@ def discover(
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
     eq = Equation([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
-    null = null_hypothesis(model)
+    null = null_hypothesis(model, by_torque=eq.size > 0)
     barred = frozenset(without) | _impossible(model) | not_shown(recordings)
     found, known = _searched(eq, null, barred, progress)
     start = found.rounds[0].before
@@ -166,7 +166,7 @@ def discover(
         given if as_given else native_as_given(woken(best.hypothesis.model(), awake), given).fitted_from(given),
         steps,
         MappingProxyType(parameters(best, errors)),
-        MappingProxyType({} if as_given else constants(best, errors, given)),
+        MappingProxyType({} if as_given or not eq.size else constants(best, errors, given)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(eq, found, rivals, recordings, barred),
@@ -175,10 +175,11 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(eq, best),
             *far_off(best),
-            *on_bounds(eq, best, errors),
+            *(on_bounds(eq, best, errors) if eq.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
-            *(OPEN_CONSTANTS if model.is_open and known and best.hypothesis.added else ()),
+            *(OPEN_CONSTANTS if eq.size and model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
+            *(() if eq.size else WITHOUT_TORQUE),
         ),
         unseen,
         found,

@@ -31,7 +31,7 @@ def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search
     """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
     best = found.fit
     inputs = [choose_input(recording) for recording in recordings]
-    if not best.parted or not found.taken or "current" in inputs:
+    if not best.parted or not found.taken or {*inputs} != {"setpoint"}:
         return found
     shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are

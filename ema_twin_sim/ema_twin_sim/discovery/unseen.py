@@ -19,7 +19,7 @@ from ..identification.uncertainty import held_out
 from ..model import Model
 from ..model.own_units import in_si, shown
 from ..simulation.sensor_noise import noise_floors
-from ..simulation.simulate import choose_input, simulate
+from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
 WORSE = 1.2  # times the error of the start, from which on the end is worse
@@ -124,6 +124,8 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     if driven:
         inputs = ["current"] * len(recordings)
     signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
+    if {*inputs} == {BY_MOTOR}:
+        signal, unit = "output_position", "rad"
     fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
     if len(fits) == 1 or fits[-1] is not found.fit:
         fits.append(found.fit)
@@ -147,7 +149,7 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     floors = [noise_floors(in_si(base), has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
     each = np.sqrt(rows / np.maximum(counts, 1))
     output = table[:, :, 2:].sum(axis=1)
-    if not driven and output[:, 1].all():
+    if signal == "current" and output[:, 1].all():
         of_output = [math.sqrt(s / n) for s, n in output]
     return Unseen(
         signal,

@@ -1,28 +1,35 @@
-"""Encoder eccentricity: the encoder shows theta_o + amplitude (sin(theta_o + phase) - sin(theta_o(0) + phase)) [rad].
+"""Encoder eccentricity: the encoder shows theta_o + a (sin(n theta_o + phase) - sin(n theta_o(0) + phase)) [rad].
 
-An encoder disc whose centre is off its shaft. theta_o is the encoder's own angle; positions are published from zero.
+An encoder disc whose centre is off its shaft errs once per turn (order n = 1); an oval one, or a resolver whose two
+windings differ, twice; a resolver of several pole pairs as often as these. theta_o is the encoder's own angle;
+positions are published from zero. An error of the motor's encoder has orders of n times the gear ratio. Hanselman,
+"Resolver signal requirements for high accuracy resolver-to-digital conversion" (1990).
 """
 
+from ..plant.layout import ANGLE_ERRORS
 from .effect import Effect, Parameter
 
 
 def settle(plant, parameters, options):
-    """Set the output encoder off its shaft."""
-    plant["eccentricity_amplitude"] = parameters["amplitude"]
-    plant["eccentricity_phase"] = parameters["phase"]
+    """Add a wave to the output encoder's error."""
+    if plant["angle_errors"] < ANGLE_ERRORS:  # one too many is refused once all effects had their say
+        row = plant["angle_error"][plant["angle_errors"]]
+        row[:] = parameters["amplitude"], parameters["phase"], float(options["order"])
+    plant["angle_errors"] += 1
 
 
 EFFECT = Effect(
     id="encoder_eccentricity",
-    summary="an output encoder off its shaft's centre",
-    equation="the encoder shows θ_o + amplitude · (sin(θ_o + phase) − sin(θ_o(0) + phase))",
+    summary="an output encoder off its shaft's centre, or a resolver's angle error",
+    equation="the encoder shows θ_o + amplitude · (sin(order·θ_o + phase) − sin(order·θ_o(0) + phase))",
     depends_on="encoders",
     signature="output position error that follows the sine of the output's angle; nothing in the current",
-    source="geometry of an eccentric disc",
+    source="geometry of an eccentric disc; Hanselman 1990 for resolvers",
     parameters=(
         Parameter("amplitude", "rad", 0.0005, 0.0, 0.1, "amplitude, slow shaft"),
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the encoder's zero", periodic=True),
     ),
+    options={"order": ("1", "2")},
+    free_option="order",
     settle=settle,
-    repeatable=False,
 )

@@ -27,11 +27,11 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown_entry
 from ..simulation.angle_origins import without_common_zero
-from ..simulation.simulate import POINTWISE, choose_input
+from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input
 from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
-from .freedom import Freedom, choose_numbers
+from .freedom import Freedom, choose_numbers, not_by_encoders
 from .misfit import Misfit
 from .simulation_misfit import SimulationMisfit
 from .solver import FINAL, ROUGH, Solution, solve
@@ -128,6 +128,8 @@ def fit_model(
         raise InputError(f"{recordings[0].name}: operating points are fitted by --method equation: nothing runs there")
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
+    if {*sources} == {BY_MOTOR}:
+        fix = (*fix, *not_by_encoders(model, free))
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")

@@ -196,6 +196,18 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
     return Freedom(model, tuple(numbers), values, tuple(notes))
 
 
+def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
+    """Paths of what two encoders without a torque do not show, less what ``free`` names: the numbers of all torques."""
+    hidden = [
+        f"effects.{name}"
+        for name, instance in model.effects.items()
+        if instance.enabled and catalogue()[instance.effect].depends_on != "encoders"
+    ]
+    return [
+        path for path in (*hidden, *INERTIAS) if not any(text == path or text.startswith(f"{path}.") for text in free)
+    ]
+
+
 def _parameter_of(model: Model, path: str) -> Parameter:
     """The row of an effect's table that a path names."""
     _, name, parameter = split(path)

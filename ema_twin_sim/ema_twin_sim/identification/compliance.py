@@ -24,6 +24,8 @@ WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
 SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
 OUTPUT_SHARE = 0.4  # of the friction, to begin with, that is at the output
+SOFTER = 30  # steps of STIFFNESS further down where own units are no more than a typical speed's
+HARDLY = 0.01  # times the friction that an output begins with: it swings on its spring
 HOPELESS = 4.0  # times the least misfit of a start, from which on a family is left out
 RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
 SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
@@ -39,10 +41,13 @@ def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list
     held = h.held | without
     spread = encoder_spread(eq)
     part = excerpt(eq)
-    springs = [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
+    springs = _springs(h)
     families = []
     if "shaft_compliance" not in held:
-        families.append(ranked(part, [h.with_effect("shaft_compliance", {}, s) for s in springs]))
+        wound = [h.with_effect("shaft_compliance", {}, s) for s in springs]
+        if not h.by_torque:  # nor does any tell how much friction winds it up
+            wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
+        families.append(ranked(part, wound))
     if "backlash" not in held and spread > 0.0:
         families.append(ranked(part, _gaps(h, spread)))
     hopeless = HOPELESS * min((family[0][0] for family in families), default=0.0)
@@ -60,6 +65,17 @@ def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
     eq.weighting = eq.weighting.from_outliers(NARROW)
     return [fit(eq, f.hypothesis, 6) for f in close]
+
+
+def _springs(h: Hypothesis) -> list[dict[str, float]]:
+    """Springs and their dampings, from soft to stiff; softer ones too where no torque tells how fast a machine is."""
+    if h.by_torque:
+        return [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
+    soft = [STIFFNESS[0] * 1.3**-k for k in range(1, SOFTER)]
+    return [
+        {"stiffness": k, "damping": d * math.sqrt(k / STIFFNESS[0]) if k < STIFFNESS[0] else d}
+        for k, d in itertools.product((*soft, *STIFFNESS), DAMPING)
+    ]
 
 
 def _on_both_sides(h: Hypothesis) -> Hypothesis:

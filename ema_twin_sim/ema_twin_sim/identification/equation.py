@@ -15,6 +15,7 @@ from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME, require, require_of
+from ..plant.sensors import angle_error, as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import LAG, Hypothesis
 from .parallel import predictions
@@ -44,9 +45,8 @@ class Prediction:
 def _seen(o: Observation, plant: np.void) -> np.ndarray:
     """Where the output was (n,) [rad], from what its encoder shows, late and off its centre as a plant has it."""
     time, shown = o.motion[:, TIME], o.motion[:, OUTPUT_ANGLE]
-    if plant["eccentricity_amplitude"] != 0.0:
-        start = o.output_origin + plant["eccentricity_phase"]
-        shown = shown - plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
+    if plant["angle_errors"]:  # which are small, so that it is no matter at which of both angles they are taken
+        shown = shown - angle_error(plant, o.output_origin, shown)
     if plant["encoder_delay"] != 0.0:
         shown = np.interp(time + plant["encoder_delay"], time, shown)
     return np.ascontiguousarray(shown)
@@ -147,14 +147,9 @@ class Equation:
             if len(o.encoder_rows):
                 shown = required[:, 1]
                 difference = o.motion[:, MOTOR_ANGLE] / plant["gear_ratio"]
-                if rigid and plant["encoder_delay"] == 0.0 and plant["eccentricity_amplitude"] == 0.0:
+                if rigid and plant["encoder_delay"] == 0.0 and not plant["angle_errors"]:
                     return required
-                if plant["encoder_delay"] != 0.0:
-                    time = o.motion[:, TIME]
-                    shown = np.interp(time - plant["encoder_delay"], time, shown)
-                if plant["eccentricity_amplitude"] != 0.0:
-                    start = o.output_origin + plant["eccentricity_phase"]
-                    shown = shown + plant["eccentricity_amplitude"] * (np.sin(start + shown) - math.sin(start))
+                shown = as_encoder_shows(plant, o.motion[:, TIME], shown, o.output_origin)
                 smooth_at(shown - difference, o.kernel, o.encoder_rows, rows[e])
             return required
 

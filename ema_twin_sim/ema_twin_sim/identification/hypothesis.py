@@ -118,6 +118,11 @@ class Hypothesis:
         return replace(self.base, constants=constants, effects=effects)
 
     @property
+    def by_torque(self) -> bool:
+        """Whether a torque was measured that the inertia is judged by; else only the encoders are."""
+        return any(free.path == "scale.inertia" for free in self.free)
+
+    @property
     def parted(self) -> bool:
         """Whether the numbers of the motor's side and of the output's are free by themselves."""
         return any(free.path.startswith(SIDED) for free in self.free)
@@ -175,14 +180,16 @@ class Hypothesis:
             if p.at_rest:
                 continue
             start = parameters[p.name]
-            size = max(abs(start), abs(p.default), 1e-6)
+            # where units are no more than a typical speed's, a default is of any other machine's size
+            size = abs(start) if start and not self.by_torque else max(abs(start), abs(p.default), 1e-6)
             step = 1e-3 if p.periodic else (0.01 if p.neutral is None else 1e-3) * size
             lower, upper = p.lower, p.upper
             if p.periodic:
                 lower, upper = -math.inf, math.inf
             elif p.neutral is None and p.starts:
                 # far outside its starts an effect does nothing that a machine without it would not do
-                lower, upper = max(lower, min(p.starts) / BEYOND), min(upper, max(p.starts) * BEYOND)
+                beyond = BEYOND if self.by_torque else BEYOND**5  # own units are those of a typical speed, no more
+                lower, upper = max(lower, min(p.starts) / beyond), min(upper, max(p.starts) * beyond)
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
         more = replace(self, added={**self.added, name: instance}, free=tuple(free), values=np.array(values))
@@ -194,26 +201,12 @@ class Hypothesis:
         now = self.by_path
         wanted: list[tuple[Free, float]] = []
         if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
-            wanted += [
-                (
-                    self._as_open_as("scale.inertia", Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))),
-                    now.get("scale.inertia", 1.0),
-                ),
-                (
-                    self._as_open_as(
-                        "scale.coulomb_friction", Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR))
-                    ),
-                    now.get("scale.coulomb_friction", 1.0),
-                ),
-            ]
+            sides = {"scale.coulomb_friction": Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR))}
+            if self.by_torque:  # else the inertia is what all torques are told in
+                sides["scale.inertia"] = Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))
+            wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
         if "backlash" in held and "shaft_compliance" not in held:
-            # where teeth meet is a spring too, which nobody knows: as stiff as samples resolve, to begin with
-            inertia = self.base.value("machine.output_inertia")
-            stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
-            wanted += [
-                (Free("contact.stiffness", 0.3 * stiffness, STIFFEST * stiffness, 0.02 * stiffness), stiffness),
-                (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),
-            ]
+            wanted += self._teeth()
         paths = [free.path for free, _ in wanted]
         keep = [k for k, f in enumerate(self.free) if f.path in paths or not f.path.startswith(SIDED)]
         new = [(free, value) for free, value in wanted if free.path not in {f.path for f in self.free}]
@@ -222,6 +215,21 @@ class Hypothesis:
             free=(*(self.free[k] for k in keep), *(free for free, _ in new)),
             values=np.append(self.values[keep], [value for _, value in new]),
         )
+
+    def _teeth(self) -> list[tuple[Free, float]]:
+        """Where teeth meet is a spring too, which nobody knows: as stiff as samples resolve, to begin with.
+
+        Where no torque tells it, teeth that give way are as good as play: there they are as stiff as they may be.
+        """
+        inertia = self.base.value("machine.output_inertia")
+        stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
+        if not self.by_torque:
+            held = {"stiffness": STIFFEST * stiffness, "damping": math.sqrt(STIFFEST) * damping}
+            return [(Free(f"contact.{name}", value, value, 0.02 * value), value) for name, value in held.items()]
+        return [
+            (Free("contact.stiffness", 0.3 * stiffness, STIFFEST * stiffness, 0.02 * stiffness), stiffness),
+            (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),
+        ]
 
     def _as_open_as(self, path: str, side: Free) -> Free:
         """A scale of the output's side: as free as that of the whole, at ``path``, where this is open."""
@@ -315,8 +323,14 @@ class Hypothesis:
         )._sides()
 
 
-def null_hypothesis(model: Model) -> Hypothesis:
-    """The model as given, its constants free within their tolerances, and what is open in it free altogether."""
+def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
+    """The model as given, its constants free within their tolerances, and what is open in it free altogether.
+
+    Where it is not judged ``by_torque``, only the friction is, which an output behind play comes to rest by.
+    """
+    if not by_torque:
+        friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
+        return Hypothesis(model, {}, (friction,), np.ones(1))._sides()
     tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
     free = [
         Free("scale.inertia", 1.0 / GUESSED, GUESSED, 1e-3)

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .equation import Equation
 from .fit import Fit
@@ -37,7 +38,7 @@ def with_sensors(eq: Equation, f: Fit) -> Hypothesis:
             h = h.with_effect(effect, {}, {"delay": float(own[0])})
         elif effect == "encoder_eccentricity" and math.hypot(*own) > LEAST_AMPLITUDE:
             parameters = {"amplitude": math.hypot(*own), "phase": math.atan2(own[1], own[0])}
-            h = h.with_effect(effect, {}, parameters)
+            h = h.with_effect(effect, catalogue()[effect].default_options(), parameters)
     return h
 
 

@@ -1,4 +1,4 @@
-"""What recordings of operating points show of a machine, and what they do not."""
+"""What recordings show of a machine, and what they do not: operating points, and two encoders without a torque."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
 from ..model import Model
+from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import HOLDING
 
 SPEED_DEPENDENT = frozenset({"viscous_friction", "stribeck_friction", "quadratic_drag", "shear_thinning"})
@@ -24,7 +25,14 @@ BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error", "phase_short",
 
 
 def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
-    """Effects that recordings do not show, since all of them are of operating points."""
+    """Effects that recordings do not show, since none holds a torque, or all of them are of operating points."""
+    if all(map(of_encoders_alone, recordings)):
+        return frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
+    return _not_at_points(recordings)
+
+
+def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
+    """Effects that operating points do not show, where all recordings are of such."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = {*TRANSIENT, *BY_CURRENT}
@@ -39,7 +47,7 @@ def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
     """The model less what recordings of points at rest do not show, switched off; ``woken`` switches it on again."""
-    hidden = not_shown(recordings)
+    hidden = _not_at_points(recordings)
     sleeping = {
         name: replace(instance, enabled=False) for name, instance in model.active.items() if instance.effect in hidden
     }

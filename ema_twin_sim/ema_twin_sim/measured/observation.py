@@ -27,9 +27,9 @@ from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate import LONGEST_GAP
 from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
-from .smoothing import gaussian, smooth, smooth_at
+from .smoothing import gaussian, smooth, smooth_at, smooth_way
 
-NEEDED = ("current", "motor_position")
+NEEDED = ("motor_position",)
 STANDSTILL = 0.3  # rad/s of the fast shaft
 WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
 COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
@@ -121,7 +121,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     """Take from a recording what a diagnosis needs. Raises InputError where it lacks a signal that all stands on."""
     if recording.of_points:
         return _observe_points(recording, model)
-    missing = [name for name in NEEDED if not recording.has(name)]
+    missing = _missing(recording)
     if missing:
         raise InputError(
             f"{recording.name}: has no {' and no '.join(missing)}; without it no missing effect can be told "
@@ -137,7 +137,10 @@ def observe(recording: Recording, model: Model) -> Observation:
             "cut it there (--to, --from)"
         )
     period, time, signals, whole = _even(recording)
-    if np.ptp(signals["current"]) == 0.0:
+    by_torque = "current" in signals
+    if not by_torque:
+        signals["current"] = np.zeros(len(time))
+    elif np.ptp(signals["current"]) == 0.0:
         raise InputError(
             f"{recording.name}: its current is {shown(model, signals['current'][0], 'A')[0]:g} A all along; is that "
             "the right column of the trace? Name it in the import map"
@@ -164,8 +167,8 @@ def observe(recording: Recording, model: Model) -> Observation:
     driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )
-    rows = centres[(judged & moving & driven)[centres]]
-    white = _torque_noise(signals["current"], recording.signals["current"], kernel, model)
+    rows = centres[(judged & moving & driven & by_torque)[centres]]
+    white = _torque_noise(signals["current"], recording.signals["current"], kernel, model) if by_torque else 0.0
     if "load_torque" in signals:
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
@@ -244,10 +247,16 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     )
 
 
+def _missing(recording: Recording) -> list[str]:
+    """The signals without which a recording of a motion tells nothing: a torque, or the output beside the motor."""
+    missing = [name for name in NEEDED if not recording.has(name)]
+    return missing if recording.has("current") or recording.has("output_position") else ["current", *missing]
+
+
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
     """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
-    if not recording.has(*NEEDED):
-        raise InputError(f"{recording.name}: has no {' and no '.join(n for n in NEEDED if not recording.has(n))}")
+    if missing := _missing(recording):
+        raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
     period, time, signals, _ = _even(recording)
     if len(time) < FEWEST:
         raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
@@ -263,9 +272,16 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     if not recordings:
         raise InputError("no recording is given; a diagnosis needs at least one")
     found = [observe(recording, model) for recording in recordings]
-    moving = sum(len(o.rows) * o.period * float(np.diff(o.rows).min(initial=len(o.motion))) for o in found)
+    if any(recording.of_points for recording in recordings):
+        return found
+    # where no torque was measured, it is the encoders' difference that is judged
+    judged = [o.rows if r.has("current") else o.encoder_rows for o, r in zip(found, recordings, strict=True)]
+    moving = sum(
+        len(rows) * o.period * float(np.diff(rows).min(initial=len(o.motion)))
+        for o, rows in zip(found, judged, strict=True)
+    )
     standstill, unit = shown(model, STANDSTILL, "rad/s")
-    if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
+    if sum(map(len, judged)) < LEAST_ROWS:
         raise InputError(
             f"{', '.join(o.name for o in found)}: {shown(model, moving, 's')[0]:.2g} s of motion faster than "
             f"{standstill:.2g} {unit} at the motor; a diagnosis needs more of it: record longer, or move faster"
@@ -277,7 +293,11 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
     """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
     period = recording.sample_period
     steps = np.diff(recording.stamps) * 1e-9
-    used = {name: recording.signals[name] for name in (*NEEDED, "speed", "output_position") if recording.has(name)}
+    used = {
+        name: recording.signals[name]
+        for name in (*NEEDED, "current", "speed", "output_position")
+        if recording.has(name)
+    }
     whole = np.ones(len(recording), bool)
     for values in used.values():
         whole &= np.isfinite(values)
@@ -322,10 +342,10 @@ def _motion(
         speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
         if not geared:
             speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
-        speed = smooth(position, gaussian(speed_width, period, 1))
-        angle = smooth(position, gaussian(speed_width, period))
+        speed = smooth_way(position, gaussian(speed_width, period, 1))
+        angle = smooth_way(position, gaussian(speed_width, period))
         bend = gaussian(width, period, 2)
-        acceleration = smooth(position, bend)
+        acceleration = smooth_way(position, bend)
         noise = reading * float(np.linalg.norm(bend))
     output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
     load = signals.get("load_torque", np.zeros(len(time)))

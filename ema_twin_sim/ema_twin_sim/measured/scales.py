@@ -17,17 +17,12 @@ from ema_bench_replay.recording import Recording
 
 from ..effects import find_effect
 from ..effects.catalogue import own_files
-from ..model import Model
+from ..model import Model, reference_bench
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
+from ..simulation.behind_motor import encoder_units, of_encoders_alone
 from .balance_estimate import estimate_balance
 
-# The bench of the Politecnico di Torino, in SI: rms torque over ramps, sines, triangles and steps (six recordings of
-# bench_cases, median of 28 cases), inertia and torque constant of its model.
-REFERENCE_TORQUE = 0.34  # N m
-REFERENCE_INERTIA = 1.77175e-3  # kg m^2
-REFERENCE_TORQUE_CONSTANT = 1.91  # N m/A
-REFERENCE_SPEED = 10.0  # rad/s, of the drum that a carriage runs round
 FASTEST = 0.95  # quantile of the speeds
 SPIKES = 0.999  # quantile of a torque's size beyond which it is cut off: a spoilt sample sets no scale
 
@@ -66,6 +61,8 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
         return model
     torque = rms_torque(recordings, model)
+    if torque == 0.0 and all(map(of_encoders_alone, recordings)):
+        return _with_output_held(model, encoder_units(recordings, model))
     estimate = estimate_balance(recordings, model, torque) if torque > 0.0 else None
     if estimate is None:
         return model
@@ -92,13 +89,32 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     radius = drum_radius(recordings) if model.motion == "linear" else None
     torque = rms_torque(recordings, model) * (radius or 1.0)
     inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
+    if all(map(of_encoders_alone, recordings)):
+        return encoder_units(recordings, model)
     fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
     if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)
-    size = torque / REFERENCE_TORQUE
-    time = math.sqrt((inertia / REFERENCE_INERTIA) / size)
+    size = torque / reference_bench.TORQUE
+    time = math.sqrt((inertia / reference_bench.INERTIA) / size)
     constant = model.value("machine.torque_constant") * (radius or 1.0)
-    return OwnUnits(time, size, size * REFERENCE_TORQUE_CONSTANT / constant, radius)
+    return OwnUnits(time, size, size * reference_bench.TORQUE_CONSTANT / constant, radius)
+
+
+def _with_output_held(model: Model, units: OwnUnits) -> Model:
+    """The model with so much open friction that its output comes to rest where nothing pushes it."""
+    held = {
+        name: effect
+        for name, effect in model.active.items()
+        if effect.effect == "coulomb_friction" and effect.open and effect.options.get("side") == "output"
+    }
+    torque = reference_bench.OUTPUT_FRICTION * units.factor("N m") / max(len(held), 1)
+    return replace(
+        model,
+        effects={
+            **model.effects,
+            **{name: effect.at({**effect.parameters, "torque": torque}) for name, effect in held.items()},
+        },
+    )
 
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
@@ -115,7 +131,7 @@ def drum_radius(recordings: Sequence[Recording]) -> float:
     """Radius [m] of a drum that turns at usual speeds beside a linear machine's recordings."""
     known = np.concatenate([np.zeros(0), *_speeds(recordings)])
     fastest = float(np.quantile(known, FASTEST)) if len(known) else 0.0
-    return 10.0 ** round(math.log10(fastest / REFERENCE_SPEED)) if fastest > 0.0 else 1.0
+    return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
 
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:

@@ -37,6 +37,12 @@ def smooth(values: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     return np.convolve(np.pad(values, half, mode="edge"), kernel, mode="valid")
 
 
+def smooth_way(way: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+    """A way (n,) through a kernel; at the ends its motion is taken to go on as it came."""
+    half = len(kernel) // 2
+    return np.convolve(np.pad(way, half, mode="reflect", reflect_type="odd"), kernel, mode="valid")
+
+
 @njit(void(float64[::1], float64[::1], int64[::1], float64[::1]), cache=True, nogil=True, error_model="numpy")
 def smooth_at(values, kernel, centres, smoothed):
     """``smoothed`` (m,): the values (n,) through a symmetric kernel, at the samples ``centres`` (m,) only."""

@@ -73,6 +73,11 @@ class Guesses:
         """Whether what drives the machine is among them."""
         return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
 
+    @property
+    def both_encoders(self) -> bool:
+        """Whether the positions of motor and output are among them."""
+        return {"motor_position", "output_position"} <= {guess.signal for guess in self.signals}
+
 
 def guess_columns(header: Sequence[str], no_numbers: frozenset[str] = frozenset()) -> Guesses:
     """What each column of a header is taken for; each signal is taken once, each column too.

@@ -91,9 +91,10 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
     if not guesses.drives:
+        without = "so that only what parts the two encoders shows" if guesses.both_encoders else "which all rests on"
         lines.append(
-            f"# {CHECK}: no current and no torque was found, which all rests on. Where a voltage commands the drive's "
-            "torque, map it so:"
+            f"# {CHECK}: no current and no torque was found, {without}. Where a voltage commands the drive's torque, "
+            "map it so:"
         )
         unit = signal_unit("motor_torque", guesses.motion)
         lines.append(f"#  motor_torque: {{columns: ['…'], unit: V, gain: {{value: …, unit: {unit}/V}}}}")

@@ -9,10 +9,15 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import is_usual_mistake, way_by_speed
+from ..measured.smoothing import gaussian, smooth
 
 OWN = 0.1  # of one, within which a position goes the way of the motor's speed
 ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
 SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that was given
+WHOLE = 5e-4  # relative, within which a ratio is the whole number beside it: an angle error bends a short way by more
+_FEWEST_TO_REFINE = 400  # samples
+_SMOOTHED = 10.0  # samples
+_AT_ENDS = 40  # samples that this smoothing bends at either end
 _MOVING = 0.3  # of the furthest way
 _FEWEST = 10
 _WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
@@ -64,4 +69,23 @@ def ratio_of_positions(recording: Recording) -> float | None:
     far = both & (np.abs(motor) > _MOVING * np.abs(motor[both]).max(initial=0.0))
     if far.sum() < _FEWEST:
         return None
-    return float(np.median(motor[far] / output[far]))
+    ratio = float(np.median(motor[far] / output[far]))
+    if recording.of_points or len(recording) < _FEWEST_TO_REFINE:
+        return ratio
+    refined = _beside_lags(recording)
+    return refined if abs(refined / ratio - 1.0) < ALIKE else ratio
+
+
+def _beside_lags(recording: Recording) -> float:
+    """The ratio of both positions where the output may be late, lie on either side of its play, or wind up.
+
+    A whole number that is as near as an angle error would bend it is that number.
+    """
+    motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
+    step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
+    columns = np.stack([output, step, np.sign(step), bend, np.ones(len(step))], axis=1)
+    columns[:_AT_ENDS] = columns[-_AT_ENDS:] = np.nan
+    whole = np.isfinite(columns).all(axis=1) & np.isfinite(motor)
+    ratio = float(np.linalg.lstsq(columns[whole], motor[whole], rcond=None)[0][0])
+    nearest = float(round(ratio))
+    return nearest if nearest and abs(ratio / nearest - 1.0) < WHOLE else ratio

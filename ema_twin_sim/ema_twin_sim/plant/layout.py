@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+ANGLE_ERRORS = 8
+"""Waves that the output encoder's error may be made of: a resolver has orders 1, 2 and its pole pairs."""
+
 PLANT = np.dtype(
     [
         # machine
@@ -50,8 +53,8 @@ PLANT = np.dtype(
         ("motor_counts", "f8"),  # 1/rev of the fast shaft
         ("output_counts", "f8"),  # 1/rev of the slow shaft
         ("encoder_delay", "f8"),  # s
-        ("eccentricity_amplitude", "f8"),  # rad of the slow shaft
-        ("eccentricity_phase", "f8"),  # rad
+        ("angle_errors", "i8"),  # how many waves of angle_error the output's encoder has
+        ("angle_error", "f8", (ANGLE_ERRORS, 3)),  # amplitude [rad, slow shaft], phase [rad], order
         ("speed_smoothing", "f8"),  # s
     ],
     align=True,

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from numba import njit
 
 from .layout import ENCODER_MEMORY
@@ -33,10 +34,31 @@ def shown(plant, state, angle, since_cycle):
             earlier = state.encoder_memory[(newest - whole - 1) % ENCODER_MEMORY]
             angle = later + (back - whole) * (earlier - later)
     slow = angle / plant.gear_ratio
-    if plant.eccentricity_amplitude != 0.0:
-        start = state.output_angle_origin + plant.eccentricity_phase
-        slow += plant.eccentricity_amplitude * (math.sin(start + slow) - math.sin(start))
-    return slow
+    error = 0.0
+    for k in range(plant.angle_errors):
+        order = plant.angle_error[k, 2]
+        start = order * state.output_angle_origin + plant.angle_error[k, 1]
+        error += plant.angle_error[k, 0] * (math.sin(start + order * slow) - math.sin(start))
+    return slow + error
+
+
+def angle_error(plant: np.void, origin: float, angle: np.ndarray) -> np.ndarray:
+    """By how much (n,) [rad] the output's encoder shows more than its true ``angle`` (n,), both from zero.
+
+    ``origin`` [rad] is the encoder's own angle where its position is zero; the plant is a record of ``layout.PLANT``.
+    """
+    error = np.zeros(len(angle))
+    for amplitude, phase, order in plant["angle_error"][: plant["angle_errors"]]:
+        start = order * origin + phase
+        error += amplitude * (np.sin(start + order * angle) - math.sin(start))
+    return error
+
+
+def as_encoder_shows(plant: np.void, time: np.ndarray, angle: np.ndarray, origin: float) -> np.ndarray:
+    """The output's ``angle`` (n,) [rad, slow shaft] over ``time`` (n,) [s] as its encoder shows it: late, in error."""
+    if plant["encoder_delay"] != 0.0:
+        angle = np.interp(time - plant["encoder_delay"], time, angle)
+    return angle + angle_error(plant, origin, angle) if plant["angle_errors"] else angle
 
 
 @njit(error_model="numpy")

@@ -14,7 +14,7 @@ from ..effects import Effect, catalogue, mesh_friction
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..model.own_units import shown
-from ..plant.layout import DRY_LEVEL, ENCODER_MEMORY, PLANT
+from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
 from .fidelity import Effects, FineParts, fine_parts
 from .lumped_train import lump_train
@@ -116,6 +116,10 @@ def _check(model: Model, record: np.void) -> None:
     if record["two_inertia"] and not record["output_inertia"] > 0.0:
         raise InputError(
             f"model {model.name}: machine.output_inertia is 0; a transmission with play or spring needs it"
+        )
+    if record["angle_errors"] > ANGLE_ERRORS:
+        raise InputError(
+            f"model {model.name}: has {record['angle_errors']} encoder_eccentricity; give {ANGLE_ERRORS} at most"
         )
     longest = longest_delay(model)
     if record["encoder_delay"] > longest:

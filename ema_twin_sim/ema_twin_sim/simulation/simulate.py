@@ -12,6 +12,7 @@ from ema_bench_replay.recording import Recording
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.layout import BENCH, TWIN
+from .behind_motor import of_encoders_alone, twin_behind_motor
 from .dc_link_check import refuse_recording_beyond_link
 from .operating_points import twin_at_points
 from .twin import Twin
@@ -25,6 +26,9 @@ DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "outpu
 POINTWISE = "motion"
 """The input of operating points: nothing is integrated, and the twin tells the current."""
 
+BY_MOTOR = "motor"
+"""The input of a recording of two encoders and no more: the motor's measured motion drives the twin's output."""
+
 _TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command is one that stands alone
 
 
@@ -33,7 +37,8 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
 
     Wanted may be ``command`` too, the position that was asked for, which the model's own position loop then follows.
 
-    Operating points drive it by their positions and speeds (``motion``). Raises InputError where the recording lacks
+    Operating points drive it by their positions and speeds (``motion``); a recording of both encoders and of no torque,
+    by the motor's position (``motor``). Raises InputError where the recording lacks
     the signal.
     """
     if recording.of_points:
@@ -42,6 +47,8 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
                 f"{recording.name}: operating points drive no twin, each stands by itself; leave out --input {wanted}"
             )
         return POINTWISE
+    if wanted in (None, BY_MOTOR) and of_encoders_alone(recording):
+        return BY_MOTOR
     chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
     if chosen not in DRIVING:
         raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
@@ -61,6 +68,8 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
     chosen = choose_input(recording, source)
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
+    if chosen == BY_MOTOR:
+        return twin_behind_motor(model, recording)
     bench = bench_of(recording, shown(model, 1.0, "s")[0])
     twin = started(model, recording, bench, chosen, step)
     return seen(model, recording, followed(twin, recording, bench))

@@ -15,8 +15,7 @@ from ..model import Model
 from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN
 from ..plant.many import LANE, advance_many
 from .divergence import looks_lost
-from .operating_points import twin_at_points
-from .simulate import POINTWISE, bench_of, choose_input, followed, seen, started
+from .simulate import BY_MOTOR, POINTWISE, bench_of, choose_input, followed, seen, simulate, started
 from .twin import ROWS_AT_A_TIME, Twin, hold_input
 
 FEWEST = 5
@@ -36,8 +35,8 @@ def simulate_many(
     (``plant/many.py``), all others one by one; both on all cores.
     """
     chosen = choose_input(recording, source)
-    if chosen == POINTWISE:
-        return [twin_at_points(model, recording) for model in models]
+    if chosen in (POINTWISE, BY_MOTOR):
+        return [simulate(model, recording, chosen) for model in models]
     found: dict[int, Recording] = {}
     bench = bench_of(recording)
     twins = [started(model, recording, bench, chosen, step) for model in models]

@@ -94,7 +94,7 @@ def depends(eq: Equation, f: Fit) -> bool:
 def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
     """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
-    if not f.parted:
+    if not f.parted and eq.size:
         misfit = float(eq.costs(f.raw)[: eq.size].mean()) / (BRISTLED if bristled else 1.0)
         if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(eq, f)):
             return True

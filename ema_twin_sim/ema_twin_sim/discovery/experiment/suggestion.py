@@ -21,6 +21,8 @@ def suggest(
     without: frozenset[str] = frozenset(),
 ) -> str:
     """What to record next, in a line that begins with the command; empty where nothing is in doubt."""
+    if not eq.size:
+        return "the same motion with the drive's torque or current: it tells of loads and friction"
     held = doubts(eq, found, rivals, without, thorough=False)
     if not held:
         return ""

@@ -16,6 +16,7 @@ from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 
 HIGHEST = 160
+HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
 SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
@@ -40,6 +41,7 @@ def order_candidates(eq: Equation, f: Fit) -> list[Candidate]:
     found = [("cogging", str(order)) for order in standing_out(eq, f)]
     if ratio != 1.0:  # else the output's angle is the motor's
         found += [("output_ripple", str(order)) for order in standing_out(eq, f, ratio)]
+    found += [("encoder_eccentricity", order) for order in of_the_encoders(eq, f, ratio)]
     if (order := of_the_gears(eq, f)) is not None:
         found.append(("cogging" if ratio == 1.0 else "mesh_ripple", f"{order:.5g}"))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
@@ -68,6 +70,24 @@ def of_the_gears(eq: Equation, f: Fit) -> float | None:
     if strongest is None or strongest.dissipative or strongest.share < LEAST_SHARE:
         return None
     return None if _is_whole(strongest.order) else strongest.order
+
+
+def of_the_encoders(eq: Equation, f: Fit, gear_ratio: float) -> list[str]:
+    """The orders, in cycles per turn of the output, at which the encoders part most: whole ones of either shaft."""
+    own = np.arange(1, HIGHEST + 1, dtype=float)
+    orders = np.unique(np.concatenate([own, own[:HIGHEST_OF_MOTOR] * gear_ratio]).round(6))
+    power = np.zeros(len(orders))
+    for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
+        angle = o.output_origin + o.motion[o.encoder_rows, OUTPUT_ANGLE]
+        if not len(angle):
+            continue
+        turns = float(np.ptp(angle)) / (2.0 * np.pi)
+        speed = float(np.quantile(np.abs(o.motion[o.encoder_rows, SPEED]), SLOW)) / gear_ratio
+        residual = f.residual[part] - f.residual[part].mean()
+        for k, order in enumerate(orders):
+            if order * turns > FEWEST_TURNS and order * speed * o.period * len(o.kernel) < 2.0 * np.pi:
+                power[k] += abs(residual @ np.exp(1j * order * angle)) ** 2 / len(angle)
+    return [f"{orders[k]:.10g}" for k in np.argsort(-power)[:MOST] if power[k] > 0.0]
 
 
 def highest_order(o: Observation) -> float:

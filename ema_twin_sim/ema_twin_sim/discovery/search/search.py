@@ -71,6 +71,8 @@ def search(
     bare = settle(eq, fit(eq, null))
     if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(PARTING)  # there is nothing behind the teeth
+    if not eq.size:
+        return _by_encoders_alone(eq, bare, without, progress, most)
     parts = parted_encoders(eq, bare) and not without >= {*PARTING, *ENCODER_ONLY}
     eq.use_encoder = not parts
     # without the encoders calling for it, what they alone show has no place
@@ -92,6 +94,19 @@ def search(
         current, by_all = add_effects(eq, current, without, progress, most=most)
         rounds += by_all
     return significant(eq, Search(current, tuple(rounds), eq.weighting))
+
+
+def _by_encoders_alone(
+    eq: Equation, bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
+) -> Search:
+    """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
+    current = bare
+    rounds: list[Round] = []
+    if parted_encoders(eq, bare):
+        progress("looking at the gearbox")
+        current, rounds = _add_structure(eq, bare, without)
+    current, further = add_effects(eq, current, without, progress, most=most)
+    return significant(eq, Search(current, (*rounds, *further), eq.weighting))
 
 
 def _beside_wander(

@@ -29,6 +29,8 @@ def beside_the_unknown(
     An effect stands that explains by its own shape what any shape over its quantity would. The others may be nothing
     but the likeness of the unknown, as is what made constants implausible.
     """
+    if not eq.size:  # no torque was measured that could depend on anything
+        return found, ("encoders",)
     add_decoys(eq)
     if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
         return found, _most_likely(eq, found.fit)

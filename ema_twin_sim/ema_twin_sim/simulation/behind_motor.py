@@ -1,0 +1,111 @@
+"""The output behind a measured motor: what a twin tells of a recording of two encoders and no torque.
+
+Nothing drives the motor there: it moves as it was measured, and carries the output along through whatever play, spring
+or late encoder the model has. Torques are in a unit that nobody measured, so that only ratios of them count.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..model import Model, reference_bench
+from ..model.own_units import OwnUnits, model_in, recording_in
+from ..plant.measured_motion import MOTION, REQUIRED, require
+from ..plant.sensors import as_encoder_shows
+from .angle_origins import origins_of
+from .assembly import assemble
+
+WIDTH = 2.5  # samples, over which the motor's counter is smoothed for its speed
+MARGIN = 12  # samples, beyond which that smoothing does not reach
+
+
+def of_encoders_alone(recording: Recording) -> bool:
+    """Whether a recording holds the positions of motor and output, and nothing that drives a twin."""
+    return (
+        recording.has("motor_position", "output_position")
+        and not recording.of_points
+        and not any(recording.has(name) for name in ("current", "motor_torque", "speed_setpoint"))
+    )
+
+
+def refuse_encoders_alone(recording: Recording) -> None:
+    """Raise InputError where a recording holds nothing that would drive a twin in real time."""
+    if of_encoders_alone(recording):
+        raise InputError(
+            f"{recording.name}: holds no current, torque or setpoint, which drive a live twin; compare, fit and "
+            "discover take recordings of two encoders alone"
+        )
+
+
+def encoder_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
+    """The units of a machine of which both encoders were recorded and no torque: its time by its speed.
+
+    That of torque is a mere name, by which the model's inertia becomes the reference's.
+    """
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    motors = [_even(recording) for recording in recordings]
+    square = float(np.mean([np.mean(np.gradient(position, time) ** 2) for time, position in motors]))
+    if not (square > 0.0 and inertia > 0.0):
+        return OwnUnits()
+    time = reference_bench.MOTOR_SPEED / math.sqrt(square)
+    return OwnUnits(time, inertia / reference_bench.INERTIA / time**2)
+
+
+def twin_behind_motor(model: Model, recording: Recording) -> Recording:
+    """What both encoders show of the model behind the motor's measured motion, at the recording's stamps.
+
+    The output counts from where it was on average: where in its play it stood at the first sample, nobody knows.
+    """
+    units = encoder_units([recording], model)  # in which what samples resolve is known
+    told, model = recording_in(recording, units), model_in(model, units)
+    time, position = _even(told)
+    period = float(time[1] - time[0])
+    # beyond its ends the motion goes on as it came
+    going_on = np.pad(position, MARGIN, mode="reflect", reflect_type="odd")
+    angle, speed = (gaussian_filter1d(going_on, WIDTH, order=order)[MARGIN:-MARGIN] for order in (0, 1))
+    speed = speed / period
+    columns = dict.fromkeys(MOTION, np.zeros(len(time)))
+    columns |= {
+        "time": time,
+        "motor_angle": angle,
+        "speed": speed,
+        "acceleration": np.gradient(speed, period),
+        "output_angle": position / model.value("machine.gear_ratio"),
+    }
+    assembly = assemble(model)
+    motor_origin, output_origin = origins_of(told, model)
+    required = np.empty((len(time), len(REQUIRED)))
+    motion = np.stack([columns[name] for name in MOTION], axis=1)
+    require(assembly.plant, assembly.effects, motion, motor_origin, output_origin, np.zeros(0), False, required)
+    moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
+    output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)
+    output = np.interp(told.time, time, output)
+    output -= np.nanmean(output - recording.signals["output_position"])
+    return Recording(
+        name=recording.name,
+        stamps=recording.stamps,
+        signals={
+            "motor_position": recording.signals["motor_position"],
+            "output_position": output,
+            "speed": np.interp(told.time, time, speed) / units.time,
+        },
+        start=recording.start,
+        motor_angle_origin=recording.motor_angle_origin,
+        output_angle_origin=recording.output_angle_origin,
+        metadata={"model": model.name},
+    )
+
+
+def _even(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """(time [s] on an even grid, the motor's position [rad] there); gaps are bridged by straight lines."""
+    position = recording.signals["motor_position"]
+    known = np.isfinite(position)
+    time = np.arange(int(recording.duration / recording.sample_period + 1e-6) + 1) * recording.sample_period
+    return time, np.interp(time, recording.time[known], position[known])

@@ -1,0 +1,123 @@
+"""Recordings of two encoders and no torque: what parts them is named, on machines of any size."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.fitting.fit import fit_model
+from ema_twin_sim.model import load_model
+from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
+
+COUNTS = 2**18
+RATIO = 50.0
+SAMPLES = 8000
+
+
+def moved(time, quicker):
+    """Output angle [rad] if nothing parted it from the motor: two sines, with reversals near and far."""
+    return 0.8 * np.sin(1.1 * quicker * time) + 0.25 * np.sin(3.9 * quicker * time + 1.0)
+
+
+def behind_play(angle, width):
+    """An output that friction holds wherever the teeth left it."""
+    output = np.empty_like(angle)
+    held = angle[0]
+    for k, driven in enumerate(angle):
+        held = min(max(held, driven - 0.5 * width), driven + 0.5 * width)
+        output[k] = held
+    return output
+
+
+def behind_spring(angle, period, rings, damped):
+    """A heavy output on a spring that rings at ``rings`` rad/s, with no friction: fine steps of its own equation."""
+    fine = 20
+    time = np.arange(len(angle))
+    driven = np.interp(np.arange(len(angle) * fine) / fine, time, angle)
+    rate = np.gradient(driven, period / fine)
+    output, speed, shown = driven[0], rate[0], []
+    for wanted, moving in zip(driven, rate, strict=True):
+        shown.append(output)
+        speed += period / fine * (rings**2 * (wanted - output) + 2.0 * damped * rings * (moving - speed))
+        output += period / fine * speed
+    return np.array(shown[::fine])
+
+
+def shown(kind, time, quicker):
+    """The output's angle (n,) as its encoder shows it."""
+    angle = moved(time, quicker)
+    if kind == "play":
+        return behind_play(angle, 2e-3)
+    if kind == "spring":
+        return behind_spring(angle, time[1], 60.0 * quicker, 0.1)
+    if kind == "late":
+        return moved(time - 3e-3 / quicker, quicker)
+    orders = {"off centre": 1.0, "oval": 2.0, "resolver of the motor": 3.0 * RATIO}
+    return angle + (4e-4 * np.sin(orders[kind] * angle + 0.7) if kind in orders else 0.0)
+
+
+def drafted(tmp_path, kind, quicker):
+    """Recording and ``init``'s draft of a machine that moves ``quicker`` than another."""
+    noise = np.random.default_rng(1)
+    time = np.arange(SAMPLES) * 2e-3 / quicker
+    columns = [time]
+    for angle, turns in ((moved(time, quicker), RATIO), (shown(kind, time, quicker), 1.0)):
+        step = 2.0 * np.pi / COUNTS
+        read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, SAMPLES)
+        columns.append(np.round(read / step) * step)
+    trace = tmp_path / "run.csv"
+    head = "time [s],motor position [rad],output position [rad]"
+    np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
+    init(str(tmp_path / "machine"), trace)
+    return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
+
+
+WHAT = {
+    "play": ("backlash", "width", 2e-3, 0.1),
+    "spring": ("shaft_compliance", None, None, None),
+    "late": ("encoder_delay", "delay", 3e-3, 0.02),
+    "off centre": ("encoder_eccentricity", "amplitude", 4e-4, 0.02),
+    "oval": ("encoder_eccentricity", "amplitude", 4e-4, 0.02),
+    "resolver of the motor": ("encoder_eccentricity", "amplitude", 4e-4, 0.02),
+}
+
+
+@pytest.mark.parametrize("quicker", [1.0, 12.0])
+@pytest.mark.parametrize("kind", WHAT)
+def test_what_parts_two_encoders_is_named(kind, quicker, tmp_path):
+    effect, parameter, size, within = WHAT[kind]
+    recording, model = drafted(tmp_path, kind, quicker)
+    found = discover([recording], model)
+    assert (found.verdict, found.added) == ("explained", (effect,))
+    if parameter is not None:
+        told = found.parameters[effect][parameter]
+        true = size / quicker if parameter == "delay" else size
+        assert told["value"] == pytest.approx(true, rel=within)
+        assert abs(told["value"] - true) < 4.0 * told["std"]
+    before, after = (compare([recording], m).overall["output_position"] for m in (model, found.model))
+    excess = [error["rmse"] ** 2 - error["noise_floor"] ** 2 for error in (before, after)]
+    assert excess[1] < 0.02 * excess[0]
+
+
+def test_encoders_that_agree_lack_nothing(tmp_path):
+    recording, model = drafted(tmp_path, "nothing", 1.0)
+    found = discover([recording], model)
+    assert (found.verdict, found.added) == ("none", ())
+    assert found.next_recording.startswith("the same motion with the drive's torque")
+
+
+def test_a_fit_moves_what_the_encoders_show(tmp_path):
+    recording, model = drafted(tmp_path, "late", 1.0)
+    late = model.with_effect("encoder_delay", {"delay": 1e-3})
+    found = fit_model([recording], late)
+    assert [*found.paths] == ["effects.encoder_delay.delay"]
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(3e-3, rel=0.02)
+
+
+def test_no_live_twin_runs_behind_two_encoders(tmp_path):
+    recording, _ = drafted(tmp_path, "nothing", 1.0)
+    with pytest.raises(InputError, match="holds no current, torque or setpoint"):
+        refuse_encoders_alone(recording)
