@@ -6,6 +6,7 @@ import shutil
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_twin_sim.commands.inputs import load_runs
+from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.command_line import MODEL, done, refused
@@ -29,6 +30,14 @@ def test_compare_prints_units_noise_floor_and_where_it_fails(traces):
         assert word in text
     assert re.search(r"there.*elsewhere(.*\n)+?.*\d mA │ +[\d.]+ mA│", text)
     assert "NaN" not in text and "nan" not in text
+
+
+def test_errors_in_a_noise_as_large_as_the_signal_are_no_good_news(tmp_path, ramp):
+    model = load_model("polito_bench")
+    save_model(model.with_value("sensors.current_noise", 5.0), tmp_path / "noisy.yaml")
+    text = done("compare", ramp, "--model", tmp_path / "noisy.yaml", "--input", "current").stdout
+    assert "nothing left to find" not in text
+    assert "so much noise hides anything" in text
 
 
 def test_cutting_in_time(tmp_path, ramp):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -20,7 +20,10 @@ from .wording import by_number, listed
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison
+    from ..comparison.running_comparison import SignalError
     from ..comparison.where import Dependence
+
+BLIND = 0.5  # of a signal: where its noise is more, an error within it tells nothing
 
 EXAMPLES = """Examples:
 
@@ -146,7 +149,7 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
         say(f"\nNo error stands out of the sensors' noise{of}, but {short}.")
         return
     if not poor:
-        say(f"\nAll errors are at the sensors' noise floor{of}: nothing left to find.")
+        say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(shown, overall)}.")
         return
     if not found:
         names = ", ".join(sorted(name.replace("_", " ") for name in poor))
@@ -162,6 +165,20 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     console.print(_where(found, f"\nWhere the model fails{of}"))
     for signal in dict.fromkeys(d.signal for d in found):
         say(next(d for d in found if d.signal == signal).sentence())
+
+
+def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) -> str:
+    """What to think of errors within the noise: nothing where a signal is hardly more than its noise itself."""
+    errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
+    noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
+    blind = [
+        f"the {name.replace('_', ' ')}'s is {100.0 * share:.0f} % of the signal"
+        for name, share in noise.items()
+        if share > BLIND
+    ]
+    if not blind:
+        return ": nothing left to find"
+    return f", but {' and '.join(blind)}: so much noise hides anything; check what the model's file gives for it"
 
 
 def _where(found: Sequence[Dependence], title: str) -> ReportTable:

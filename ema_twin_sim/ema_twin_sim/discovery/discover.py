@@ -40,6 +40,7 @@ from .split import with_best_split
 from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
 
+OF_TEETH = ("mesh_ripple", "tooth_fault")
 FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 
 
@@ -191,9 +192,12 @@ def discover(
 
 
 def _impossible(model: Model) -> frozenset[str]:
-    """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder."""
+    """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder.
+
+    Where the motor turns as its output does, there are no teeth that would pass at an order of their own.
+    """
     if model.units is None or model.units.radius is None:
-        return frozenset()
+        return frozenset(OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
     return frozenset(turning | {"encoder_eccentricity", "gravity_load", "output_ripple"})
 

@@ -17,6 +17,7 @@ from ...identification.generic_bases import add_decoys, dependence, order_decoys
 from ...identification.hypothesis import PARTING, Hypothesis
 from ...identification.local_minima import NARROW, cost, hopped
 from ...identification.screening import Screened, screen, screen_decoys
+from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
 from ..criteria.explained import MISFIT_DOUBTED, MISFIT_LEFT
 from ..criteria.plausible import insignificant
@@ -243,7 +244,7 @@ def with_one_more(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
 
 def _add_structure(eq: Equation, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
-    tried = structural_fits(eq, current, without)
+    tried = structural_fits(eq, current, without) if gearbox_shows(eq, current) else []
     sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
     tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
     turn = _turn(eq, current, tried)
