@@ -105,7 +105,9 @@ def test_a_fit_that_leaves_much_says_so(method, stock):
     assert any("times the noise: the model lacks something" in note for note in fitted.notes)
     play = with_effects(stock, {"backlash": {"width": 0.004}})
     fitted = fit_model(bench(with_effects(play, {"cogging": {"torque": 0.05}}), SLOW), play, method=method)
-    assert any("impacts leave that much" in note and "else the model lacks something" in note for note in fitted.notes)
+    assert any(
+        "impact timing off by 1 ms" in note and "otherwise the model is incomplete" in note for note in fitted.notes
+    )
     right = fit_model(bench(stock, SLOW), stock, method=method)
     assert not any("times the noise" in note or "as it was is better" in note for note in right.notes)
 

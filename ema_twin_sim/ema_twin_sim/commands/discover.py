@@ -54,7 +54,7 @@ def run(
     strict: options.Strict = False,
     evidence: options.Evidence = None,
     report: Annotated[
-        Path | None, typer.Option("--report", metavar="FILE.html", help="Also write what report writes of it.")
+        Path | None, typer.Option("--report", metavar="FILE.html", help="Also write the HTML report.")
     ] = None,
     rrd: options.Rrd = None,
     force: options.Force = False,

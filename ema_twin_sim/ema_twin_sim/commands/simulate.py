@@ -39,7 +39,7 @@ def run(
         typer.Option(callback=options.finite, help="Duration in seconds; by default the command file's, else 20."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
-    noise: Annotated[bool, typer.Option("--noise/--no-noise", help="With the sensors' noise.")] = True,
+    noise: Annotated[bool, typer.Option("--noise/--no-noise", help="Add sensor noise.")] = True,
     start: Annotated[
         float, typer.Option("--offset", callback=options.finite, help="Added to the command, in rad or rad/s.")
     ] = 0.0,

@@ -151,7 +151,7 @@ def discover(
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         # numbers that nobody knew are better fitted than as they were
         bare = settle(eq, fit(eq, null)) if model.is_open else fit(eq, null, 0)
-        found = found.ended(bare, eq.weighting, "beside what is left it makes the model no better")
+        found = found.ended(bare, eq.weighting, "it does not improve the model given what remains unexplained")
         unseen = judge_unseen(eq, as_measured, found, as_given=not model.is_open)
     as_given = as_given and not model.is_open
     best = found.fit

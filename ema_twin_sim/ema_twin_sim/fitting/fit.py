@@ -235,8 +235,8 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
         times = told[worst]["rmse"] / told[worst]["noise_floor"]
         notes.append(
             f"what is left of the {worst.replace('_', ' ')} is {times:.0f} times the noise: "
-            + ("impacts leave that much where their instants are a millisecond off; else " if hit else "")
-            + "the model lacks something, or does not fit at all; diagnose tells what"
+            + ("impact timing off by 1 ms can cause this; otherwise " if hit else "")
+            + "the model is incomplete: run diagnose"
         )
     for signal, error in told.items():
         if error["rmse"] > WORSE * max(before[signal]["rmse"], NOISY * error["noise_floor"]):

@@ -70,7 +70,7 @@ class Follower:
             self._choose_input(sample)
             self._running = False
         if self._running and stamp - self._stamp > LONGEST_GAP * 1e9:
-            self._running = False  # no twin runs blind for so long: it starts again here
+            self._running = False  # a gap this long cannot be simulated: the twin starts again here
         if self._running:
             elapsed, moved = stamp - self._stamp, self._moved(sample, -1.0)
             answer = self.pace.timed(elapsed, lambda: self.twin.advance(elapsed, moved))

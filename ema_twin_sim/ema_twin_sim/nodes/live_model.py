@@ -16,6 +16,6 @@ def live_model(model: str | Model) -> Model:
     found = model if isinstance(model, Model) else load_model(model)
     if found.motion != "rotary":
         raise InputError(
-            f"model {found.name}: is of a linear machine, which no twin follows live; compare, fit and discover take it"
+            f"model {found.name}: is of a linear machine, which live does not support; compare, fit and discover do"
         )
     return found

@@ -17,7 +17,7 @@ def limited(value, limit):
 
 @njit(error_model="numpy")
 def lag_gain(step, time_constant):
-    """Share of the way that a first-order lag goes in a step, exactly; a lag of zero follows at once."""
+    """Exact gain 1 - exp(-h/T) of a first-order lag over a step; 1 for T = 0."""
     return 1.0 - math.exp(-step / time_constant) if time_constant > 0.0 else 1.0
 
 

@@ -85,7 +85,7 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
         raise InputError(
             f"{recording.name}: nothing is recorded for {second * longest.duration:.4g} s from "
             f"{second * longest.time:.3f} s on; "
-            f"no twin runs blind for more than {LONGEST_GAP:g} s: cut there (--from, --to)"
+            f"gaps over {LONGEST_GAP:g} s cannot be simulated: cut there (--from, --to)"
         )
     absent = np.full(len(recording), math.nan)
     return np.column_stack([recording.signals.get(name, absent) for name in BENCH])

@@ -334,7 +334,7 @@ def _there_and_back(field: _Field, limits: Limits) -> Proposal | None:
     if not triangles:
         return None
     trial = min(triangles, key=lambda trial: abs(trial.turns - _TURNS))
-    return Proposal(trial.asked, trial.lasts, {}, (), "no recording so far reverses; what it will show, none can tell")
+    return Proposal(trial.asked, trial.lasts, {}, (), "no recording reverses yet; the outcome cannot be predicted")
 
 
 def _evaluate_all(

@@ -125,7 +125,7 @@ class DiagnosisNode(Node):
         """What the last diagnosis found, for the monitor's diagnostics."""
         last = self._last
         if self._busy.locked():
-            return "being looked for, or added"
+            return "diagnosis or apply in progress"
         if self._failure:
             return f"not told: {self._failure}"
         if last is None or last.diagnosis is None:
