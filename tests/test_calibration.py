@@ -72,9 +72,9 @@ def test_an_interval_holds_the_truth_or_not():
 def test_calibration_cases_are_of_all_kinds_and_bar_what_is_left_out():
     cases, without = calibration_cases(1, 40)
     assert len(cases) == len(without) == 40
-    barred = [(case, ids) for case, ids in zip(cases, without, strict=True) if ids]
-    assert len(barred) == 4
-    assert all(set(ids) <= set(case.hidden) for case, ids in barred)
+    excluded = [(case, ids) for case, ids in zip(cases, without, strict=True) if ids]
+    assert len(excluded) == 4
+    assert all(set(ids) <= set(case.hidden) for case, ids in excluded)
     assert sum(not case.hidden for case in cases) >= 4
 
 

@@ -12,7 +12,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.criteria.contradictions import contradictions
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.unseen import WORSE
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import despiked, observe, observe_all
@@ -46,9 +46,9 @@ def test_a_spike_goes_and_a_corner_stays():
 
 
 def test_the_right_model_leaves_the_sensors_noise(plain, stock):
-    eq = Equation(observe_all(plain, stock))
-    residual = eq.residual(eq.predict(null_hypothesis(stock)))
-    for parts in (eq.torque_parts, eq.encoder_parts):
+    problem = EquationErrorProblem(observe_all(plain, stock))
+    residual = problem.residual(problem.predict(null_hypothesis(stock)))
+    for parts in (problem.torque_parts, problem.encoder_parts):
         for part in parts:
             assert 0.8 < np.std(residual[part]) < 1.25
 
@@ -56,8 +56,8 @@ def test_the_right_model_leaves_the_sensors_noise(plain, stock):
 def test_constants_are_found_again(stock):
     true = stock.with_value("machine.motor_inertia", 1.04 * stock.value("machine.motor_inertia"))
     true = true.with_value("effects.viscous_friction.coefficient", 0.97 * 0.0255)
-    eq = Equation(observe_all(record(true), stock))
-    found = fit(eq, null_hypothesis(stock)).hypothesis.model()
+    problem = EquationErrorProblem(observe_all(record(true), stock))
+    found = fit(problem, null_hypothesis(stock)).hypothesis.model()
     assert found.value("machine.motor_inertia") + found.value("machine.output_inertia") == pytest.approx(
         true.value("machine.motor_inertia") + true.value("machine.output_inertia"), rel=0.01
     )
@@ -112,10 +112,10 @@ def test_recordings_of_two_machines_are_noticed(stock):
     other = stock.with_value("effects.coulomb_friction.torque", 2.0 * 0.0676)
     (odd,) = record(other, COMMANDS[2:])
     runs = [*record(stock, COMMANDS[:2]), replace(odd, name="odd")]
-    eq = Equation(observe_all(runs, stock))
-    told = contradictions(eq, fit(eq, null_hypothesis(stock)))
+    problem = EquationErrorProblem(observe_all(runs, stock))
+    told = contradictions(problem, fit(problem, null_hypothesis(stock)))
     assert told and all(sentence.startswith("odd: needs ") for sentence in told)
-    same = Equation(observe_all(record(stock), stock))
+    same = EquationErrorProblem(observe_all(record(stock), stock))
     assert contradictions(same, fit(same, null_hypothesis(stock))) == ()
 
 

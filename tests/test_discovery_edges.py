@@ -11,7 +11,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.evidence import evidence_json
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.compliance import structural_fits
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe, observe_all
@@ -108,8 +108,8 @@ def test_coulomb_friction_is_found_on_both_sides_of_play(stock):
 
 
 def test_play_that_is_barred_leaves_the_spring_to_be_tried(stock):
-    eq = Equation(observe_all(record(stock.with_effect("backlash", {"width": 0.003})), stock))
-    tried = structural_fits(eq, fit(eq, null_hypothesis(stock)), frozenset({"backlash"}))
+    problem = EquationErrorProblem(observe_all(record(stock.with_effect("backlash", {"width": 0.003})), stock))
+    tried = structural_fits(problem, fit(problem, null_hypothesis(stock)), frozenset({"backlash"}))
     assert [f.hypothesis.effects for f in tried] == [("shaft_compliance",)]
 
 

@@ -8,7 +8,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
@@ -46,51 +46,55 @@ def test_friction_curves_that_look_alike_are_told_apart_in_company(stock):
 
 
 def test_constants_far_from_their_file_are_noticed(stock):
-    eq = Equation(observe_all(record(stock, RUNS), stock))
-    assert strained(fit(eq, null_hypothesis(stock))) == ()
+    problem = EquationErrorProblem(observe_all(record(stock, RUNS), stock))
+    assert strained(fit(problem, null_hypothesis(stock))) == ()
     heavier = stock.with_value("machine.motor_inertia", 2.0 * stock.value("machine.motor_inertia"))
-    assert strained(fit(eq, null_hypothesis(heavier))) == ("acceleration",)
+    assert strained(fit(problem, null_hypothesis(heavier))) == ("acceleration",)
 
 
 def test_a_cause_for_each_constant_is_no_explanation(stock):
     """All torques off by one factor: without a torque constant, each number would need a cause of its own."""
     recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}), RUNS)
-    eq = Equation(observe_all(recordings, stock))
-    found = search(eq, null_hypothesis(stock), frozenset({"torque_constant_error"}))
-    assert len(only_constants(eq, found.fit)) > 1
+    problem = EquationErrorProblem(observe_all(recordings, stock))
+    found = search(problem, null_hypothesis(stock), frozenset({"torque_constant_error"}))
+    assert len(only_constants(problem, found.fit)) > 1
     two = null_hypothesis(stock).with_effect("viscous_friction", {"side": "motor"}, {"coefficient": 1e-3})
     two = two.with_effect("added_inertia", {}, {"inertia": 1e-5})
-    assert only_constants(eq, fit(eq, two)) != ()
+    assert only_constants(problem, fit(problem, two)) != ()
     without = null_hypothesis(stock.without_effect("viscous_friction"))
     one = without.with_effect("viscous_friction", {"side": "motor"}, {"coefficient": 0.02})
-    assert only_constants(eq, fit(eq, one.with_effect("added_inertia", {}, {"inertia": 1e-5}))) == ()
+    assert only_constants(problem, fit(problem, one.with_effect("added_inertia", {}, {"inertia": 1e-5}))) == ()
 
 
 def test_a_torque_constant_stands_behind_all_constants_or_none(stock):
     """One that is off, and half put right by a factor on all of them, tells nothing of the torque constant."""
     heavier = stock.with_effect("added_inertia", {"inertia": 4.6e-4})
-    eq = Equation(observe_all(record(heavier, RUNS), stock))
+    problem = EquationErrorProblem(observe_all(record(heavier, RUNS), stock))
     scaled = null_hypothesis(stock).with_effect("torque_constant_error", {}, {"scale": 0.9})
-    assert only_constants(eq, fit(eq, scaled)) == ("torque_constant_error",)
-    true = Equation(observe_all(record(stock.with_effect("torque_constant_error", {"scale": 0.8}), RUNS), stock))
+    assert only_constants(problem, fit(problem, scaled)) == ("torque_constant_error",)
+    true = EquationErrorProblem(
+        observe_all(record(stock.with_effect("torque_constant_error", {"scale": 0.8}), RUNS), stock)
+    )
     assert only_constants(true, fit(true, scaled)) == ()
 
 
 def test_encoders_that_part_less_than_before_may_part_too_much_still(stock):
     soft = stock.with_effect("shaft_compliance", {"stiffness": 20.0, "damping": 0.01})
-    eq = Equation(observe_all(record(soft, RUNS), stock))
-    start = fit(eq, null_hypothesis(stock))
+    problem = EquationErrorProblem(observe_all(record(soft, RUNS), stock))
+    start = fit(problem, null_hypothesis(stock))
     play = null_hypothesis(stock).with_effect("backlash", {}, {"width": 4e-5})
-    assert apart(eq, fit(eq, play), start)
+    assert apart(problem, fit(problem, play), start)
     spring = null_hypothesis(stock).with_effect("shaft_compliance", {}, {"stiffness": 20.0, "damping": 0.01})
-    assert not apart(eq, fit(eq, spring), start)
+    assert not apart(problem, fit(problem, spring), start)
 
 
 def test_what_might_as_well_be_absent_is_not_sure(stock):
-    eq = Equation(observe_all(record(stock, RUNS), stock))
+    problem = EquationErrorProblem(observe_all(record(stock, RUNS), stock))
     h = null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 1e-4})
-    assert insignificant(eq, fit(eq, h)) == "constant_load"
-    loaded = Equation(observe_all(record(stock.with_effect("constant_load", {"torque": 0.02}), RUNS), stock))
+    assert insignificant(problem, fit(problem, h)) == "constant_load"
+    loaded = EquationErrorProblem(
+        observe_all(record(stock.with_effect("constant_load", {"torque": 0.02}), RUNS), stock)
+    )
     assert insignificant(loaded, fit(loaded, h)) is None
 
 
@@ -100,9 +104,9 @@ def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
 
 def test_a_bristle_that_no_recording_bends_is_not_sure(stock):
     """Its stiffness is open to both sides; as a softness it is as many standard errors from none as of itself."""
-    eq = Equation(observe_all(record(stock, ("ramp:0.05",)), stock))
+    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05",)), stock))
     h = null_hypothesis(stock).with_effect("presliding_friction", {}, {"stiffness": 1.0, "damping": 0.0})
-    assert insignificant(eq, fit(eq, h)) == "presliding_friction"
+    assert insignificant(problem, fit(problem, h)) == "presliding_friction"
     bent = stock.with_effect("presliding_friction", {"stiffness": 4.0, "damping": 0.0})
-    eq = Equation(observe_all(record(bent, RUNS), stock))
-    assert insignificant(eq, fit(eq, h)) is None
+    problem = EquationErrorProblem(observe_all(record(bent, RUNS), stock))
+    assert insignificant(problem, fit(problem, h)) is None

@@ -12,7 +12,7 @@ from ema_twin_sim.fitting.equation_misfit import EquationMisfit
 from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.freedom import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, check_recovered, estimates, true_value, with_effects
@@ -151,7 +151,7 @@ def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
         model = loaded.with_effect(id)
         freedom = choose_numbers(model, [f"effects.{list(model.effects)[-1]}"], [])
         misfits = (
-            EquationMisfit(Equation(observations), freedom),
+            EquationMisfit(EquationErrorProblem(observations), freedom),
             SimulationMisfit(recordings, observations, freedom, ["setpoint"] * len(recordings)),
         )
         for misfit in misfits:

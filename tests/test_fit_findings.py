@@ -7,8 +7,8 @@ import pytest
 
 from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.fitting.absurd import RULES, absurdities, circumstances
 from ema_twin_sim.fitting.fit import METHODS, fit_model
+from ema_twin_sim.fitting.plausibility_rules import RULES, absurdities, circumstances
 from ema_twin_sim.identification.shown_by import SHOWN_BY
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
@@ -102,7 +102,7 @@ def test_a_fit_that_leaves_much_says_so(method, stock):
     """Whatever its rows are weighed by, what is left is held against the sensors' noise."""
     true = with_effects(stock, {"gravity_load": {"torque": 0.05, "angle": 0.3}, "cogging": {"torque": 0.05}})
     fitted = fit_model(bench(true, SLOW), stock, method=method)
-    assert any("times the noise: the model lacks something" in note for note in fitted.notes)
+    assert any("times the noise: the model is incomplete" in note for note in fitted.notes)
     play = with_effects(stock, {"backlash": {"width": 0.004}})
     fitted = fit_model(bench(with_effects(play, {"cogging": {"torque": 0.05}}), SLOW), play, method=method)
     assert any(

@@ -11,7 +11,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.torque_error import torque_error
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.simulate import simulate
@@ -99,8 +99,10 @@ def test_all_forms_of_the_plant_agree(stock, spring):
     moving = np.convolve(np.abs(run.signals["speed"]) < 1.0, np.ones(101), "same") == 0
     moving[:250] = False
     assert np.sqrt(np.mean(left[moving] ** 2)) < 0.02 * size
-    eq = Equation([observe(run, model)])
-    error = (eq.torque - eq.predict(null_hypothesis(model)).rows[: eq.size] * eq.noise)[eq.observations[0].calm]
+    problem = EquationErrorProblem([observe(run, model)])
+    error = (problem.torque - problem.predict(null_hypothesis(model)).rows[: problem.size] * problem.noise)[
+        problem.observations[0].below_shock_limit
+    ]
     assert np.sqrt(np.mean(error**2)) < 0.02 * size
     if not spring:
         assert torque_error(run, model).filtered < 0.1 < torque_error(without_load(run), model).filtered

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe
 from ema_twin_sim.simulation.command import parse_command
@@ -45,8 +45,10 @@ def test_kernel_balance_and_inverse_dynamics_agree(geared, load):
     # away from the reversals, where the filters of the balance smear the step of dry friction
     smeared = np.convolve(~moving, np.ones(101), "same") > 0
     assert rms(left[~smeared]) < 0.01 * rms(torque)
-    eq = Equation([observe(recording, model)])
-    error = (eq.torque - eq.predict(null_hypothesis(model)).rows[: eq.size] * eq.noise)[eq.observations[0].calm]
+    problem = EquationErrorProblem([observe(recording, model)])
+    error = (problem.torque - problem.predict(null_hypothesis(model)).rows[: problem.size] * problem.noise)[
+        problem.observations[0].below_shock_limit
+    ]
     assert rms(error) < 0.01 * rms(torque)
 
 
@@ -69,13 +71,15 @@ def test_a_loads_slopes_hold_what_follows_it(stock):
     """Beside mesh friction, a load asks for its own torque and for the friction that it makes."""
     machine = stock.with_effect("constant_load", {"torque": 0.4}).with_effect("mesh_friction", {"coefficient": 0.3})
     recording = virtual_bench(machine, parse_command("speed-sine:0.1:0.5"), 8.0, seed=None)
-    eq = Equation([observe(recording, stock)])
+    problem = EquationErrorProblem([observe(recording, stock)])
     h = null_hypothesis(stock.with_effect("mesh_friction", {"coefficient": 0.3}))
     h = h.with_effect("constant_load", {}, {"torque": 0.4})
-    predicted = eq.predict(h)
-    slopes = eq.jacobian(h, predicted, np.ones(eq.rows))
+    predicted = problem.predict(h)
+    slopes = problem.jacobian(h, predicted, np.ones(problem.rows))
     k = [free.path for free in h.free].index("effects.constant_load.torque")
-    more = eq.predict(h.put({h.free[k].path: 0.401})).rows
-    assert slopes[: eq.size, k] == pytest.approx(((more - predicted.rows) / 0.001)[: eq.size], rel=0.02, abs=1e-3)
-    forward = eq.observations[0].motion[eq.observations[0].rows, 2] > 2.0
-    assert np.median(slopes[: eq.size, k][forward] * eq.noise[forward]) == pytest.approx(1.3, rel=0.01)
+    more = problem.predict(h.put({h.free[k].path: 0.401})).rows
+    assert slopes[: problem.size, k] == pytest.approx(
+        ((more - predicted.rows) / 0.001)[: problem.size], rel=0.02, abs=1e-3
+    )
+    forward = problem.observations[0].motion[problem.observations[0].rows, 2] > 2.0
+    assert np.median(slopes[: problem.size, k][forward] * problem.noise[forward]) == pytest.approx(1.3, rel=0.01)

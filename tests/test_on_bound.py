@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.estimates import standard_errors
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -30,15 +30,17 @@ def stribeck_seen(stock, speed, command):
     """What is said of a friction that falls over ``speed`` [rad/s], fitted to one motion."""
     effect = {"torque": 0.2, "speed": speed}
     run = virtual_bench(stock.with_effect("stribeck_friction", effect), parse_command(command), 10.0, seed=1)
-    eq = Equation([observe(run, stock)])
-    found = fit(eq, null_hypothesis(stock).with_effect("stribeck_friction", {}, {**effect, "speed": 1.0}), 20)
-    return on_bounds(eq, found, standard_errors(eq, found)), eq
+    problem = EquationErrorProblem([observe(run, stock)])
+    found = fit(problem, null_hypothesis(stock).with_effect("stribeck_friction", {}, {**effect, "speed": 1.0}), 20)
+    return on_bounds(problem, found, standard_errors(problem, found)), problem
 
 
 def test_a_speed_beyond_those_driven_is_on_its_bound(stock):
-    told, eq = stribeck_seen(stock, 12.0, "speed-sine:0.02:0.2")
+    told, problem = stribeck_seen(stock, 12.0, "speed-sine:0.02:0.2")
     (sentence,) = told
-    assert sentence.startswith(f"stribeck_friction: speed is on its bound {eq.fastest:.4g} rad/s; record faster motion")
+    assert sentence.startswith(
+        f"stribeck_friction: speed is on its bound {problem.fastest:.4g} rad/s; record faster motion"
+    )
     assert "\n" not in sentence
 
 

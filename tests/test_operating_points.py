@@ -16,7 +16,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.measured.folds import halves
+from ema_twin_sim.measured.folds import operating_point_folds
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.operating_points import approached
 from ema_twin_sim.simulation.simulate import simulate
@@ -187,7 +187,7 @@ def test_the_way_a_point_was_come_to():
 
 
 def test_lone_points_are_judged_by_halves(held):
-    odd, even = halves([held])
+    odd, even = operating_point_folds([held])
     assert len(odd) + len(even) == len(held)
     assert abs(len(odd) - len(even)) < 0.02 * len(held)
     for part in (odd, even):  # both span the whole, and share no place
@@ -195,8 +195,8 @@ def test_lone_points_are_judged_by_halves(held):
     places = [set(np.round(part.signals["motor_position"], 9)) for part in (odd, even)]
     assert len(places[0] & places[1]) <= 8
     top = points("top", motor_position=np.r_[np.zeros(20), np.ones(40)], current=np.arange(60.0))
-    assert min(len(part) for part in halves([top])) >= 24
-    assert halves([held, held]) == [held, held]
+    assert min(len(part) for part in operating_point_folds([top])) >= 24
+    assert operating_point_folds([held, held]) == [held, held]
 
 
 def test_what_points_cannot_tell_is_refused(held, motor, stock):

@@ -5,9 +5,9 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
 from ema_twin_sim.discovery.search.search import settle
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.generic_bases import add_decoys
+from ema_twin_sim.identification.generic_bases import add_generic_bases
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record, with_signals
@@ -17,10 +17,10 @@ RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 
 def standing(recordings, model, effect, parameters):
     """The effects that stand where one is fitted to the recordings."""
-    eq = Equation(observe_all(recordings, model))
-    f = settle(eq, fit(eq, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
-    add_decoys(eq)
-    return by_own_shape(eq, f)
+    problem = EquationErrorProblem(observe_all(recordings, model))
+    f = settle(problem, fit(problem, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
+    add_generic_bases(problem)
+    return by_own_shape(problem, f)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import settle
-from ema_twin_sim.identification.equation import Equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.identification.uncertainty import covariance
@@ -39,13 +39,13 @@ def worn(recordings, share, stock, seed=5):
 
 
 def settled(recordings, model):
-    eq = Equation(observe_all(recordings, model))
-    return eq, settle(eq, fit(eq, null_hypothesis(model)))
+    problem = EquationErrorProblem(observe_all(recordings, model))
+    return problem, settle(problem, fit(problem, null_hypothesis(model)))
 
 
 def told(recordings, model):
-    eq, f = settled(recordings, model)
-    return wandering(eq, f)
+    problem, f = settled(recordings, model)
+    return wandering(problem, f)
 
 
 @pytest.fixture
@@ -65,22 +65,24 @@ class TestWhitening:
             covariance[part, part] += (directions * (wander.share * spreads) ** 2) @ directions.T
         root = wander.whitened(np.eye(70))
         assert np.allclose(root @ covariance @ root.T, np.eye(70))
-        assert wander.price == pytest.approx(np.linalg.slogdet(covariance)[1])
+        assert wander.complexity_penalty == pytest.approx(np.linalg.slogdet(covariance)[1])
 
     def test_it_can_be_undone(self, wander):
         rows = np.random.default_rng(2).normal(size=(70, 4))
         assert np.allclose(wander.as_measured(wander.whitened(rows)), rows)
 
     def test_an_equation_takes_it_and_forgets_it(self, stock):
-        eq, f = settled(worn(record(stock, RUNS), 0.05, stock), stock)
-        plain, measured = eq.weighting, eq.measured
-        eq.weighting = replace(plain, wander=wandering(eq, f))
-        assert not np.allclose(eq.measured, measured)
-        predicted = eq.predict(f.hypothesis)
-        assert np.allclose(eq.left_over(predicted)[: eq.size], f.raw[: eq.size])  # what was measured is not whitened
-        assert eq.misfit(eq.residual(predicted)) < f.misfit
-        eq.weighting = plain
-        assert np.array_equal(eq.measured, measured)
+        problem, f = settled(worn(record(stock, RUNS), 0.05, stock), stock)
+        plain, measured = problem.weighting, problem.measured
+        problem.weighting = replace(plain, wander=wandering(problem, f))
+        assert not np.allclose(problem.measured, measured)
+        predicted = problem.predict(f.hypothesis)
+        assert np.allclose(
+            problem.left_over(predicted)[: problem.size], f.raw[: problem.size]
+        )  # what was measured is not whitened
+        assert problem.misfit(problem.residual(predicted)) < f.misfit
+        problem.weighting = plain
+        assert np.array_equal(problem.measured, measured)
 
 
 class TestShare:
@@ -120,10 +122,10 @@ class TestBesideIt:
 
 def test_a_dependence_on_one_stretch_makes_no_number_uncertain(stock):
     """Its columns stand on a block of rows alone: without the block, they are free to be anything."""
-    eq, f = settled(record(stock, RUNS), stock)
-    before = np.sqrt(np.diag(covariance(eq, f)))
-    columns = np.zeros((eq.rows, 1))
+    problem, f = settled(record(stock, RUNS), stock)
+    before = np.sqrt(np.diag(covariance(problem, f)))
+    columns = np.zeros((problem.rows, 1))
     columns[100:130] = 1.0
-    eq.decoys["time#0"] = columns
-    after = np.sqrt(np.diag(covariance(eq, fit(eq, f.hypothesis.with_decoy("time#0", 1)))))
+    problem.generic_bases["time#0"] = columns
+    after = np.sqrt(np.diag(covariance(problem, fit(problem, f.hypothesis.with_generic_basis("time#0", 1)))))
     assert np.allclose(after[: len(before)], before, rtol=0.5)

@@ -53,9 +53,9 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         cases = experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT))
         return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
     if asked.calibration:
-        cases, barred = calibration_cases(asked.seed, asked.cases or 300)
+        cases, excluded = calibration_cases(asked.seed, asked.cases or 300)
         found = []
-        for number, one in enumerate(solve.each(weighed, cases, barred), 1):
+        for number, one in enumerate(solve.each(weighed, cases, excluded), 1):
             print(f"{number:4d}/{len(cases)} {one.line()}", flush=True)
             found.append(one)
         sums = summed_up(found)

@@ -43,9 +43,11 @@ def read_judged(
     from ..own_effects import load_effects
 
     load_effects(with_files or ())
-    barred = [find_effect(id, "--without").id for id in without or ()]
+    excluded = [find_effect(id, "--without").id for id in without or ()]
     before = load_model(model)
-    return Judged(load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), before, barred)
+    return Judged(
+        load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2), before, excluded
+    )
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:

@@ -34,8 +34,8 @@ def effect_words(id: str) -> str:
 
     A dependence that is no effect is named ``speed#3``.
     """
-    dependence, decoy, _ = id.partition("#")
-    if decoy:
+    dependence, basis, _ = id.partition("#")
+    if basis:
         return f"any dependence on {_DEPENDENCES.get(dependence, dependence)}"
     return " ".join(_NAMES.get(word, word) for word in id.split("_"))
 

@@ -18,17 +18,17 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
 from ..effects import catalogue
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import reported, standard_errors
 from ..identification.fit import Fit, fit
-from ..identification.hypothesis import PARTING
+from ..identification.hypothesis import COMPLIANT_EFFECTS
 from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
 from ..model.own_units import in_si, shown_entry
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
-from .criteria.worth import gain, matters, price, price_of_noise
+from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain
 from .discover import Discovery, discover
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
@@ -133,10 +133,10 @@ class _Contender:
 
 def weigh(found: Discovery) -> Diagnosis:
     """The diagnosis that a discovery comes to."""
-    eq = found.equation
+    problem = found.equation
     tried = [contender for turn in found.search.rounds for trial in turn.tried for contender in _added(turn, trial)]
-    contests = _contests(eq, found)
-    held = {cause.key: gain(eq, cause.before, cause.after) for cause, *_ in contests}
+    contests = _contests(problem, found)
+    held = {cause.key: penalised_gain(problem, cause.before, cause.after) for cause, *_ in contests}
     if not contests and found.verdict != "unknown":
         contests = [[contender for contender in tried if len(_new(contender)) == 1]]
     absent: dict[Key, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
@@ -144,7 +144,7 @@ def weigh(found: Discovery) -> Diagnosis:
     for contest in contests:
         without = 0.0
         chances: dict[Key, float] = {}
-        for winner, chance in _chances(eq, contest, bool(held)):
+        for winner, chance in _chances(problem, contest, bool(held)):
             if winner is None:
                 without += chance
             else:
@@ -155,8 +155,8 @@ def weigh(found: Discovery) -> Diagnosis:
     present = {key: SUREST * (1.0 - chance) for key, chance in absent.items()}
     contenders = {contender.key: contender for contender in reversed([c for each in contests for c in each] + tried)}
     order = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))[:RANKED]
-    removed = _removed(eq, found.recordings, [contenders[key] for key in order[:SIMULATED]])
-    ranking = tuple(_ranked(eq, contenders[key], present[key], removed.get(key), key in held) for key in order)
+    removed = _removed(problem, found.recordings, [contenders[key] for key in order[:SIMULATED]])
+    ranking = tuple(_ranked(problem, contenders[key], present[key], removed.get(key), key in held) for key in order)
     verdict = next(entry.effect for entry in ranking if entry.found) if found.verdict == "explained" else found.verdict
     return Diagnosis(
         verdict,
@@ -170,23 +170,23 @@ def weigh(found: Discovery) -> Diagnosis:
     )
 
 
-def _contests(eq: Equation, found: Discovery) -> list[list[_Contender]]:
+def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Contender]]:
     """For each effect that the complete search holds: itself, and what could stand in its place."""
     best = found.search.fit
     contests: dict[Key, list[_Contender]] = {}
     for name, instance in best.hypothesis.added.items():
-        bare = fit(eq, best.hypothesis.without(name), 4, known=best)
+        bare = fit(problem, best.hypothesis.without(name), 4, known=best)
         contest = [_Contender(name, bare, best)]
         turn = next((turn for turn in found.search.taken if name in turn.added), None)
-        if turn is not None and instance.effect not in PARTING:
-            rivals = substitutes(eq, best, name, turn)
+        if turn is not None and instance.effect not in COMPLIANT_EFFECTS:
+            rivals = substitutes(problem, best, name, turn)
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
     return list(contests.values())
 
 
 def _added(turn: Round, trial: Trial) -> list[_Contender]:
-    """The effects that a trial adds; none where it adds a decoy."""
+    """The effects that a trial adds; none where it adds a generic basis."""
     return [_Contender(n, turn.before, trial.fit) for n in trial.names if n in trial.fit.hypothesis.added]
 
 
@@ -194,30 +194,32 @@ def _new(contender: _Contender) -> tuple[str, ...]:
     return new_names(contender.before, contender.after)
 
 
-def _chances(eq: Equation, contest: Sequence[_Contender], held: bool) -> list[tuple[_Contender | None, float]]:
+def _chances(
+    problem: EquationErrorProblem, contest: Sequence[_Contender], held: bool
+) -> list[tuple[_Contender | None, float]]:
     """How often (0 to 1) each contender gains most, and none gains anything, over draws of blocks."""
     # the search holds the first of a contest with all others beside it: that it matters was settled there
-    entries = [c for k, c in enumerate(contest) if (k == 0 and held) or matters(eq, c.before, c.after)]
+    entries = [c for k, c in enumerate(contest) if (k == 0 and held) or has_effect_size(problem, c.before, c.after)]
     if not entries:
         return [(None, 1.0)]
-    blocks = _blocks(eq)
+    blocks = _blocks(problem)
     count = int(blocks.max()) + 1
     drawn = np.random.default_rng(0).multinomial(count, np.full(count, 1.0 / count), DRAWS)
     table = np.zeros((DRAWS, len(entries) + 1))
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
-        temperature = price_of_noise(eq, before, after)
-        fall = (_costs(eq, before, blocks) - _costs(eq, after, blocks)) / temperature
-        table[:, column] = drawn @ fall - (price(after) - price(before))
+        temperature = noise_per_unit(problem, before, after)
+        fall = (_costs(problem, before, blocks) - _costs(problem, after, blocks)) / temperature
+        table[:, column] = drawn @ fall - (complexity_penalty(after) - complexity_penalty(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS
     return [(entry, float(share)) for entry, share in zip([*entries, None], wins, strict=True) if share > 0.0]
 
 
-def _blocks(eq: Equation) -> np.ndarray:
+def _blocks(problem: EquationErrorProblem) -> np.ndarray:
     """The block (m,) of time that each row belongs to; torque and encoder rows of a moment share one."""
-    found = np.zeros(eq.rows, int)
+    found = np.zeros(problem.rows, int)
     first = 0
-    for o, torque, encoder in zip(eq.observations, eq.torque_parts, eq.encoder_parts, strict=True):
+    for o, torque, encoder in zip(problem.observations, problem.torque_parts, problem.encoder_parts, strict=True):
         time = o.motion[:, TIME] - o.motion[0, TIME]
         found[torque] = first + (time[o.rows] / BLOCK).astype(int)
         found[encoder] = first + (time[o.encoder_rows] / BLOCK).astype(int)
@@ -225,14 +227,16 @@ def _blocks(eq: Equation) -> np.ndarray:
     return found
 
 
-def _costs(eq: Equation, f: Fit, blocks: np.ndarray) -> np.ndarray:
+def _costs(problem: EquationErrorProblem, f: Fit, blocks: np.ndarray) -> np.ndarray:
     """Robust misfit (b,) of each block."""
-    return np.bincount(blocks, eq.costs(f.raw))
+    return np.bincount(blocks, problem.costs(f.raw))
 
 
-def _ranked(eq: Equation, contender: _Contender, probability: float, removed: float | None, found: bool) -> Ranked:
+def _ranked(
+    problem: EquationErrorProblem, contender: _Contender, probability: float, removed: float | None, found: bool
+) -> Ranked:
     f, instance = contender.after, contender.instance
-    sure = standard_errors(eq, f)
+    sure = standard_errors(problem, f)
     parameters = {
         p.name: shown_entry(
             f.hypothesis.base,
@@ -246,13 +250,15 @@ def _ranked(eq: Equation, contender: _Contender, probability: float, removed: fl
     return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)
 
 
-def _removed(eq: Equation, recordings: Sequence[Recording], contenders: Sequence[_Contender]) -> dict[Key, float]:
+def _removed(
+    problem: EquationErrorProblem, recordings: Sequence[Recording], contenders: Sequence[_Contender]
+) -> dict[Key, float]:
     """The share of the excess error that each contender removes where it was not fitted to."""
     fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
     sources = [choose_input(recording) for recording in recordings]
     jobs = []
     for key, f in fits.items():
-        numbers = held_out(eq, f) if len(recordings) > 1 else [f.hypothesis.values]
+        numbers = held_out(problem, f) if len(recordings) > 1 else [f.hypothesis.values]
         models = [in_si(f.hypothesis.at(values).model()) for values in numbers]
         jobs += [(key, *job) for job in zip(recordings, sources, models, strict=True)]
 

@@ -10,14 +10,14 @@ from typing import Any
 from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, parameters, standard_errors
 from ..identification.fit import Fit, fit
-from ..identification.hypothesis import PARTING, Hypothesis, null_hypothesis
+from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypothesis
 from ..identification.on_bound import on_bounds
 from ..measured.consistency import refuse_inconsistent
-from ..measured.folds import halves
-from ..measured.observability import at_rest, not_shown, woken
+from ..measured.folds import operating_point_folds
+from ..measured.observability import at_rest, not_shown, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..measured.switching_ripple import with_switching_ripple
@@ -32,7 +32,7 @@ from .experiment.suggestion import suggest
 from .left_over import left_over_words
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import ROUNDS, less, search, settle, significant
-from .search.search_order import in_better_company, thought_again
+from .search.search_order import in_another_order, search_without_first
 from .search.trace import Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import wandering_after_all
@@ -78,7 +78,7 @@ class Discovery:
     warnings: tuple[str, ...]
     unseen: Unseen
     search: Search
-    equation: Equation
+    equation: EquationErrorProblem
     rivalries: tuple[Rivalry, ...]
     recordings: tuple[Recording, ...]  # as they are judged on unseen data: matched, in SI
     left_over: str = ""  # how large, and where along the first of ``depends_on``
@@ -114,80 +114,80 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
-    given, as_measured = model, halves(to_rotary_equivalent(recordings, model)[0])
+    given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
-    recordings, awake = halves(recordings), model
+    recordings, awake = operating_point_folds(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
-    eq = Equation([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
-    null = null_hypothesis(model, by_torque=eq.size > 0)
-    barred = frozenset(without) | _impossible(model) | not_shown(recordings)
-    found, known = _searched(eq, null, barred, progress)
+    problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
+    null = null_hypothesis(model, by_torque=problem.size > 0)
+    excluded = frozenset(without) | _impossible(model) | not_shown(recordings)
+    found, known = _searched(problem, null, excluded, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
-    if not known and eq.weighting.wander is not None and explained(eq, found.fit, start):
+    if not known and problem.weighting.wander is not None and explained(problem, found.fit, start):
         depends_on = ("time",)  # friction that wanders is all that is left
-        found = doubted(eq, found)
+        found = doubted(problem, found)
     elif not known:
         progress("something is left: looking for what it depends on")
-        found, depends_on = beside_the_unknown(eq, found, progress)
+        found, depends_on = beside_the_unknown(problem, found, progress)
     progress("looking for rivals")
-    found, rivals = judged_against_rivals(eq, found)
-    found = significant(eq, found)
-    known = known and explained(eq, found.fit, start)
-    found = with_best_split(eq, recordings, found)
-    found = with_unmoved_constants(eq, recordings, found) if known else found
+    found, rivals = judged_against_rivals(problem, found)
+    found = significant(problem, found)
+    known = known and explained(problem, found.fit, start)
+    found = with_best_split(problem, recordings, found)
+    found = with_unmoved_constants(problem, recordings, found) if known else found
     progress("judging on recordings that were not fitted to")
-    unseen = judge_unseen(eq, as_measured, found)
+    unseen = judge_unseen(problem, as_measured, found)
     if known and (idle := _idle(found, unseen)):
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
-        found = less(eq, found, idle, "the simulated loop hardly follows the recordings better with it")
+        found = less(problem, found, idle, "the simulated loop hardly follows the recordings better with it")
         # of a machine that is not known to the noise, the rest may explain it as well as anything does
-        known = model.is_open and explained(eq, found.fit, start)
+        known = model.is_open and explained(problem, found.fit, start)
         depends_on = () if known else shown_over
-        unseen = judge_unseen(eq, as_measured, found)
+        unseen = judge_unseen(problem, as_measured, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         # numbers that nobody knew are better fitted than as they were
-        bare = settle(eq, fit(eq, null)) if model.is_open else fit(eq, null, 0)
-        found = found.ended(bare, eq.weighting, "it does not improve the model given what remains unexplained")
-        unseen = judge_unseen(eq, as_measured, found, as_given=not model.is_open)
+        bare = settle(problem, fit(problem, null)) if model.is_open else fit(problem, null, 0)
+        found = found.ended(bare, problem.weighting, "it does not improve the model given what remains unexplained")
+        unseen = judge_unseen(problem, as_measured, found, as_given=not model.is_open)
     as_given = as_given and not model.is_open
     best = found.fit
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
-    errors = standard_errors(eq, best)
+    errors = standard_errors(problem, best)
     steps = _steps(found, unseen)
     added = _most_telling_first(best.hypothesis.effects, steps)
     return Discovery(
         verdict,
         added,
-        given if as_given else native_as_given(woken(best.hypothesis.model(), awake), given).fitted_from(given),
+        given if as_given else native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given),
         steps,
         MappingProxyType(parameters(best, errors)),
-        MappingProxyType({} if as_given or not eq.size else constants(best, errors, given)),
+        MappingProxyType({} if as_given or not problem.size else constants(best, errors, given)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
-        suggest(eq, found, rivals, recordings, barred),
-        why_ended(eq, verdict, found, depends_on, unseen),
+        suggest(problem, found, rivals, recordings, excluded),
+        why_ended(problem, verdict, found, depends_on, unseen),
         (
             *(warning for recording in recordings for warning in recording.warnings),
-            *contradictions(eq, best),
+            *contradictions(problem, best),
             *far_off(best),
-            *(on_bounds(eq, best, errors) if eq.size else ()),
+            *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
-            *(OPEN_CONSTANTS if eq.size and model.is_open and known and best.hypothesis.added else ()),
+            *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
-            *(() if eq.size else WITHOUT_TORQUE),
+            *(() if problem.size else WITHOUT_TORQUE),
         ),
         unseen,
         found,
-        eq,
+        problem,
         rivals,
         tuple(as_measured),
-        "" if known else left_over_words(eq, found, depends_on),
+        "" if known else left_over_words(problem, found, depends_on),
     )
 
 
@@ -203,37 +203,37 @@ def _impossible(model: Model) -> frozenset[str]:
 
 
 def _searched(
-    eq: Equation, null: Hypothesis, barred: frozenset[str], progress: Callable[[str], None]
+    problem: EquationErrorProblem, null: Hypothesis, excluded: frozenset[str], progress: Callable[[str], None]
 ) -> tuple[Search, bool]:
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
-    found = search(eq, null, barred, progress)
+    found = search(problem, null, excluded, progress)
     if null.base.is_open:
-        return found, explained(eq, found.fit, found.rounds[0].before)
+        return found, explained(problem, found.fit, found.rounds[0].before)
     if len(found.fit.hypothesis.added) >= ROUNDS:  # what takes more effects than that is something else
         return found, False
-    found = in_better_company(eq, found, barred, progress)
+    found = in_another_order(problem, found, excluded, progress)
     start = found.rounds[0].before
-    if explained(eq, found.fit, start):
-        return found, eq.weighting.wander is None or _explained_without_wander(eq, found.fit, start)
-    if eq.weighting.wander is not None:
+    if explained(problem, found.fit, start):
+        return found, problem.weighting.wander is None or _explained_without_wander(problem, found.fit, start)
+    if problem.weighting.wander is not None:
         return found, False
-    beside = wandering_after_all(eq, found, barred, start, progress)
+    beside = wandering_after_all(problem, found, excluded, start, progress)
     if beside is not None:
         return beside, False
-    if found.fit.parted or apart(eq, found.fit, start):
+    if found.fit.parted or apart(problem, found.fit, start):
         return found, False
     progress("something is left: thinking again of what was found")
-    return thought_again(eq, null, barred, found, lambda f: explained(eq, f, start), progress)
+    return search_without_first(problem, null, excluded, found, lambda f: explained(problem, f, start), progress)
 
 
-def _explained_without_wander(eq: Equation, f: Fit, start: Fit) -> bool:
+def _explained_without_wander(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     """Whether an end of a search explains the recordings with nothing but the sensors' noise, too."""
-    kept = eq.weighting
-    eq.weighting = replace(kept, wander=None)
+    kept = problem.weighting
+    problem.weighting = replace(kept, wander=None)
     try:
-        return explained(eq, settle(eq, fit(eq, f.hypothesis)), start)
+        return explained(problem, settle(problem, fit(problem, f.hypothesis)), start)
     finally:
-        eq.weighting = kept
+        problem.weighting = kept
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
@@ -245,7 +245,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
     real = found.fit.hypothesis.base.is_open
     for k, turn in enumerate(found.taken):
         came = [name for name in new_names(turn.before, turn.after) if name in added]
-        parting = tuple(name for name in came if added[name].effect in PARTING)
+        parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
         bending = tuple(name for name in came if added[name].effect == "presliding_friction")
         if unseen.rmse[k] <= NOISY * unseen.noise_floor:
             continue

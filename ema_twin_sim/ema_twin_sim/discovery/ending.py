@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..model.own_units import shown
 from ..quantities import quantity
 from .criteria.episodes import episodes, listed_episodes
@@ -13,17 +13,19 @@ from .unseen import Unseen
 NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 
 
-def why_ended(eq: Equation, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen) -> str:
+def why_ended(
+    problem: EquationErrorProblem, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen
+) -> str:
     """What is left of what kind; or, where that is nothing, that nothing more is worth its price."""
     base = found.fit.hypothesis.base
-    if lags := lagging(eq, found.fit) if "encoders" in depends_on else {}:
+    if lags := lagging(problem, found.fit) if "encoders" in depends_on else {}:
         run = max(lags, key=lambda name: abs(lags[name]))
         away = quantity(*shown(base, abs(lags[run]), "rad"))
         return (
             f"the output of {run} lies {away} off the motor almost since its start; play, "
             "or a shaft that winds up, would do that, and recordings with reversals would tell which"
         )
-    if passing := episodes(eq, found.fit) if "time" in depends_on else ():
+    if passing := episodes(problem, found.fit) if "time" in depends_on else ():
         longest = max(passing, key=lambda episode: episode.end - episode.start)
         second, _ = shown(base, 1.0, "s")
         torque = quantity(*shown(base, abs(longest.against), "N m"))

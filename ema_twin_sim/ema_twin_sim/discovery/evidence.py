@@ -15,7 +15,7 @@ import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.generic_bases import dependence
 from ..measured.observation import STANDSTILL
@@ -140,9 +140,9 @@ def _compared(turn: Round, names: Sequence[str], after: Fit, *, taken: bool) -> 
 
 
 def _title(names: Sequence[str]) -> str:
-    """The names of effects, and what decoys among them stand for."""
-    decoys = [f"dependence on {dependence(name)}" for name in names if "#" in name]
-    return " and ".join([*(name for name in names if "#" not in name), *dict.fromkeys(decoys)])
+    """The names of effects, and what generic bases among them stand for."""
+    generic_bases = [f"dependence on {dependence(name)}" for name in names if "#" in name]
+    return " and ".join([*(name for name in names if "#" not in name), *dict.fromkeys(generic_bases)])
 
 
 def _runner_up(turn: Round, names: Sequence[str]) -> Trial | None:
@@ -163,39 +163,43 @@ class _Torques:
     change: Periodicity | None  # of what the step changed
 
 
-def _evidence_of(eq: Equation, compared: Compared) -> StepEvidence:
+def _evidence_of(problem: EquationErrorProblem, compared: Compared) -> StepEvidence:
     base = compared.fits["after"].hypothesis.base
-    residuals = {name: eq.left_over(f.predicted) for name, f in compared.fits.items()}
-    torques = _torques(eq, compared.fits["after"], residuals)
+    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
+    torques = _torques(problem, compared.fits["after"], residuals)
     views = _torque_views(torques)
-    if eq.rows > eq.size:
-        views += _encoder_views(eq, residuals)
+    if problem.rows > problem.size:
+        views += _encoder_views(problem, residuals)
     moved = (residuals["before"] - residuals["after"]) ** 2
-    main = "encoder_difference" if moved[eq.size :].sum() > moved[: eq.size].sum() else "torque"
+    main = "encoder_difference" if moved[problem.size :].sum() > moved[: problem.size].sum() else "torque"
     views.sort(key=lambda view: (view.kind != main, -view.share))
     views = [_as_people_know_it(view, base) for view in views]
-    return StepEvidence(compared, tuple(views), _spectrum(eq, torques, base))
+    return StepEvidence(compared, tuple(views), _spectrum(problem, torques, base))
 
 
-def _torques(eq: Equation, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
-    motions = [o.motion[o.rows] for o in eq.observations]
+def _torques(problem: EquationErrorProblem, after: Fit, residuals: Mapping[str, np.ndarray]) -> _Torques:
+    motions = [o.motion[o.rows] for o in problem.observations]
     at = np.concatenate(motions)
-    origins = np.concatenate([np.tile((o.motor_origin, o.output_origin), (len(o.rows), 1)) for o in eq.observations])
+    origins = np.concatenate(
+        [np.tile((o.motor_origin, o.output_origin), (len(o.rows), 1)) for o in problem.observations]
+    )
     column = REQUIRED.index("transmitted")
-    every = zip(eq.observations, after.predicted.required, strict=True)
-    left = {name: r[: eq.size] * eq.noise for name, r in residuals.items()}
+    every = zip(problem.observations, after.predicted.required, strict=True)
+    left = {name: r[: problem.size] * problem.noise for name, r in residuals.items()}
     speed, angle = at[:, SPEED], at[:, MOTOR_ANGLE] + origins[:, 0]
-    change = _periodicity(eq, left["before"] - left["after"], speed, angle)
+    change = _periodicity(problem, left["before"] - left["after"], speed, angle)
     output = at[:, OUTPUT_ANGLE] + origins[:, 1]
     transmitted = np.concatenate([required[o.rows, column] for o, required in every])
     return _Torques(left, speed, angle, output, at[:, TIME], transmitted, change)
 
 
-def _periodicity(eq: Equation, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray) -> Periodicity | None:
+def _periodicity(
+    problem: EquationErrorProblem, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray
+) -> Periodicity | None:
     """The strongest order of a torque (m,), where the machine moves."""
     moving = np.abs(speed) > STANDSTILL
     return find_order(
-        [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in eq.torque_parts]
+        [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in problem.torque_parts]
     )
 
 
@@ -212,10 +216,10 @@ def _torque_views(at: _Torques) -> list[View]:
     return views
 
 
-def _encoder_views(eq: Equation, residuals: Mapping[str, np.ndarray]) -> list[View]:
-    left = {name: r[eq.size :] * eq.encoder_noise for name, r in residuals.items()}
-    motion = np.concatenate([o.motion[o.encoder_rows] for o in eq.observations])
-    origins = np.concatenate([np.full(len(o.encoder_rows), o.output_origin) for o in eq.observations])
+def _encoder_views(problem: EquationErrorProblem, residuals: Mapping[str, np.ndarray]) -> list[View]:
+    left = {name: r[problem.size :] * problem.encoder_noise for name, r in residuals.items()}
+    motion = np.concatenate([o.motion[o.encoder_rows] for o in problem.observations])
+    origins = np.concatenate([np.full(len(o.encoder_rows), o.output_origin) for o in problem.observations])
     speed = motion[:, SPEED]
     return [
         _view("encoder_difference", "speed", "rad/s", speed, left),
@@ -267,7 +271,7 @@ def _as_people_know_it(view: View, base: Model) -> View:
     return replace(view, unit=unit, size_unit=size_unit, curves=curves)
 
 
-def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
+def _spectrum(problem: EquationErrorProblem, at: _Torques, model: Model) -> Spectrum | None:
     """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed.
 
     The orders that the model names stand beside them.
@@ -277,7 +281,7 @@ def _spectrum(eq: Equation, at: _Torques, model: Model) -> Spectrum | None:
     lines: dict[str, np.ndarray] = {}
     for name, torque in at.left.items():
         # given with the speed's size, it is taken as it comes, in both directions alike
-        found = _periodicity(eq, torque * sense, np.abs(at.speed), at.motor_angle)
+        found = _periodicity(problem, torque * sense, np.abs(at.speed), at.motor_angle)
         if found is None:
             return None
         lines[name] = found.spectrum

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..measured.observation import STANDSTILL
 from ..model import Model
@@ -19,18 +19,18 @@ _FEWEST = 5  # rows of a bin that has a median
 _UNITS = {"speed": "rad/s", "output_position": "rad", "time": "s", "load": "N m"}
 
 
-def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) -> str:
+def left_over_words(problem: EquationErrorProblem, found: Search, depends_on: tuple[str, ...]) -> str:
     """``from -23.8 mN m at 2.03 rad to 14.6 mN m at 2.83 rad, moving forward``: torque of the motor, medians of bins.
 
     Of the first quantity that it depends on; of the direction in which it spans more. Empty where that quantity is none
     along which anything goes.
     """
     against = depends_on[0] if depends_on else ""
-    if against not in _UNITS or not eq.size:
+    if against not in _UNITS or not problem.size:
         return ""
-    f = _without_decoys(found)
-    left = eq.left_over(f.predicted)[: eq.size] * eq.noise
-    x, speed = _along(eq, f, against)
+    f = _without_generic_bases(found)
+    left = problem.left_over(f.predicted)[: problem.size] * problem.noise
+    x, speed = _along(problem, f, against)
     ways = {", moving forward": speed > STANDSTILL, ", moving backward": speed < -STANDSTILL}
     if against == "speed":
         ways = {"": np.ones(len(x), bool)}
@@ -50,23 +50,27 @@ def left_over_words(eq: Equation, found: Search, depends_on: tuple[str, ...]) ->
     return best[1]
 
 
-def _without_decoys(found: Search) -> Fit:
+def _without_generic_bases(found: Search) -> Fit:
     """The fit of what was found, before anything that is no effect came to stand beside it."""
-    if not found.fit.hypothesis.decoys:
+    if not found.fit.hypothesis.generic_bases:
         return found.fit
-    came = (turn for turn in found.changes if turn.after.hypothesis.decoys and not turn.before.hypothesis.decoys)
+    came = (
+        turn
+        for turn in found.changes
+        if turn.after.hypothesis.generic_bases and not turn.before.hypothesis.generic_bases
+    )
     return next((turn.before for turn in came), found.fit)
 
 
-def _along(eq: Equation, f: Fit, against: str) -> tuple[np.ndarray, np.ndarray]:
+def _along(problem: EquationErrorProblem, f: Fit, against: str) -> tuple[np.ndarray, np.ndarray]:
     """The quantity and the speed [rad/s] (m,) at every row of torque."""
-    at = np.concatenate([o.motion[o.rows] for o in eq.observations])
+    at = np.concatenate([o.motion[o.rows] for o in problem.observations])
     if against == "load":
         column = REQUIRED.index("transmitted")
-        every = zip(eq.observations, f.predicted.required, strict=True)
+        every = zip(problem.observations, f.predicted.required, strict=True)
         return np.concatenate([required[o.rows, column] for o, required in every]), at[:, SPEED]
     if against == "output_position":
-        origins = np.concatenate([np.full(len(o.rows), o.output_origin) for o in eq.observations])
+        origins = np.concatenate([np.full(len(o.rows), o.output_origin) for o in problem.observations])
         return at[:, OUTPUT_ANGLE] + origins, at[:, SPEED]
     return at[:, SPEED if against == "speed" else TIME], at[:, SPEED]
 

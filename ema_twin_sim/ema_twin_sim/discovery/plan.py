@@ -99,14 +99,14 @@ def plan(
         )
     found = discover(recordings, model, without=without, progress=progress)
     progress("asking what is in doubt")
-    eq = found.equation
+    problem = found.equation
     own = found.search.fit.hypothesis.base
     limits = None if limits is None else limits.told(own)
-    allowed = limits or driven_limits(eq.observations, own.value("machine.gear_ratio"))
-    held = doubts(eq, found.search, found.rivalries, frozenset(without))
+    allowed = limits or driven_limits(problem.observations, own.value("machine.gear_ratio"))
+    held = doubts(problem, found.search, found.rivalries, frozenset(without))
     choice = Choice(None, (), ())
     if held:
-        choice = best_command(eq, held, signals_of(found.recordings), limits=limits, progress=progress)
+        choice = best_command(problem, held, signals_of(found.recordings), limits=limits, progress=progress)
     return Plan(
         found.verdict,
         found.added,

@@ -15,7 +15,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit
 from ..identification.hypothesis import Hypothesis
 from ..identification.parallel import simulations
@@ -27,21 +27,21 @@ from .unseen import squares
 BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred
 
 
-def with_best_split(eq: Equation, recordings: Sequence[Recording], found: Search) -> Search:
+def with_best_split(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
     """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
     best = found.fit
     inputs = [choose_input(recording) for recording in recordings]
     if not best.parted or not found.taken or {*inputs} != {"setpoint"}:
         return found
     shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
-    shared = best.hypothesis.at(fit(eq, shared).hypothesis.values)  # all numbers free again, where they are
+    shared = best.hypothesis.at(fit(problem, shared).hypothesis.values)  # all numbers free again, where they are
     teeth = shared.teeth_of_the_file()
     others = [shared, *([held_at(shared, teeth)] if teeth else [])]
     fitted, *errors = (loop_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < BETTER * fitted:
         return found
-    return found.with_numbers(fit(eq, others[least], 0))
+    return found.with_numbers(fit(problem, others[least], 0))
 
 
 def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from ema_bench_replay.recording import Recording
 
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import standard_errors
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import LAG, Hypothesis
@@ -25,13 +25,13 @@ MOVED = 2.0  # standard errors from its file's value within which a constant is 
 AS_WELL = 1.02  # of the squared error of the closed loop: what the file's values may cost
 
 
-def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found: Search) -> Search:
+def with_unmoved_constants(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
     """The search, at its end the constants that did not surely move back at their file's values."""
     best = found.fit
     inputs = [choose_input(recording) for recording in recordings]
     if best.hypothesis.base.is_open or not found.taken or {*inputs} != {"setpoint"}:
         return found
-    simpler = [rest for rest in (_as_filed(eq, best), _put_back(eq, best)) if rest is not None]
+    simpler = [rest for rest in (_as_filed(problem, best), _put_back(problem, best)) if rest is not None]
     fitted, *errors = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, *simpler))
     least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
@@ -40,7 +40,7 @@ def with_unmoved_constants(eq: Equation, recordings: Sequence[Recording], found:
     return found
 
 
-def _as_filed(eq: Equation, best: Fit) -> Fit | None:
+def _as_filed(problem: EquationErrorProblem, best: Fit) -> Fit | None:
     """The fit with all constants and the teeth at their file's values; None where no sides part.
 
     Where they do, the constants' errors lie along a ridge of shares that trade with each other: each of them may seem
@@ -51,22 +51,22 @@ def _as_filed(eq: Equation, best: Fit) -> Fit | None:
     h = best.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
     with_teeth = held_at(h, h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
-    return _fitted_beside(eq, with_teeth, values)
+    return _fitted_beside(problem, with_teeth, values)
 
 
-def _put_back(eq: Equation, best: Fit) -> Fit | None:
+def _put_back(problem: EquationErrorProblem, best: Fit) -> Fit | None:
     """The fit with the constants that are not known to have moved at their file's values; None where all have."""
-    sure = standard_errors(eq, best)
+    sure = standard_errors(problem, best)
     values = best.hypothesis.by_path
     unmoved = {
         free.path: free.prior[0]
         for free in best.hypothesis.free
         if free.prior is not None and abs(values[free.path] - free.prior[0]) < MOVED * sure.get(free.path, 0.0)
     }
-    return _fitted_beside(eq, best.hypothesis, unmoved) if unmoved else None
+    return _fitted_beside(problem, best.hypothesis, unmoved) if unmoved else None
 
 
-def _fitted_beside(eq: Equation, h: Hypothesis, values: Mapping[str, float]) -> Fit:
+def _fitted_beside(problem: EquationErrorProblem, h: Hypothesis, values: Mapping[str, float]) -> Fit:
     """The fit with some numbers, by path, held at values; in the end they are free again, where they are."""
-    rest = fit(eq, held_at(h, values))
-    return fit(eq, h.at(rest.hypothesis.values), 0)
+    rest = fit(problem, held_at(h, values))
+    return fit(problem, h.at(rest.hypothesis.values), 0)

@@ -12,7 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import share_removed
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
@@ -113,7 +113,9 @@ def squares(model: Model, recording: Recording, source: str, signals: Sequence[s
     return np.array(found)
 
 
-def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *, as_given: bool = False) -> Unseen:
+def judge_unseen(
+    problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search, *, as_given: bool = False
+) -> Unseen:
     """Simulate every recording (SI) after every round with the numbers that the other recordings gave.
 
     The end is the model ``as_given`` where nothing of it was changed.
@@ -135,9 +137,9 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
         # what is open in the model is no effect's merit: it begins with what fits best
         untouched = (k == 0 and not base.is_open) or (as_given and f is found.fit)
         fitted_to_all = untouched or len(recordings) < 2
-        numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(eq, f)
-        if driven and eq.rows > eq.size:
-            of_output.append(_parting(eq, f, numbers))
+        numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(problem, f)
+        if driven and problem.rows > problem.size:
+            of_output.append(_parting(problem, f, numbers))
         for recording, source, values in zip(recordings, inputs, numbers, strict=True):
             model = base if untouched else f.hypothesis.at(values).model()
             jobs.append((k, recording, source, in_si(model)))
@@ -162,10 +164,10 @@ def judge_unseen(eq: Equation, recordings: Sequence[Recording], found: Search, *
     )
 
 
-def _parting(eq: Equation, f: Fit, numbers: Sequence[np.ndarray]) -> float:
+def _parting(problem: EquationErrorProblem, f: Fit, numbers: Sequence[np.ndarray]) -> float:
     """RMS [rad, slow shaft] that the encoders part by, each recording's beside numbers that others gave."""
     square = 0.0
-    for part, values in zip(eq.encoder_parts, numbers, strict=True):
-        left = eq.residual(eq.predict(f.hypothesis.at(values)))[part] * eq.noise_of_encoders(part)
+    for part, values in zip(problem.encoder_parts, numbers, strict=True):
+        left = problem.residual(problem.predict(f.hypothesis.at(values)))[part] * problem.noise_of_encoders(part)
         square += float(left @ left)
-    return math.sqrt(square / (eq.rows - eq.size))
+    return math.sqrt(square / (problem.rows - problem.size))

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..identification.equation import CORRELATION, Equation
+from ..identification.equation import CORRELATION, EquationErrorProblem
 from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
 from ..identification.local_minima import NARROW
 from ..identification.weighting import Weighting
@@ -17,11 +17,11 @@ from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from ..simulation.sensor_noise import counter_noise
-from .freedom import Freedom, Number
+from .freedom import FreeParameter, FreeParameters
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""
-LAG_NUMBER = Number(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_PRIOR, LAG_STEP, (0.0, LAG_PRIOR))
+LAG_NUMBER = FreeParameter(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_PRIOR, LAG_STEP, (0.0, LAG_PRIOR))
 ONE_SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
 SIDES_ERROR = 0.01  # relative, measured on the virtual bench, as is the next
 DAMPING_ERROR = 0.4
@@ -31,7 +31,7 @@ DAMPING_ERROR = 0.4
 class ModelHypothesis(Hypothesis):
     """A hypothesis of discovery whose free numbers are those of a fit: the effects are the model's own."""
 
-    freedom: Freedom
+    freedom: FreeParameters
 
     def model(self) -> Model:
         """The model that the values make."""
@@ -49,9 +49,9 @@ class ModelHypothesis(Hypothesis):
 class EquationMisfit:
     """The equation error over all recordings, in units of noise; the last number is the lag of the current."""
 
-    def __init__(self, equation: Equation, freedom: Freedom) -> None:
+    def __init__(self, equation: EquationErrorProblem, freedom: FreeParameters) -> None:
         self.variance = CORRELATION
-        self.freedom = Freedom(
+        self.freedom = FreeParameters(
             freedom.model, (*freedom.numbers, LAG_NUMBER), np.append(freedom.start, 0.0), freedom.notes
         )
         self.equation = equation

@@ -13,9 +13,9 @@ from ..identification.on_bound import reached_bound
 from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..model import Model
 from ..model.own_units import shown
-from .absurd import Circumstances, absurdities
 from .equation_misfit import BLIND, LAG
-from .freedom import Number, split
+from .freedom import FreeParameter, split
+from .plausibility_rules import Circumstances, absurdities
 from .solver import Solution
 from .uncertainty import Uncertainty
 
@@ -115,7 +115,7 @@ def _place(path: str, model: Model) -> tuple[str, str]:
     return (name, parameter) if part == "effects" else (part, name)
 
 
-def _finding(kind: str, number: Number, text: str, model: Model) -> Finding:
+def _finding(kind: str, number: FreeParameter, text: str, model: Model) -> Finding:
     instance, parameter = _place(number.path, model)
     return Finding(kind, instance, parameter, f"{instance}.{parameter} {text}")
 
@@ -125,7 +125,7 @@ def _shown(solution: Solution, k: int) -> float:
     return float(np.linalg.norm(solution.slopes[:, k]))
 
 
-def _unseen(number: Number, shown: float, model: Model, method: str) -> str | None:
+def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> str | None:
     """Why these recordings do not show a number, and what would; ``shown`` are standard deviations per unit of it."""
     change = 1.0 if number.periodic else (math.log(2.0) if number.log else number.scale)
     if shown * change >= SEEN:
@@ -144,7 +144,7 @@ def _unseen(number: Number, shown: float, model: Model, method: str) -> str | No
     return f"changes nothing that these recordings show{small}; record {SHOWN_BY.get(effect.id, ANY)}"
 
 
-def _needless(number: Number, value: float, std: float, model: Model) -> str | None:
+def _needless(number: FreeParameter, value: float, std: float, model: Model) -> str | None:
     """Why a size is no more than none; None where it is, or where the model file knows of it."""
     part, name, parameter = split(number.path)
     if part != "effects" or number.known:
@@ -184,12 +184,12 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
     return [sorted(group) for group in groups if len(group) > 1]
 
 
-def _size(number: Number, value: float) -> float:
+def _size(number: FreeParameter, value: float) -> float:
     """What a standard error is compared with: an angle with a radian, what has a typical size with that."""
     return 1.0 if number.periodic else (abs(value) if number.log else number.scale)
 
 
-def _written(value: float, number: Number, model: Model) -> str:
+def _written(value: float, number: FreeParameter, model: Model) -> str:
     """A value with its unit, of a linear machine in that machine's."""
     value, unit = (value, number.unit) if number.periodic else shown(model, value, number.unit)
     return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

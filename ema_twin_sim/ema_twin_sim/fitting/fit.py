@@ -16,10 +16,10 @@ from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
 from ..effects import catalogue
-from ..identification.equation import Equation
+from ..identification.equation import EquationErrorProblem
 from ..measured.consistency import refuse_inconsistent
-from ..measured.folds import halves
-from ..measured.observability import at_rest, woken
+from ..measured.folds import operating_point_folds
+from ..measured.observability import at_rest, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
 from ..measured.switching_ripple import with_switching_ripple
@@ -28,11 +28,11 @@ from ..model.constants import CONSTANTS
 from ..model.own_units import in_si, native_as_given, shown_entry
 from ..simulation.angle_origins import without_common_zero
 from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input
-from .absurd import circumstances
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
-from .freedom import Freedom, choose_numbers, not_by_encoders
+from .freedom import FreeParameters, choose_numbers, not_by_encoders
 from .misfit import Misfit
+from .plausibility_rules import circumstances
 from .simulation_misfit import SimulationMisfit
 from .solver import FINAL, ROUGH, Solution, solve
 from .starts import explored, open_start, structural_starts
@@ -117,9 +117,9 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
-    given, as_measured = model, halves(to_rotary_equivalent(recordings, model)[0])
+    given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
-    recordings, awake = halves(recordings), model
+    recordings, awake = operating_point_folds(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
     sources = [choose_input(recording, source) for recording in recordings]
@@ -150,7 +150,7 @@ def fit_model(
         path = model.shown_path(solution.freedom.numbers[k].path)
         notes.append(f"{path}: these recordings contradict its nominal value, which was let go")
     return FitResult(
-        native_as_given(woken(fitted, awake), given).fitted_from(given),
+        native_as_given(restored(fitted, awake), given).fitted_from(given),
         method,
         sources[0] if len(set(sources)) == 1 else "mixed",
         _parameters(fitted, solution, sure),
@@ -171,7 +171,7 @@ def fit_model(
 
 
 def _solution(
-    recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: Freedom, progress: Progress
+    recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: FreeParameters, progress: Progress
 ) -> tuple[Misfit, Solution, list[int]]:
     """The misfit, its best solution, and the numbers whose priors the recordings contradict.
 
@@ -182,7 +182,7 @@ def _solution(
     if method == "equation" and freedom.model.is_open and not _parts_encoders(freedom.model):
         # no number of it moves them: of an unknown machine they would only say how bad the whole is
         observations = [o.without_encoders() for o in observations]
-    equation = Equation(observations)
+    equation = EquationErrorProblem(observations)
     freedom = freedom.within(equation.reached)
     starts = structural_starts(equation, freedom, progress)
     if freedom.model.is_open and starts[0] is freedom.start:
@@ -255,7 +255,7 @@ def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
     sure = uncertainty(misfit, solution)
     found = []
     for k, (number, x) in enumerate(zip(solution.freedom.numbers, solved(solution), strict=True)):
-        mean, std = number.inward_prior
+        mean, std = number.solver_prior
         if number.known and abs(x - mean) > CONTRADICTED * max(std, float(sure.std[k])):
             found.append(k)
     return found

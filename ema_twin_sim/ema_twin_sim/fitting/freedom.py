@@ -11,7 +11,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 from ..effects import Parameter, catalogue
-from ..identification.hypothesis import GUESSED, INERTIAS, PARTING, SIDES_PRIOR
+from ..identification.hypothesis import COMPLIANT_EFFECTS, GUESSED, INERTIAS, SIDES_PRIOR
 from ..identification.search_limits import Reached, search_limits
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -32,7 +32,7 @@ OFF_BOUND = 0.2  # of the way to its typical value, where a number would start o
 
 
 @dataclass(frozen=True)
-class Number:
+class FreeParameter:
     """One free number. Several numbers of a model may move with it, in proportion: ``shares`` per unit of the first.
 
     It is solved for as it is, or as its logarithm where ``log``; ``step`` is the finite difference of what is solved
@@ -53,17 +53,17 @@ class Number:
     log: bool = False
     periodic: bool = False
 
-    def inward(self, value: float) -> float:
+    def to_solver(self, value: float) -> float:
         """The value as it is solved for."""
         return math.log(max(value, 1e-300)) if self.log else value
 
     @property
     def solved_bounds(self) -> tuple[float, float]:
         """(lower, upper) of what is solved for."""
-        lower, upper = (self.inward(b) if math.isfinite(b) else b for b in (self.lower, self.upper))
+        lower, upper = (self.to_solver(b) if math.isfinite(b) else b for b in (self.lower, self.upper))
         return lower, upper
 
-    def outward(self, solved: float) -> float:
+    def from_solver(self, solved: float) -> float:
         """The value from what was solved."""
         return math.exp(solved) if self.log else solved
 
@@ -72,18 +72,18 @@ class Number:
         return value if self.log else 1.0
 
     @property
-    def inward_prior(self) -> tuple[float, float]:
+    def solver_prior(self) -> tuple[float, float]:
         """Mean and standard deviation of what is solved for."""
         mean, std = self.prior
-        return (self.inward(mean), std / mean) if self.log else self.prior
+        return (self.to_solver(mean), std / mean) if self.log else self.prior
 
 
 @dataclass(frozen=True, eq=False)
-class Freedom:
+class FreeParameters:
     """A model and what of it is free. ``notes`` are sentences on what was tied, held or moved beforehand."""
 
     model: Model
-    numbers: tuple[Number, ...]
+    numbers: tuple[FreeParameter, ...]
     start: np.ndarray  # (k,)
     notes: tuple[str, ...]
 
@@ -107,7 +107,7 @@ class Freedom:
         """The place of the number that moves this path; None where it is held."""
         return next((k for k, number in enumerate(self.numbers) if path in number.paths), None)
 
-    def within(self, of: Reached) -> Freedom:
+    def within(self, of: Reached) -> FreeParameters:
         """With effects' numbers of any size free as far as recordings reach, or far beyond where they stand."""
         numbers = list(self.numbers)
         for k, (number, start) in enumerate(zip(self.numbers, self.start, strict=True)):
@@ -125,7 +125,7 @@ class Freedom:
                 )
         return replace(self, numbers=tuple(numbers))
 
-    def with_priors_loose(self, which: Sequence[int]) -> Freedom:
+    def with_priors_loose(self, which: Sequence[int]) -> FreeParameters:
         """With the priors of these numbers let go."""
         numbers = [
             replace(n, prior=(n.prior[0], _weak(n.scale, n.periodic)), known=False) if k in which else n
@@ -151,7 +151,7 @@ def all_paths(model: Model) -> tuple[str, ...]:
     return (*effects, *model.constants)
 
 
-def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Freedom:
+def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> FreeParameters:
     """What of a model is free: its effects' parameters and its inertias, what ``free`` names more, less ``fix``.
 
     Both name paths or what paths begin with (``effects.backlash``). What acts at rest only is held
@@ -163,7 +163,7 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
         if path in fixed:
             raise InputError(f"{path}: is named by --free and by --fix; leave one out")
     parted = model.kinds["transmission"] == "two_inertia" or any(
-        instance.enabled and instance.effect in PARTING for instance in model.effects.values()
+        instance.enabled and instance.effect in COMPLIANT_EFFECTS for instance in model.effects.values()
     )
     effects = [path for path in known if path.startswith("effects.") and path not in fixed]
     held = [path for path in effects if _parameter_of(model, path).at_rest and path not in freed]
@@ -188,12 +188,12 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
     for k, number in enumerate(numbers):
         away = next((bound for bound in (number.lower, number.upper) if values[k] == bound), None)
         if away is not None:
-            inward = number.scale if away == number.lower else -number.scale
-            values[k] = min(max(away + OFF_BOUND * inward, number.lower), number.upper)
+            to_solver = number.scale if away == number.lower else -number.scale
+            values[k] = min(max(away + OFF_BOUND * to_solver, number.lower), number.upper)
             began, unit = shown(model, float(values[k]), number.unit)
             named = f"{model.shown_path(number.path)} stood on its bound, where a fit sees no way off"
             notes.append(f"{named}: it started at {began:g}{'' if unit == '1' else f' {unit}'}")
-    return Freedom(model, tuple(numbers), values, tuple(notes))
+    return FreeParameters(model, tuple(numbers), values, tuple(notes))
 
 
 def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
@@ -214,7 +214,7 @@ def _parameter_of(model: Model, path: str) -> Parameter:
     return next(p for p in catalogue()[model.effects[name].effect].parameters if p.name == parameter)
 
 
-def waves(freedom: Freedom) -> list[tuple[int, int]]:
+def waves(freedom: FreeParameters) -> list[tuple[int, int]]:
     """Places of the sizes and angles of waves: of effects that have one of each and grow from zero."""
     found = []
     for name, instance in freedom.model.effects.items():
@@ -275,7 +275,7 @@ def _weak(scale: float, periodic: bool) -> float:
     return WEAK_ANGLE if periodic else WEAK * scale
 
 
-def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> Number:
+def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> FreeParameter:
     _, name, _ = split(paths[0])
     instance = model.effects[name]
     effect = catalogue()[instance.effect]
@@ -294,7 +294,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     known = size and not asked and instance.effect in FRICTION and told
     side = parted and instance.effect == "coulomb_friction" and instance.options["side"] == "output"
     prior = (SIDES_PRIOR if side else FRICTION_PRIOR) * value if known else _weak(scale, p.periodic)
-    return Number(
+    return FreeParameter(
         paths[0],
         paths,
         tuple(_value(model, path) / value if len(paths) > 1 else 1.0 for path in paths),
@@ -310,7 +310,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     )
 
 
-def _constant(model: Model, paths: tuple[str, ...]) -> Number:
+def _constant(model: Model, paths: tuple[str, ...]) -> FreeParameter:
     constant = CONSTANTS[paths[0]]
     held = model.constants[paths[0]]
     tolerance = max(model.constants[path].tolerance for path in paths)
@@ -324,7 +324,7 @@ def _constant(model: Model, paths: tuple[str, ...]) -> Number:
         )
     least, most = (told(model, bound, constant.unit) for bound in (constant.lower, constant.upper))
     log = constant.lower > 0.0
-    return Number(
+    return FreeParameter(
         paths[0],
         paths,
         tuple(model.value(path) / held.value for path in paths),

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .freedom import Freedom
+from .freedom import FreeParameters
 
 
 class Misfit(Protocol):
@@ -16,7 +16,7 @@ class Misfit(Protocol):
     that of one row, autocorrelation included: what priors are weighed against.
     """
 
-    freedom: Freedom
+    freedom: FreeParameters
     parts: list[tuple[int, slice]]
     rows: int
     variance: float

@@ -27,7 +27,7 @@ from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
-from .freedom import Freedom
+from .freedom import FreeParameters
 
 POOL = ThreadPoolExecutor(os.cpu_count())
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
@@ -65,7 +65,7 @@ class SimulationMisfit:
         self,
         recordings: Sequence[Recording],
         observations: Sequence[Observation],
-        freedom: Freedom,
+        freedom: FreeParameters,
         sources: Sequence[str],
     ) -> None:
         self.variance = 1.0
@@ -228,7 +228,7 @@ def _parts(
         del noise["current"]
         if recording.has("speed"):
             del noise["motor_position"]  # it holds nothing more, and drifts
-    motion, calm, settled = _observed(recording, observation, model)
+    motion, below_shock_limit, settled = _observed(recording, observation, model)
     flat = np.ones(len(recording))
     found = []
     for signal, floor in noise.items():
@@ -242,7 +242,7 @@ def _parts(
         if not len(samples):
             continue
         drifts = {"motor_position": [flat, recording.time, motion], DIFFERENCE: [flat]}.get(signal, [])
-        trust = calm * settled if signal == DIFFERENCE else calm
+        trust = below_shock_limit * settled if signal == DIFFERENCE else below_shock_limit
         size = float(np.sqrt(np.mean(measured[samples] ** 2)))
         found.append(
             _Part(
@@ -263,13 +263,15 @@ def _observed(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
     motion, period = observation.motion, observation.period
-    shaken, thrown = (hardest(motion[:, ACCELERATION], before, 2.0 * WIDTH, period) for before in (SHAKEN, THROWN))
+    shaken, after_impact = (
+        hardest(motion[:, ACCELERATION], before, 2.0 * WIDTH, period) for before in (SHAKEN, THROWN)
+    )
     counts = 1.0 / np.sqrt(1.0 + (shaken / HARD) ** 2)
     bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
     if not bristled:
         still = np.abs(motion[:, SPEED]) < STANDSTILL
         counts[maximum_filter1d(still.astype(np.int8), 2 * round(LINGER / period) + 1) > 0] = 0.0
-    settled = (thrown <= CHAOTIC).astype(float)
+    settled = (after_impact <= CHAOTIC).astype(float)
     # an observation is on an even grid; a recording may not be
     speed, counts, settled = (
         np.interp(recording.time, motion[:, TIME], values) for values in (motion[:, SPEED], counts, settled)

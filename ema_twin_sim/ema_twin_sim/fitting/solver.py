@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from .freedom import Freedom
+from .freedom import FreeParameters
 from .misfit import Misfit
 
 ITERATIONS = 15  # steps before the parts are weighed anew
@@ -28,7 +28,7 @@ class Solution:
     ``cost`` is in units of ``misfit.variance`` and includes the priors; ``misfit`` is neither.
     """
 
-    freedom: Freedom
+    freedom: FreeParameters
     values: np.ndarray
     residual: np.ndarray
     slopes: np.ndarray
@@ -58,9 +58,9 @@ def refine(misfit: Misfit, start: np.ndarray, iterations: int) -> Solution:
     return _descend(misfit, start, iterations, ROUGH, lambda text: None)
 
 
-def priors(freedom: Freedom, solved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def priors(freedom: FreeParameters, solved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(residuals (k,), inverse standard deviations (k,)) of the priors."""
-    means, stds = np.array([number.inward_prior for number in freedom.numbers]).T
+    means, stds = np.array([number.solver_prior for number in freedom.numbers]).T
     return (means - solved) / stds, 1.0 / stds
 
 
@@ -71,9 +71,9 @@ def _descend(
     lower, upper = np.array([n.solved_bounds for n in numbers]).T
 
     def out(solved: np.ndarray) -> np.ndarray:
-        return np.array([n.outward(v) for n, v in zip(numbers, solved, strict=True)])
+        return np.array([n.from_solver(v) for n, v in zip(numbers, solved, strict=True)])
 
-    x = np.clip([n.inward(v) for n, v in zip(numbers, start, strict=True)], lower, upper)
+    x = np.clip([n.to_solver(v) for n, v in zip(numbers, start, strict=True)], lower, upper)
     values = out(x)
     raw = misfit.residual(values)
     known, inverse = priors(misfit.freedom, x)

@@ -10,14 +10,14 @@ import numpy as np
 
 from ..effects import catalogue
 from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spread
-from ..identification.equation import FAR, Equation
+from ..identification.equation import FAR, EquationErrorProblem
 from ..identification.excerpt import excerpt
 from ..identification.fit import fit
-from ..identification.hypothesis import PARTING, null_hypothesis
+from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
 from ..identification.local_minima import NARROW, WIDE
 from ..identification.weighting import Weighting
 from .equation_misfit import EquationMisfit
-from .freedom import Freedom, split, waves
+from .freedom import FreeParameters, split, waves
 from .solver import Solution, refine, solve
 
 FINALISTS = 4
@@ -28,7 +28,7 @@ GOOD = 1.2  # misfit per row at which no other start is tried where each costs s
 Progress = Callable[[str], None]
 
 
-def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) -> list[np.ndarray]:
+def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, progress: Progress) -> list[np.ndarray]:
     """Values (k,) to begin with, best first: of play and springs a grid's best, on the seconds with the most reversals.
 
     Both ring and bounce, so that from afar a fit ends anywhere. What is given is in the grid.
@@ -36,7 +36,7 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
     choices: dict[int, tuple[float, ...]] = {}
     for k, number in enumerate(freedom.numbers):
         part, name, parameter = split(number.path)
-        if part == "effects" and freedom.model.effects[name].effect in PARTING:
+        if part == "effects" and freedom.model.effects[name].effect in COMPLIANT_EFFECTS:
             grid = {"stiffness": STIFFNESS, "damping": DAMPING, "width": _widths(equation)}[parameter]
             choices[k] = (float(freedom.start[k]), *grid)
     if not choices or not any(len(o.encoder_rows) for o in equation.observations):
@@ -61,7 +61,7 @@ def structural_starts(equation: Equation, freedom: Freedom, progress: Progress) 
     return [solution.values[: len(freedom.numbers)] for solution in finalists]
 
 
-def open_start(equation: Equation, freedom: Freedom) -> np.ndarray:
+def open_start(equation: EquationErrorProblem, freedom: FreeParameters) -> np.ndarray:
     """Values (k,) that the torque alone gives what is open, by factors of where it stands: a start may be far off.
 
     From afar all rows are outliers to a fit that takes them for such, and none of them draws it nearer.
@@ -82,13 +82,13 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
     """The best solution from ``start`` (k,) and from the starts that the catalogue names."""
     best = solve(misfit, wave_start(misfit, np.append(start, 0.0)), enough=enough, progress=progress)
     model = misfit.freedom.model
-    parted = any(instance.enabled and instance.effect in PARTING for instance in model.effects.values())
+    parted = any(instance.enabled and instance.effect in COMPLIANT_EFFECTS for instance in model.effects.values())
     if parted and best.misfit < GOOD * misfit.rows:
         return best
     better = best = refine(misfit, best.values, 0)
     for k, number in enumerate(misfit.freedom.numbers):
         part, name, parameter = split(number.path)
-        if part != "effects" or model.effects[name].effect in PARTING:
+        if part != "effects" or model.effects[name].effect in COMPLIANT_EFFECTS:
             continue
         effect = catalogue()[model.effects[name].effect]
         starts = next(p.starts for p in effect.parameters if p.name == parameter)
@@ -134,7 +134,7 @@ def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
     return better if misfit.cost(misfit.residual(better)) < misfit.cost(misfit.residual(start)) else start
 
 
-def _widths(equation: Equation) -> tuple[float, ...]:
+def _widths(equation: EquationErrorProblem) -> tuple[float, ...]:
     """Widths of play [rad] that the encoders' parting at reversals suggests."""
     spread = encoder_spread(equation)
     return tuple(spread * share for share in WIDTHS) if spread > 0.0 else ()

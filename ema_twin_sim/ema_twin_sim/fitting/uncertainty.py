@@ -84,7 +84,7 @@ def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) 
 
 def solved(solution: Solution) -> np.ndarray:
     """What was solved for (k,): the values, some as logarithms."""
-    return np.array([n.inward(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
+    return np.array([n.to_solver(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
 
 
 def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:

@@ -16,7 +16,7 @@ from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
 from ..simulation.simulate import simulate
-from .freedom import Freedom
+from .freedom import FreeParameters
 from .misfit import Misfit
 from .solver import Solution
 from .uncertainty import left_out
@@ -27,7 +27,7 @@ Errors = dict[str, SignalError]
 
 
 def judge(
-    recordings: Sequence[Recording], sources: Sequence[str], misfit: Misfit, solution: Solution, freedom: Freedom
+    recordings: Sequence[Recording], sources: Sequence[str], misfit: Misfit, solution: Solution, freedom: FreeParameters
 ) -> tuple[Errors, Errors, str]:
     """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others."""
     if len(recordings) > 1:
@@ -49,7 +49,7 @@ def judge(
     models = []
     for found in left_out(misfit, solution, which, len(recordings)):
         inside = np.clip(found[: len(numbers)], lower, upper)  # a straight line may lead anywhere
-        models.append(in_si(freedom.at(np.array([n.outward(x) for n, x in zip(numbers, inside, strict=True)]))))
+        models.append(in_si(freedom.at(np.array([n.from_solver(x) for n, x in zip(numbers, inside, strict=True)]))))
     given = [in_si(freedom.model)] * len(recordings)
     return _errors(recordings, sources, given, given, first), _errors(recordings, sources, models, given, first), said
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
-from .equation import Equation
+from .equation import EquationErrorProblem
 
 
 def hat_columns(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
@@ -26,9 +26,9 @@ def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
     return out
 
 
-def at_rows(eq: Equation, columns: Sequence[np.ndarray]) -> np.ndarray:
+def at_rows(problem: EquationErrorProblem, columns: Sequence[np.ndarray]) -> np.ndarray:
     """Torques given at full rate, one array (n, k) per recording [N m], at all rows (m, k) in units of all noise."""
-    out = np.zeros((eq.rows, columns[0].shape[1]))
-    for o, part, c in zip(eq.observations, eq.torque_parts, columns, strict=True):
+    out = np.zeros((problem.rows, columns[0].shape[1]))
+    for o, part, c in zip(problem.observations, problem.torque_parts, columns, strict=True):
         out[part] = at_rows_of(o, c)
-    return eq.whitened(out)
+    return problem.whitened(out)

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .excerpt import excerpt
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
@@ -31,16 +31,16 @@ RIVAL = 2.0  # times the least misfit up to which a family is fitted to everythi
 SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
 
 
-def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list[Fit]:
+def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:
     """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
-    h = with_sensors(eq, current)
+    h = with_sensors(problem, current)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
         # a rigid train takes an output that lags behind for a lighter one
         h = h.put({"scale.inertia": 1.0})
     h = _on_both_sides(h)
     held = h.held | without
-    spread = encoder_spread(eq)
-    part = excerpt(eq)
+    spread = encoder_spread(problem)
+    part = excerpt(problem)
     springs = _springs(h)
     families = []
     if "shaft_compliance" not in held:
@@ -63,8 +63,8 @@ def structural_fits(eq: Equation, current: Fit, without: frozenset[str]) -> list
             best.append(f)
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
-    eq.weighting = eq.weighting.from_outliers(NARROW)
-    return [fit(eq, f.hypothesis, 6) for f in close]
+    problem.weighting = problem.weighting.from_outliers(NARROW)
+    return [fit(problem, f.hypothesis, 6) for f in close]
 
 
 def _springs(h: Hypothesis) -> list[dict[str, float]]:
@@ -122,12 +122,12 @@ def _sides(h: Hypothesis) -> list[dict[str, float]]:
     ]
 
 
-def encoder_spread(eq: Equation) -> float:
+def encoder_spread(problem: EquationErrorProblem) -> float:
     """How far the encoders part over a reversal [rad, slow shaft]: the widest of all recordings."""
     return max(
         (
-            float(np.ptp(np.quantile(eq.encoder[p.start - eq.size : p.stop - eq.size], (0.02, 0.98))))
-            for p in eq.encoder_parts
+            float(np.ptp(np.quantile(problem.encoder[p.start - problem.size : p.stop - problem.size], (0.02, 0.98))))
+            for p in problem.encoder_parts
             if p.stop > p.start
         ),
         default=0.0,

@@ -14,7 +14,15 @@ from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
-from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME, require, require_of
+from ..plant.measured_motion import (
+    MOTOR_ANGLE,
+    OUTPUT_ANGLE,
+    REQUIRED,
+    SPEED,
+    TIME,
+    inverse_dynamics,
+    inverse_dynamics_of,
+)
 from ..plant.sensors import angle_error, as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import LAG, Hypothesis
@@ -52,7 +60,7 @@ def _seen(o: Observation, plant: np.void) -> np.ndarray:
     return np.ascontiguousarray(shown)
 
 
-class Equation:
+class EquationErrorProblem:
     """Rows of several recordings: torque rows of all, then encoder rows of all, each in units of its noise."""
 
     def __init__(self, observations: Sequence[Observation]) -> None:
@@ -86,7 +94,7 @@ class Equation:
         self.fastest = float(np.quantile(speeds, FASTEST)) if len(speeds) else 0.0  # rad/s, of the motor
         self.outlier = OUTLIER if any(o.geared for o in observations) else MISSHAPEN
         self._weighting = Weighting.even(self.rows, FAR)
-        self.decoys: dict[str, np.ndarray] = {}
+        self.generic_bases: dict[str, np.ndarray] = {}
         self.use_encoder = True
         self.reached = reached(self.observations)
 
@@ -98,7 +106,7 @@ class Equation:
     @weighting.setter
     def weighting(self, weighting: Weighting) -> None:
         if weighting.wander is not self._weighting.wander:
-            self.decoys = {}  # which are in units of the noise
+            self.generic_bases = {}  # which are in units of the noise
             self.measured = self._measured if weighting.wander is None else weighting.wander.whitened(self._measured)
         self._weighting = weighting
 
@@ -142,7 +150,7 @@ class Equation:
             of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
             required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
             seen = _seen(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
-            require(*of, seen, known is not None, required)
+            inverse_dynamics(*of, seen, known is not None, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
                 shown = required[:, 1]
@@ -160,9 +168,11 @@ class Equation:
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
         rows = self.whitened(rows)
-        for name in h.decoys:
-            start = f"decoy.{name}."
-            rows += self.decoys[name] @ [v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)]
+        for name in h.generic_bases:
+            start = f"basis.{name}."
+            rows += self.generic_bases[name] @ [
+                v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)
+            ]
         by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
         return Prediction(rows, assembly.plant, tuple(every), by_load)
 
@@ -182,7 +192,9 @@ class Equation:
         rows = np.zeros(self.rows)
         for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
             torque = np.empty(len(o.motion))
-            require_of(beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque)
+            inverse_dynamics_of(
+                beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque
+            )
             smooth_at(torque, o.kernel, o.rows, rows[t])
         rows[: self.size] /= scale * self.noise
         return self.whitened(rows)
@@ -194,7 +206,7 @@ class Equation:
         rows = self.alone(predicted, instance)
         if rows is None and predicted.plant["two_inertia"][0] != 0.0 and _at_the_motor(instance):
             more = h.with_effect(instance.effect, instance.options, instance.parameters)
-            rows = Equation.predict(self, more, beside=predicted).rows - predicted.rows
+            rows = EquationErrorProblem.predict(self, more, beside=predicted).rows - predicted.rows
         return rows
 
     def noise_of_encoders(self, part: slice) -> np.ndarray:
@@ -284,9 +296,9 @@ class Equation:
             free = h.free[k]
             if free.path in known:
                 return known[free.path] * weights
-            if free.path.startswith("decoy."):
+            if free.path.startswith("basis."):
                 _, name, place = free.path.split(".")
-                return self.decoys[name][:, int(place)] * weights
+                return self.generic_bases[name][:, int(place)] * weights
             if free.path == LAG:
                 rows = np.zeros(self.rows)
                 rows[: self.size] = self.rate / self.noise

@@ -13,7 +13,7 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model_file import ABSENT
 from ..model.own_units import shown_entry
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS
 from .uncertainty import covariance
@@ -22,9 +22,9 @@ FAR_OFF = 3.0  # tolerances of a constant
 CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 
 
-def standard_errors(eq: Equation, f: Fit) -> dict[str, float]:
+def standard_errors(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
     """Standard errors of the free numbers, by path; those that are held at a value have none."""
-    known = covariance(eq, f)
+    known = covariance(problem, f)
     spread = np.sqrt(np.diag(known))
     sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True) if free.lower < free.upper}
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}

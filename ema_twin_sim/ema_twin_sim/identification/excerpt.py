@@ -8,24 +8,24 @@ import numpy as np
 
 from ..measured.observation import STANDSTILL, Observation
 from ..plant.measured_motion import SPEED
-from .equation import Equation
+from .equation import EquationErrorProblem
 
 EXCERPT = 4.0  # s
 EXCERPTS = 4
 MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
 
 
-def excerpt(eq: Equation) -> Equation:
+def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
     """The seconds of each recording that hold the most reversals, of a few recordings."""
     found = []
-    for o in eq.observations:
+    for o in problem.observations:
         if len(o.encoder_rows):
             length = min(len(o.motion) - 1, round(EXCERPT / o.period))
             first, count = _most_reversals(o, length)
             found.append((count, o.window(first, first + length)))
     found.sort(key=lambda entry: -entry[0])
-    part = Equation([o for _, o in found[:EXCERPTS]])
-    part.weighting = replace(part.weighting, variance_inflation=eq.weighting.variance_inflation)
+    part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])
+    part.weighting = replace(part.weighting, variance_inflation=problem.weighting.variance_inflation)
     return part
 
 

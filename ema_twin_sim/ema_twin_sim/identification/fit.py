@@ -9,7 +9,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from .equation import CORRELATION, Equation, Prediction
+from .equation import CORRELATION, EquationErrorProblem, Prediction
 from .hypothesis import Hypothesis
 
 
@@ -69,18 +69,18 @@ def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarr
     return r, j
 
 
-class _Beside(Equation):
+class _Beside(EquationErrorProblem):
     """The equation beside a fit whose gearbox is simulated: its numbers act along their slopes, an effect that comes
     or goes adds what it asks for, and nothing is simulated again.
     """
 
-    def __init__(self, equation: Equation, known: Fit) -> None:
+    def __init__(self, equation: EquationErrorProblem, known: Fit) -> None:
         self.__dict__.update(vars(equation))
         self._known = known
         self._slopes = known.slopes()
 
     @classmethod
-    def of(cls, equation: Equation, known: Fit, h: Hypothesis) -> _Beside | None:
+    def of(cls, equation: EquationErrorProblem, known: Fit, h: Hypothesis) -> _Beside | None:
         """None where it would not be right: some effect that comes or goes changes how the output moves."""
         if not known.parted or h.base is not known.hypothesis.base:
             return None
@@ -95,12 +95,12 @@ class _Beside(Equation):
         assert changes is not None  # else there is no such equation
         rows = known.predicted.rows + changes
         for path, value in known.hypothesis.by_path.items():
-            if path in now or path.startswith("decoy."):  # of a decoy that went, nothing is left
+            if path in now or path.startswith("basis."):  # of a generic basis that went, nothing is left
                 rows += self._slopes[path] * (now.get(path, 0.0) - value)
         for path, value in now.items():
-            if path.startswith("decoy.") and path not in self._slopes:
+            if path.startswith("basis.") and path not in self._slopes:
                 _, name, place = path.split(".")
-                rows += self.decoys[name][:, int(place)] * value
+                rows += self.generic_bases[name][:, int(place)] * value
         return Prediction(rows, known.predicted.plant, known.predicted.required, known.predicted.by_load)
 
     def _changes(self, h: Hypothesis) -> np.ndarray | None:
@@ -124,7 +124,7 @@ class _Beside(Equation):
 
 @np.errstate(over="ignore", invalid="ignore")  # a step too far may blow up; it is not taken then
 def fit(
-    equation: Equation, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
+    equation: EquationErrorProblem, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
 ) -> Fit:
     """Levenberg-Marquardt with bounds and priors.
 

@@ -1,6 +1,6 @@
-"""Decoys: what a residual may depend on without any effect of the catalogue. They keep false company away.
+"""Generic bases: what a residual may depend on without any effect of the catalogue. They keep false names away.
 
-A decoy is a handful of columns, linear in their coefficients, that stand for *any* dependence on one quantity: hats
+A basis is a handful of columns, linear in their coefficients, that stand for *any* dependence on one quantity: hats
 over the speed, over time, waves over the output's position or the motor's angle.
 """
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
 from .basis_columns import at_rows, hat_columns
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit
 
 KNOTS = 9  # of a dependence on speed or position
@@ -19,72 +19,75 @@ MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
 
 
-def add_decoys(eq: Equation) -> None:
-    """Put all decoys that do not depend on a fit into an equation, once."""
-    if eq.decoys:
+def add_generic_bases(problem: EquationErrorProblem) -> None:
+    """Put all generic bases that do not depend on a fit into an equation, once."""
+    if problem.generic_bases:
         return
-    eq.decoys.update(_by_speed(eq))
-    eq.decoys.update(_by_position(eq))
-    eq.decoys.update(_by_time(eq))
+    problem.generic_bases.update(_by_speed(problem))
+    problem.generic_bases.update(_by_position(problem))
+    problem.generic_bases.update(_by_time(problem))
 
 
 def dependence(name: str) -> str:
-    """The quantity that a decoy stands for."""
+    """The quantity that a generic basis stands for."""
     return name.partition("#")[0]
 
 
-def _by_speed(eq: Equation) -> dict[str, np.ndarray]:
-    speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in eq.observations])
+def _by_speed(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
+    speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in problem.observations])
     knots = np.unique(np.quantile(speeds, np.linspace(0, 1, KNOTS)))
     if len(knots) < 3:
         return {}
-    hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
-    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
-    return {"speed": at_rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]), "direction": at_rows(eq, hats)}
+    hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
+    return {
+        "speed": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
+        "direction": at_rows(problem, hats),
+    }
 
 
-def _by_position(eq: Equation) -> dict[str, np.ndarray]:
-    angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in eq.observations]
+def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
+    angles = [o.output_origin + o.motion[:, OUTPUT_ANGLE] for o in problem.observations]
     span = max(a.max() for a in angles) - min(a.min() for a in angles)
     if span <= 0.0:
         return {}
-    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
     hats = [
         hat_columns(a, np.linspace(min(b.min() for b in angles), max(b.max() for b in angles), KNOTS)) for a in angles
     ]
     found = {
-        "output_position#load": at_rows(eq, hats),
-        "output_position#friction": at_rows(eq, [h * s for h, s in zip(hats, sense, strict=True)]),
+        "output_position#load": at_rows(problem, hats),
+        "output_position#friction": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
     }
     for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
-        found[f"output_position#{k}"] = at_rows(eq, [w * s for w, s in zip(waves, sense, strict=True)])
+        found[f"output_position#{k}"] = at_rows(problem, [w * s for w, s in zip(waves, sense, strict=True)])
         if order > 1.5:
-            found[f"output_position#load{k}"] = at_rows(eq, waves)
+            found[f"output_position#load{k}"] = at_rows(problem, waves)
     return found
 
 
-def _by_time(eq: Equation) -> dict[str, np.ndarray]:
+def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
     found = {}
-    for k, chosen in enumerate(eq.observations):
+    for k, chosen in enumerate(problem.observations):
         if chosen.of_points:  # what passes between two of them says nothing
             continue
         lasts = chosen.motion[-1, TIME]
         knots = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
         hats = [
             hat_columns(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
-            for o in eq.observations
+            for o in problem.observations
         ]
-        found[f"time#{k}"] = at_rows(eq, hats)
+        found[f"time#{k}"] = at_rows(problem, hats)
     return found
 
 
-def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
+def order_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
     """Waves over the motor's angle at the order that a fit's residual shows most, as a torque and as friction."""
     found = {}
     for kind in ("torque", "friction"):
         power = np.zeros(len(ORDERS))
-        for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+        for o, part in zip(problem.observations, problem.torque_parts, strict=True):
             angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
             if not len(angle) or np.ptp(angle) < 2.0 * np.pi:
                 continue
@@ -98,9 +101,9 @@ def order_decoys(eq: Equation, f: Fit) -> dict[str, np.ndarray]:
             continue
         order = float(ORDERS[int(np.argmax(power))])
         columns = []
-        for o in eq.observations:
+        for o in problem.observations:
             angle = order * (o.motor_origin + o.motion[:, MOTOR_ANGLE])
             waves = np.stack([np.sin(angle), np.cos(angle)], 1)
             columns.append(waves * np.sign(o.motion[:, SPEED])[:, None] if kind == "friction" else waves)
-        found[f"order#{kind}{order:.2f}".replace(".", "_")] = at_rows(eq, columns)
+        found[f"order#{kind}{order:.2f}".replace(".", "_")] = at_rows(problem, columns)
     return found

@@ -20,7 +20,7 @@ EXACT = 1e-4  # relative: a tolerance of zero
 GUESSED = 1e3  # times the value that an open number starts with, up to which it may be
 SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
-PARTING = ("backlash", "shaft_compliance")  # what lets the two encoders part
+COMPLIANT_EFFECTS = ("backlash", "shaft_compliance")  # what lets the two encoders part
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
 STIFFEST = 9.0  # times the contact that samples resolve: what a stiffer one gives way by, no encoder shows
 SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
@@ -35,7 +35,7 @@ class Free:
 
     ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` (times what the model has), ``quarter.EFFECT`` (times a wave
     of the model, a quarter of a turn ahead of it), ``contact.PARAMETER`` of the teeth, ``lag``, or
-    ``decoy.NAME.COLUMN``.
+    ``basis.NAME.COLUMN``.
     """
 
     path: str
@@ -200,7 +200,7 @@ class Hypothesis:
         held = self.held
         now = self.by_path
         wanted: list[tuple[Free, float]] = []
-        if held & set(PARTING) or self.base.kinds["transmission"] == "two_inertia":
+        if held & set(COMPLIANT_EFFECTS) or self.base.kinds["transmission"] == "two_inertia":
             sides = {"scale.coulomb_friction": Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR))}
             if self.by_torque:  # else the inertia is what all torques are told in
                 sides["scale.inertia"] = Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))
@@ -256,19 +256,19 @@ class Hypothesis:
             if free.path.startswith("contact.")
         }
 
-    def with_decoy(self, name: str, columns: int) -> Hypothesis:
-        """One more dependence that is no effect: ``columns`` coefficients of the decoy of that name."""
-        more = tuple(Free(f"decoy.{name}.{k}", -math.inf, math.inf, 1.0) for k in range(columns))
+    def with_generic_basis(self, name: str, columns: int) -> Hypothesis:
+        """One more dependence that is no effect: ``columns`` coefficients of the basis of that name."""
+        more = tuple(Free(f"basis.{name}.{k}", -math.inf, math.inf, 1.0) for k in range(columns))
         return replace(self, free=(*self.free, *more), values=np.append(self.values, np.zeros(columns)))
 
     @property
-    def decoys(self) -> tuple[str, ...]:
-        """The names of the decoys."""
-        return tuple(dict.fromkeys(f.path.split(".")[1] for f in self.free if f.path.startswith("decoy.")))
+    def generic_bases(self) -> tuple[str, ...]:
+        """The names of the generic bases."""
+        return tuple(dict.fromkeys(f.path.split(".")[1] for f in self.free if f.path.startswith("basis.")))
 
-    def without_decoy(self, name: str) -> Hypothesis:
-        """The hypothesis less one decoy."""
-        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"decoy.{name}.")]
+    def without_generic_basis(self, name: str) -> Hypothesis:
+        """The hypothesis less one generic basis."""
+        keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"basis.{name}.")]
         return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
 
     def with_torques_times(self, factor: float) -> Hypothesis:
@@ -282,7 +282,7 @@ class Hypothesis:
         def mechanical(path: str) -> bool:
             kind, _, rest = path.partition(".")
             if kind != "effects":
-                return kind in ("scale", "quarter", "contact", "decoy")
+                return kind in ("scale", "quarter", "contact", "basis")
             name, _, parameter = rest.partition(".")
             table = catalogue()[self.added[name].effect].parameters
             return next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))

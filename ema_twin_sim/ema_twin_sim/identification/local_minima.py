@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .parallel import predictions
@@ -26,22 +26,22 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
     return h.put({path: value * factors[path] for path, value in h.by_path.items() if path in factors})
 
 
-def ranked(eq: Equation, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
+def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
-    eq.weighting = eq.weighting.from_outliers(WIDE)
-    costs = list(predictions(eq.samples, lambda h: eq.misfit(eq.residual(eq.predict(h))), family))
+    problem.weighting = problem.weighting.from_outliers(WIDE)
+    costs = list(predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), family))
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
-def best_of(eq: Equation, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
+def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
     """The best fit of a ranked family: from its best few, then from beside there."""
-    eq.weighting = eq.weighting.from_outliers(WIDE)
-    finalists = [fit(eq, h, 8).hypothesis for _, h in family[:FINALISTS]]
-    eq.weighting = eq.weighting.from_outliers(NARROW)
-    return hopped(eq, min((fit(eq, h, 8) for h in finalists), key=cost), family[0][1].added)
+    problem.weighting = problem.weighting.from_outliers(WIDE)
+    finalists = [fit(problem, h, 8).hypothesis for _, h in family[:FINALISTS]]
+    problem.weighting = problem.weighting.from_outliers(NARROW)
+    return hopped(problem, min((fit(problem, h, 8) for h in finalists), key=cost), family[0][1].added)
 
 
-def hopped(eq: Equation, best: Fit, names: Collection[str]) -> Fit:
+def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> Fit:
     """The best of a fit and those that start beside it, where the springs of these effects are others.
 
     One start has all constants as the model file has them: a valley that was entered without the last effect, to make
@@ -49,9 +49,11 @@ def hopped(eq: Equation, best: Fit, names: Collection[str]) -> Fit:
     """
     for _ in range(HOPS):
         beside = [starting(best.hypothesis, hop) for hop in _hops(best.hypothesis, names)]
-        costs = list(predictions(eq.samples, lambda h: eq.misfit(eq.residual(eq.predict(h))), beside))
+        costs = list(
+            predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), beside)
+        )
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
-        better = min((fit(eq, h, 8) for h in starts), key=cost)
+        better = min((fit(problem, h, 8) for h in starts), key=cost)
         much = cost(better) < FALL * cost(best)
         best = min(best, better, key=cost)
         if not much:

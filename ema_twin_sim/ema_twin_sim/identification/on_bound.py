@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS, Free
 from .shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
@@ -26,11 +26,11 @@ def reached_bound(value: float, lower: float, upper: float, std: float, scale: f
     return None
 
 
-def on_bounds(eq: Equation, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
+def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
     """One sentence for each number of an added effect, and each open one of the model, that ended on a bound."""
     h = f.hypothesis
     found = []
-    for free, value, lower, upper in zip(h.free, h.values, *eq.bounds(h), strict=True):
+    for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True):
         kind, _, rest = free.path.partition(".")
         if free.prior is not None or kind not in ("effects", "scale"):
             continue

@@ -11,7 +11,7 @@ import numpy as np
 from ..effects import Effect, catalogue
 from ..model import EffectInstance
 from .candidates import Candidate, starts
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 from .parallel import predictions
 
@@ -38,7 +38,7 @@ class _Known:
     heat: float  # what a row is divided by to count as much as a prior does
 
     @classmethod
-    def of(cls, eq: Equation, f: Fit) -> _Known:
+    def of(cls, problem: EquationErrorProblem, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
         heat = math.sqrt(f.temperature)
         slopes = np.concatenate([f.jacobian / heat, pj])
@@ -52,12 +52,12 @@ class _Known:
         return -np.linalg.lstsq(self.upper, self.basis.T @ rows, rcond=1e-9)[0]
 
 
-def screen(eq: Equation, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
+def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
     """Each candidate's gain before its price, at its best start, best first."""
-    known = _Known.of(eq, f)
+    known = _Known.of(problem, f)
     jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect])]
     found: dict[str, Screened] = {}
-    for c, screened in predictions(eq.samples, lambda job: (job[0], _screened(eq, f, known, *job)), jobs):
+    for c, screened in predictions(problem.samples, lambda job: (job[0], _screened(problem, f, known, *job)), jobs):
         if screened is not None and (c.name not in found or screened.gain > found[c.name].gain):
             found[c.name] = screened
     for c in options:
@@ -95,7 +95,9 @@ def _turning(effect: Effect) -> str | None:
     return next((p.name for p in effect.parameters if p.periodic and not p.starts), None)
 
 
-def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence[dict[str, float]]) -> Screened | None:
+def _screened(
+    problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate, group: Sequence[dict[str, float]]
+) -> Screened | None:
     """What a candidate gains at one start, its angle free; None where it changes nothing, or is no number."""
     effect = catalogue()[c.effect]
     size = effect.parameters[0]
@@ -105,10 +107,10 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
         if size.neutral is not None:
             parameters = {**parameters, size.name: size.neutral + per}
         instance = EffectInstance(c.effect, c.options, parameters)
-        rows = eq.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
+        rows = problem.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
         if rows is None:
             h = f.hypothesis.with_effect(c.effect, c.options, parameters)
-            rows = eq.centred(eq.predict(h).rows - f.predicted.rows, f.weights)
+            rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
         return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
 
     columns = np.stack([column(s) for s in group], 1)
@@ -139,13 +141,13 @@ def _screened(eq: Equation, f: Fit, known: _Known, c: Candidate, group: Sequence
     return Screened(c, start, gained, known.shift(columns @ taken))
 
 
-def screen_decoys(eq: Equation, f: Fit) -> list[tuple[float, str]]:
-    """(gain, less two a column for chance; name) of each decoy by linear regression, best first."""
-    known = _Known.of(eq, f)
+def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
+    """(gain, less two a column for chance; name) of each generic basis by linear regression, best first."""
+    known = _Known.of(problem, f)
     q, r = known.basis, known.left
     found = []
-    for name, columns in eq.decoys.items():
-        if name in f.hypothesis.decoys:
+    for name, columns in problem.generic_bases.items():
+        if name in f.hypothesis.generic_bases:
             continue
         a = np.concatenate(
             [columns * f.weights[:, None] / known.heat, np.zeros((len(r) - len(f.raw), columns.shape[1]))]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
 
@@ -25,10 +25,10 @@ REACH = 10.0  # noise standard deviations from which on a row counts less: those
 STEPS = 20
 
 
-def with_sensors(eq: Equation, f: Fit) -> Hypothesis:
+def with_sensors(problem: EquationErrorProblem, f: Fit) -> Hypothesis:
     """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it."""
-    torque, sensors = _columns(eq, f)
-    wanted = eq.measured[eq.size :]
+    torque, sensors = _columns(problem, f)
+    wanted = problem.measured[problem.size :]
     h = f.hypothesis
     _, bare = _regress(torque, wanted)
     for effect, columns in sensors.items():
@@ -44,34 +44,34 @@ def with_sensors(eq: Equation, f: Fit) -> Hypothesis:
     return h
 
 
-def gearbox_shows(eq: Equation, f: Fit) -> bool:
+def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether play or a spring could be behind how the encoders part: by the torque, the tooth, or the direction.
 
     A regression asks in milliseconds what trying every gearbox would take seconds to answer.
     """
-    if not eq.size:
+    if not problem.size:
         return True
-    gearbox, _ = _columns(eq, f)
-    wanted = eq.measured[eq.size :]
+    gearbox, _ = _columns(problem, f)
+    wanted = problem.measured[problem.size :]
     (_, bare), (_, beside) = (_regress(columns, wanted) for columns in (gearbox[:, GEARBOX_COLUMNS:], gearbox))
     return bare - beside > LEAST_SHARE * (bare - len(wanted))
 
 
-def _columns(eq: Equation, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """(what a gearbox shows (k, c), what each sensor shows (k, 1 or 2)) at all encoder rows, in units of noise."""
     ratio = f.predicted.plant["gear_ratio"][0]
     transmitted, speed, angle = [], [], []
-    for o, required in zip(eq.observations, f.predicted.required, strict=True):
+    for o, required in zip(problem.observations, f.predicted.required, strict=True):
         at = o.encoder_rows
         transmitted.append(required[at, REQUIRED.index("transmitted")])
         speed.append(o.motion[at, SPEED] / ratio)
         angle.append(o.output_origin + o.motion[at, OUTPUT_ANGLE])
-    noise = eq.encoder_noise[:, None]
+    noise = problem.encoder_noise[:, None]
     passed = np.concatenate(transmitted)[:, None]
     moving = np.concatenate(speed)[:, None]
-    pieces = np.zeros((len(noise), len(eq.encoder_pieces)))
-    for k, piece in enumerate(eq.encoder_pieces):
-        pieces[piece.start - eq.size : piece.stop - eq.size, k] = 1.0
+    pieces = np.zeros((len(noise), len(problem.encoder_pieces)))
+    for k, piece in enumerate(problem.encoder_pieces):
+        pieces[piece.start - problem.size : piece.stop - problem.size, k] = 1.0
     theta = np.concatenate(angle)
     waves = np.stack([np.sin(theta), np.cos(theta)], axis=1)
     return (

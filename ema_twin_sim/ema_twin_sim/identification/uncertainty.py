@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .equation import Equation
+from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
@@ -26,7 +26,7 @@ def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
     return found
 
 
-def covariance(eq: Equation, f: Fit) -> np.ndarray:
+def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     """Covariance (k, k) of the free numbers: curvature and priors, and a jackknife over blocks on top.
 
     White least squares is far too sure of itself, because what is left over is not white: leaving out one recording
@@ -36,10 +36,10 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
     scale = f.temperature
     information = f.jacobian.T @ f.jacobian
     found = scaled_inverse(information / scale + pj.T @ pj)
-    which = blocks(eq.parts)
-    # a decoy's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do is set
-    # aside first, in all blocks
-    asked = np.array([not free.path.startswith("decoy.") for free in f.hypothesis.free])
+    which = blocks(problem.parts)
+    # a generic basis's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do
+    # is set aside first, in all blocks
+    asked = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
     aside, _ = np.linalg.qr(f.jacobian[:, ~asked])
     jacobian = f.jacobian[:, asked] - aside @ (aside.T @ f.jacobian[:, asked])
     residual = f.residual - aside @ (aside.T @ f.residual)
@@ -55,30 +55,30 @@ def covariance(eq: Equation, f: Fit) -> np.ndarray:
     return found
 
 
-def held_out(eq: Equation, f: Fit) -> list[np.ndarray]:
+def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
     _, pj = prior_rows(f.hypothesis)
     scale = f.temperature
     information = f.jacobian.T @ f.jacobian
-    lower, upper = eq.bounds(f.hypothesis)
+    lower, upper = problem.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
     moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
-    for t, e in zip(eq.torque_parts, eq.encoder_parts, strict=True):
+    for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
         j, r = f.jacobian[rows], f.residual[rows]
         left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
         step = -left @ (j.T @ r) / scale * moving
-        others = np.ones(eq.rows, bool)
+        others = np.ones(problem.rows, bool)
         others[rows] = False
         # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by
         best, least = f.hypothesis.values, np.inf
         for share in STEP_SHARES:
             values = np.clip(f.hypothesis.values + share * step, lower, upper)
             trial = f.hypothesis.at(values)
-            residual = eq.residual(eq.predict(trial, side_by_side=True))
+            residual = problem.residual(problem.predict(trial, side_by_side=True))
             pr, _ = prior_rows(trial)
-            cost = float(eq.costs(residual)[others].sum()) / scale + float(pr @ pr)
+            cost = float(problem.costs(residual)[others].sum()) / scale + float(pr @ pr)
             if cost < least:
                 best, least = values, cost
         found.append(best)

@@ -23,7 +23,7 @@ class Wander:
     parts: tuple[tuple[slice, np.ndarray, np.ndarray], ...]  # rows of a recording, directions (m, k), spreads (k,)
 
     @property
-    def price(self) -> float:
+    def complexity_penalty(self) -> float:
         """The logarithm of the covariance's determinant: what it costs to let so much happen."""
         return float(sum(np.sum(np.log1p((self.share * spreads) ** 2)) for _, _, spreads in self.parts))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..plant.measured_motion import SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
-from .equation import CORRELATION, Equation
+from .equation import CORRELATION, EquationErrorProblem
 from .fit import Fit
 from .generic_bases import KNOT, KNOTS, MOST_KNOTS
 from .wander import Wander
@@ -19,16 +19,16 @@ CERTAIN = 12.0
 """Gain in log-likelihood from which on friction is taken to wander."""
 
 
-def wandering(eq: Equation, f: Fit) -> Wander | None:
+def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
     """How friction wanders, by what a fit leaves over: the share that is most likely; None where none is."""
-    columns = _friction_over_time(eq)
+    columns = _friction_over_time(problem)
     if columns is None:
         return None
-    slopes = f.jacobian[: eq.size]
+    slopes = f.jacobian[: problem.size]
     known, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), 1e-30))
-    residual = f.residual[: eq.size]
+    residual = f.residual[: problem.size]
     residual = residual - known @ (known.T @ residual)
-    every = np.zeros((eq.size, sum(c.shape[1] for _, c in columns)))
+    every = np.zeros((problem.size, sum(c.shape[1] for _, c in columns)))
     at = 0
     for part, c in columns:
         every[part, at : at + c.shape[1]] = c * f.weights[part][:, None]
@@ -37,7 +37,7 @@ def wandering(eq: Equation, f: Fit) -> Wander | None:
     every -= known @ (known.T @ every)
     directions, spreads, _ = np.linalg.svd(every, full_matrices=False)
     square, rest = (directions.T @ residual) ** 2, float(residual @ residual)
-    gains = [_log_likelihood(share, spreads, square, rest, eq.size) for share in (0.0, *SHARES)]
+    gains = [_log_likelihood(share, spreads, square, rest, problem.size) for share in (0.0, *SHARES)]
     best = int(np.argmax(gains))
     if best == 0 or gains[best] - gains[0] < CERTAIN:
         return None
@@ -55,25 +55,25 @@ def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest:
     return -0.5 * independent * math.log(max(left, 1e-300)) - 0.5 * float(np.sum(np.log(inflation)))
 
 
-def _friction_over_time(eq: Equation) -> list[tuple[slice, np.ndarray]] | None:
+def _friction_over_time(problem: EquationErrorProblem) -> list[tuple[slice, np.ndarray]] | None:
     """Per recording its rows, and what the friction there (m, k), in units of noise, would add a while each."""
-    moving = [o for o in eq.observations if len(o.rows) and not o.of_points]
+    moving = [o for o in problem.observations if len(o.rows) and not o.of_points]
     if not moving:
         return None
     speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in moving])
     knots = np.unique(np.quantile(speeds, np.linspace(0.0, 1.0, KNOTS)))
     if len(knots) < 2:
         return None
-    by_speed = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in eq.observations]
-    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in eq.observations]
-    braking = at_rows(eq, [b * s for b, s in zip(by_speed, sense, strict=True)])[: eq.size]
+    by_speed = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
+    braking = at_rows(problem, [b * s for b, s in zip(by_speed, sense, strict=True)])[: problem.size]
     # what does not brake in both directions, and what accelerates, is no friction
-    driving = at_rows(eq, by_speed)[: eq.size]
-    accelerating = (eq.acceleration / eq.noise)[:, None]
+    driving = at_rows(problem, by_speed)[: problem.size]
+    accelerating = (problem.acceleration / problem.noise)[:, None]
     slopes = np.concatenate([braking, driving, accelerating], axis=1)
-    levels = np.linalg.lstsq(slopes, eq.measured[: eq.size], rcond=1e-6)[0][: len(knots)]
+    levels = np.linalg.lstsq(slopes, problem.measured[: problem.size], rcond=1e-6)[0][: len(knots)]
     found = []
-    for k, (o, part) in enumerate(zip(eq.observations, eq.torque_parts, strict=True)):
+    for k, (o, part) in enumerate(zip(problem.observations, problem.torque_parts, strict=True)):
         if not len(o.rows) or o.of_points:
             continue
         lasts = float(o.motion[-1, TIME])

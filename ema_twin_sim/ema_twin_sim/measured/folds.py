@@ -19,7 +19,7 @@ BLOCKS = 8  # of the positions, every other of which is judged by the rest
 HALF_OF = "half_of"
 
 
-def halves(recordings: Sequence[Recording]) -> list[Recording]:
+def operating_point_folds(recordings: Sequence[Recording]) -> list[Recording]:
     """A lone recording of points as two, so that each can be judged by the other: every other eighth of its positions.
 
     Where all its positions are one, every other point. Others, and few points, stay as they are.

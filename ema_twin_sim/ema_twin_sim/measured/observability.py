@@ -54,7 +54,7 @@ def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
     return replace(model, effects={**model.effects, **sleeping}) if sleeping else model
 
 
-def woken(found: Model, given: Model) -> Model:
+def restored(found: Model, given: Model) -> Model:
     """A model with what is on in the one ``given`` switched on."""
     on = {name: replace(found.effects[name], enabled=True) for name in given.active if name in found.effects}
     return replace(found, effects={**found.effects, **on})

@@ -70,8 +70,10 @@ class Observation:
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
-    calm: np.ndarray  # bool (m,), no hard acceleration shortly before
-    thrown: np.ndarray  # bool (m,), so hard an acceleration not long before that an output with play rests anywhere
+    below_shock_limit: np.ndarray  # bool (m,), no hard acceleration shortly before
+    after_impact: (
+        np.ndarray
+    )  # bool (m,), so hard an acceleration not long before that an output with play rests anywhere
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
@@ -108,8 +110,8 @@ class Observation:
             torque_rate=self.torque_rate[rows],
             acceleration=self.acceleration[rows],
             torque_noise=self.torque_noise[rows],
-            calm=self.calm[rows],
-            thrown=self.thrown[rows],
+            below_shock_limit=self.below_shock_limit[rows],
+            after_impact=self.after_impact[rows],
             encoder_rows=self.encoder_rows[encoder] - first,
             encoder=self.encoder[encoder],
             encoder_noise=self.encoder_noise[encoder],
@@ -183,9 +185,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    thrown = geared * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
-    if not thrown[encoder_rows].all():
-        encoder_rows = encoder_rows[~thrown[encoder_rows]]
+    after_impact = geared * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
+    if not after_impact[encoder_rows].all():
+        encoder_rows = encoder_rows[~after_impact[encoder_rows]]
     parting = np.hypot(
         _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
         JITTER * smooth(difference, gaussian(width, period, 1)),
@@ -204,8 +206,8 @@ def observe(recording: Recording, model: Model) -> Observation:
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
-        calm=hit[rows] < HARD,
-        thrown=thrown[rows],
+        below_shock_limit=hit[rows] < HARD,
+        after_impact=after_impact[rows],
         encoder_rows=encoder_rows,
         encoder=_at(difference, kernel, encoder_rows),
         encoder_noise=parting[encoder_rows],
@@ -238,8 +240,8 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
-        calm=np.ones(count, bool),
-        thrown=np.zeros(count, bool),
+        below_shock_limit=np.ones(count, bool),
+        after_impact=np.zeros(count, bool),
         encoder_rows=np.zeros(0, np.int64),
         encoder=nowhere,
         encoder_noise=nowhere,

@@ -68,12 +68,13 @@ def _operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
     nogil=True,
     error_model="numpy",
 )
-def require(plants, effects, motion, motor_origin, output_origin, seen, again, required):
+def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen, reuse_output_motion, required):
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 7) with the columns ``MOTION``.
 
     ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
     that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty.
-    ``again``: the output moves as ``required`` holds it already, and only what the motor's side asks for is new.
+    ``reuse_output_motion``: the output moves as ``required`` holds it already, and only what the motor's side asks for
+    is new.
     """
     plant = plants[0]
     ratio = plant.gear_ratio
@@ -136,8 +137,8 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
             viscous = plant.motor_viscous
             dry = max(0.0, dry - plant.output_dry)
             steps = max(1, math.ceil(interval / substep - 1e-9)) if row > 0 else 0
-            passed = required[row, 2] if again else transmitted
-            if steps > 0 and not again:
+            passed = required[row, 2] if reuse_output_motion else transmitted
+            if steps > 0 and not reuse_output_motion:
                 h = interval / steps
                 gain, drag = response(h, plant.output_inertia, plant.output_viscous)
                 compliance = 0.5 * h / plant.output_inertia
@@ -194,7 +195,7 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
             torque += dry_now * sense
         transmitted = passed
         required[row, 0] = torque
-        if not again:
+        if not reuse_output_motion:
             required[row, 1] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
         required[row, 2] = transmitted
         required[row, 3] = dry
@@ -211,7 +212,7 @@ def require(plants, effects, motion, motor_origin, output_origin, seen, again, r
     nogil=True,
     error_model="numpy",
 )
-def require_of(plants, address, place, p, motion, motor_origin, output_origin, required, torque):
+def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_origin, required, torque):
     """``torque`` (n,): what one effect alone asks of the drive, beside all that ``required`` holds already.
 
     Right for a torque, a level or a coefficient of the motor's side while no bristle carries the level; ``p`` (4,).

@@ -17,7 +17,7 @@ from ema_bench_replay.recording import Recording
 
 from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
-from ..plant.measured_motion import MOTION, REQUIRED, require
+from ..plant.measured_motion import MOTION, REQUIRED, inverse_dynamics
 from ..plant.sensors import as_encoder_shows
 from .angle_origins import origins_of
 from .assembly import assemble
@@ -83,7 +83,9 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     motor_origin, output_origin = origins_of(told, model)
     required = np.empty((len(time), len(REQUIRED)))
     motion = np.stack([columns[name] for name in MOTION], axis=1)
-    require(assembly.plant, assembly.effects, motion, motor_origin, output_origin, np.zeros(0), False, required)
+    inverse_dynamics(
+        assembly.plant, assembly.effects, motion, motor_origin, output_origin, np.zeros(0), False, required
+    )
     moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
     output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)
     output = np.interp(told.time, time, output)

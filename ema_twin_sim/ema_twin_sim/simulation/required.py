@@ -6,7 +6,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..plant.measured_motion import REQUIRED, require
+from ..plant.measured_motion import REQUIRED, inverse_dynamics
 from .angle_origins import angle_origins
 from .assembly import Assembly
 
@@ -16,5 +16,5 @@ def required_torque(assembly: Assembly, recording: Recording, motion: np.ndarray
     ratio = float(assembly.plant["gear_ratio"][0])
     motor, output = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     required = np.empty((len(motion), len(REQUIRED)))
-    require(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
+    inverse_dynamics(assembly.plant, assembly.effects, motion, motor, output, np.zeros(0), False, required)
     return required[:, 0]

@@ -70,11 +70,11 @@ def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compare
     if recordings[0].of_points:
         yield from _topics_of_points(found, recordings, compared, at)
         return
-    eq = found.equation
-    residuals = {name: eq.left_over(f.predicted) for name, f in compared.fits.items()}
+    problem = found.equation
+    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
     base = compared.fits["after"].hypothesis.base
     second, size, way = (shown(base, 1.0, unit)[0] for unit in ("s", "N m", "rad"))
-    parts = zip(recordings, eq.observations, eq.torque_parts, eq.encoder_parts, strict=True)
+    parts = zip(recordings, problem.observations, problem.torque_parts, problem.encoder_parts, strict=True)
     for recording, o, torque, encoder in parts:
         here = f"{at}/{_name(recording.name)}"
         left = {name: size * r[torque] * o.torque_noise for name, r in residuals.items()}
@@ -97,15 +97,15 @@ def _topics_of_points(
 
     The halves of a lone table stand together again.
     """
-    eq = found.equation
-    residuals = {name: eq.left_over(f.predicted) for name, f in compared.fits.items()}
+    problem = found.equation
+    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
     base = compared.fits["after"].hypothesis.base
     size = shown(base, 1.0, "N m")[0]
     wholes: dict[str, list[int]] = {}
     for k, recording in enumerate(recordings):
         wholes.setdefault(recording.metadata.get(HALF_OF, recording.name), []).append(k)
     for whole, halves in wholes.items():
-        parts = [(eq.observations[k], eq.torque_parts[k]) for k in halves]
+        parts = [(problem.observations[k], problem.torque_parts[k]) for k in halves]
         motion = np.concatenate([o.motion[o.rows] for o, _ in parts])
         measured = size * np.concatenate([o.torque for o, _ in parts])
         torques = {name: [r[part] * o.torque_noise for o, part in parts] for name, r in residuals.items()}

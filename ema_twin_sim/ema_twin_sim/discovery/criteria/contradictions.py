@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 
 GROUPS = {"inertia": ("scale.inertia",), "friction": ("scale.viscous_friction", "scale.coulomb_friction")}
@@ -13,7 +13,7 @@ APART = 6.0  # standard errors
 LARGE = 0.12  # share
 
 
-def contradictions(eq: Equation, f: Fit) -> tuple[str, ...]:
+def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """One sentence for each recording whose machine is not that of the others.
 
     Each recording is asked, to first order, by which share it alone would move inertia and friction; the median of all
@@ -22,18 +22,18 @@ def contradictions(eq: Equation, f: Fit) -> tuple[str, ...]:
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
     groups = {name: [places[path] for path in paths if path in places] for name, paths in GROUPS.items()}
     groups = {name: columns for name, columns in groups.items() if columns}
-    if len(eq.observations) < 2 or not groups:
+    if len(problem.observations) < 2 or not groups:
         return ()
     scale = f.temperature
     moves, errors = [], []
-    for part in eq.torque_parts:
+    for part in problem.torque_parts:
         slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)
         covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(groups)) / WIDE**2)
         moves.append(covariance @ (slopes.T @ f.residual[part]) / scale)
         errors.append(np.sqrt(np.diag(covariance)))
     away = np.array(moves) - np.median(moves, axis=0)
     found = []
-    for o, shares, sure in zip(eq.observations, away, errors, strict=True):
+    for o, shares, sure in zip(problem.observations, away, errors, strict=True):
         for name, share, error in zip(groups, shares, sure, strict=True):
             if abs(share) > max(LARGE, APART * error):
                 more = "more" if share > 0.0 else "less"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...plant.measured_motion import SPEED, TIME
 
@@ -32,11 +32,11 @@ class Episode:
     against: float
 
 
-def episodes(eq: Equation, f: Fit) -> tuple[Episode, ...]:
+def episodes(problem: EquationErrorProblem, f: Fit) -> tuple[Episode, ...]:
     """The stretches in which what is left over stands far out of the noise; none where it does so all along."""
     found = []
     far_rows = in_episodes = 0
-    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         if o.of_points:  # whose order tells of no time
             continue
         raw = f.raw[part]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
-from ...identification.generic_bases import add_decoys
-from ...identification.screening import screen_decoys
+from ...identification.generic_bases import add_generic_bases
+from ...identification.screening import screen_generic_bases
 from ...measured.observation import STANDSTILL
 from ...plant.measured_motion import SPEED
 from .plausible import only_constants, strained
@@ -31,43 +31,45 @@ REMAINS = (
 )
 
 
-def explained(eq: Equation, f: Fit, start: Fit) -> bool:
+def explained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
     if f.hypothesis.base.is_open:
-        return _nearly(eq, f) and not apart(eq, f, start)
-    return not (unexplained(eq, f, start) or apart(eq, f, start) or strained(f) or only_constants(eq, f))
+        return _nearly(problem, f) and not apart(problem, f, start)
+    return not (unexplained(problem, f, start) or apart(problem, f, start) or strained(f) or only_constants(problem, f))
 
 
-def _nearly(eq: Equation, f: Fit) -> bool:
+def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
 
     There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand. Not asked
     of the few rows in which it stops or breaks away: there no friction slides.
     """
-    slides = np.concatenate([o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in eq.observations])
-    left = f.raw[: eq.size][slides] * eq.noise[slides]
-    return float(np.sum(left**2)) <= NEARLY**2 * float(np.sum(eq.torque[slides] ** 2))
+    slides = np.concatenate(
+        [o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in problem.observations]
+    )
+    left = f.raw[: problem.size][slides] * problem.noise[slides]
+    return float(np.sum(left**2)) <= NEARLY**2 * float(np.sum(problem.torque[slides] ** 2))
 
 
-def apart(eq: Equation, f: Fit, start: Fit) -> bool:
+def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     """Whether some recording's encoders still part by far more than their noise, and than a large play excuses.
 
     And whether the output has lagged behind since the start, which nothing but play and springs lets it: a fit leaves
     the encoders' zeros open, and in one direction no more than that shows.
     """
-    before = eq.residual(start.predicted)[eq.size :]
+    before = problem.residual(start.predicted)[problem.size :]
     parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
     if f.hypothesis.base.is_open:  # as with the torque: no more can be asked than that little is left
-        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[eq.size :] ** 2))) > max(PARTLY * parted, APART)
-    if lagging(eq, f):
+        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[problem.size :] ** 2))) > max(PARTLY * parted, APART)
+    if lagging(problem, f):
         return True
     usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
     allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
-    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in eq.encoder_parts if part.stop > part.start]
+    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in problem.encoder_parts if part.stop > part.start]
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 
 
-def lagging(eq: Equation, f: Fit) -> dict[str, float]:
+def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
     """By recording, how far [rad, slow shaft] its output lies off the motor since the first sample, beyond its noise.
 
     Nothing beside play or a spring, where it may begin anywhere, nor of a machine whose encoders are not known.
@@ -75,30 +77,30 @@ def lagging(eq: Equation, f: Fit) -> dict[str, float]:
     found: dict[str, float] = {}
     if f.parted or f.hypothesis.base.is_open:
         return found
-    for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
+    for o, part in zip(problem.observations, problem.encoder_parts, strict=True):
         first = o.encoder_piece == o.encoder_piece[0] if len(o.encoder_rows) else np.zeros(0, bool)
         if first.any():
-            off = float(np.median((eq.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
+            off = float(np.median((problem.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
             reading = float(o.encoder_noise.min()) / float(np.linalg.norm(o.kernel))
             if abs(off) > LAGGING * reading:
                 found[o.name] = off
     return found
 
 
-def depends(eq: Equation, f: Fit) -> bool:
+def depends(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether what is left depends on anything."""
-    add_decoys(eq)
-    return any(gained > DEPENDS for gained, _ in screen_decoys(eq, f)[:1])
+    add_generic_bases(problem)
+    return any(gained > DEPENDS for gained, _ in screen_generic_bases(problem, f)[:1])
 
 
-def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
+def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
-    if not f.parted and eq.size:
-        misfit = float(eq.costs(f.raw)[: eq.size].mean()) / (BRISTLED if bristled else 1.0)
-        if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(eq, f)):
+    if not f.parted and problem.size:
+        misfit = float(problem.costs(f.raw)[: problem.size].mean()) / (BRISTLED if bristled else 1.0)
+        if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(problem, f)):
             return True
-    for o, left, before in zip(eq.observations, left_over(eq, f), left_over(eq, start), strict=True):
+    for o, left, before in zip(problem.observations, left_over(problem, f), left_over(problem, start), strict=True):
         if not len(o.rows):
             continue
         allowed = UNEXPLAINED * float(np.median(o.torque_noise))
@@ -106,6 +108,6 @@ def unexplained(eq: Equation, f: Fit, start: Fit) -> bool:
             allowed *= BRISTLED
         if f.parted:
             allowed = max(SHAKY * allowed, REMAINDER * before)
-        if left > allowed and (f.parted or left > MUCH * allowed or depends(eq, f)):
+        if left > allowed and (f.parted or left > MUCH * allowed or depends(problem, f)):
             return True
     return False

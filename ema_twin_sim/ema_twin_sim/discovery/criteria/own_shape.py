@@ -10,45 +10,47 @@ from __future__ import annotations
 import numpy as np
 
 from ...effects import catalogue
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import dependence, order_decoys
-from ...identification.screening import screen_decoys
+from ...identification.generic_bases import dependence, order_bases
+from ...identification.screening import screen_generic_bases
 
 TELLING = 0.03  # of the noise's variance: what an effect must take away for its shape to tell anything
 OWN_SHARE = 0.98  # of the misfit that the best basis takes away, which an effect must take away
 
 
-def by_own_shape(eq: Equation, f: Fit) -> tuple[str, ...]:
+def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """The added effects that explain what they do by their own shape; also those over what there is no basis for."""
-    return tuple(name for name in f.hypothesis.added if _own(eq, f, name))
+    return tuple(name for name in f.hypothesis.added if _own(problem, f, name))
 
 
-def _own(eq: Equation, f: Fit, name: str) -> bool:
+def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     over = catalogue()[f.hypothesis.added[name].effect].depends_on
-    bare = fit(eq, f.hypothesis.without(name), 6, known=f)
-    kept = eq.decoys
+    bare = fit(problem, f.hypothesis.without(name), 6, known=f)
+    kept = problem.generic_bases
     try:
-        eq.decoys = _over(eq, bare, over)
-        if not eq.decoys:  # of what shows over this, there is no other shape
+        problem.generic_bases = _over(problem, bare, over)
+        if not problem.generic_bases:  # of what shows over this, there is no other shape
             return True
         took = bare.misfit - f.misfit
         if took < TELLING * f.judged:
             return False
-        best = next((found for _, found in screen_decoys(eq, bare)), None)
+        best = next((found for _, found in screen_generic_bases(problem, bare)), None)
         if best is None:
             return True
-        any_shape = fit(eq, bare.hypothesis.with_decoy(best, eq.decoys[best].shape[1]), 3, known=bare)
+        any_shape = fit(
+            problem, bare.hypothesis.with_generic_basis(best, problem.generic_bases[best].shape[1]), 3, known=bare
+        )
         return took >= OWN_SHARE * (bare.misfit - any_shape.misfit)
     finally:
-        eq.decoys = kept
+        problem.generic_bases = kept
 
 
-def _over(eq: Equation, bare: Fit, over: str) -> dict[str, np.ndarray]:
+def _over(problem: EquationErrorProblem, bare: Fit, over: str) -> dict[str, np.ndarray]:
     """The bases over a quantity; over the time one for all recordings together."""
     if over == "order":
-        return order_decoys(eq, bare)
-    found = {name: columns for name, columns in eq.decoys.items() if dependence(name) == over}
+        return order_bases(problem, bare)
+    found = {name: columns for name, columns in problem.generic_bases.items() if dependence(name) == over}
     if over == "time" and found:
         return {"time#all": np.concatenate([*found.values()], axis=1)}
     return found

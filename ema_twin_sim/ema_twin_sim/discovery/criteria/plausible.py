@@ -12,11 +12,11 @@ import math
 import numpy as np
 
 from ...effects import catalogue
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.uncertainty import covariance, scaled_inverse
-from .worth import COST_PARAMETER, FLOOR, unique
+from .worth import COST_PARAMETER, FLOOR, largest_rms_reduction
 
 STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
 STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
@@ -49,7 +49,7 @@ def strained(f: Fit) -> tuple[str, ...]:
     return tuple(dict.fromkeys(over))
 
 
-def insignificant(eq: Equation, f: Fit) -> str | None:
+def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
@@ -57,7 +57,7 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
     off was that effect's worth.
     """
     away = {}
-    spread = covariance(eq, f)
+    spread = covariance(problem, f)
     paths = [free.path for free in f.hypothesis.free]
     for name in f.hypothesis.added:
         instance = f.hypothesis.instance(name)
@@ -78,7 +78,7 @@ def insignificant(eq: Equation, f: Fit) -> str | None:
     return least if least is not None and away[least] < SIGNIFICANT else None
 
 
-def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
+def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """Added effects that nothing but constants far from their file calls for, where these are several.
 
     One cause may stand behind one constant; a cause for each is no explanation. And what is to stand behind all of
@@ -86,14 +86,14 @@ def only_constants(eq: Equation, f: Fit) -> tuple[str, ...]:
     """
     for name, instance in f.hypothesis.added.items():
         if instance.effect == BEHIND_ALL:
-            unscaled = fit(eq, f.hypothesis.without(name), 4, known=f)
+            unscaled = fit(problem, f.hypothesis.without(name), 4, known=f)
             if f.prior_cost > _beside_the_worst(unscaled) + COST_PARAMETER:
                 return (name,)
     alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
     if len(alike) < 2:
         return ()
-    bare = {name: fit(eq, f.hypothesis.without(name), 4, known=f) for name in alike}
-    found = tuple(name for name in alike if unique(eq, bare[name], f) < FLOOR)
+    bare = {name: fit(problem, f.hypothesis.without(name), 4, known=f) for name in alike}
+    found = tuple(name for name in alike if largest_rms_reduction(problem, bare[name], f) < FLOOR)
     return found if len(found) > 1 else ()
 
 

@@ -11,12 +11,12 @@ import math
 import numpy as np
 
 from ...effects import catalogue
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 
 COST_EFFECT = 7.0
 COST_PARAMETER = 4.0
-COST_DECOY = 6.0  # of each column
+COST_OF_BASIS_COLUMN = 6.0  # of each column
 SHAKY = 3.0  # times more is gained by chance beside an output that bounces
 CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
@@ -35,25 +35,34 @@ AT_BOUND = 0.99  # of a bound, from which on a number stands on it
 FEWEST = 20  # rows of a recording that tell anything
 
 
-def price(f: Fit) -> float:
+def complexity_penalty(f: Fit) -> float:
     """What a hypothesis costs beside its misfit: priors, effects, parameters."""
     parameters = sum(fr.path.startswith("effects.") for fr in f.hypothesis.free)
-    decoys = sum(fr.path.startswith("decoy.") for fr in f.hypothesis.free)
-    return f.prior_cost + COST_EFFECT * len(f.hypothesis.added) + COST_PARAMETER * parameters + COST_DECOY * decoys
+    generic_bases = sum(fr.path.startswith("basis.") for fr in f.hypothesis.free)
+    return (
+        f.prior_cost
+        + COST_EFFECT * len(f.hypothesis.added)
+        + COST_PARAMETER * parameters
+        + COST_OF_BASIS_COLUMN * generic_bases
+    )
 
 
-def gain(eq: Equation, before: Fit, after: Fit) -> float:
+def penalised_gain(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
     """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
-    return (before.misfit - after.misfit) / price_of_noise(eq, before, after) + price(before) - price(after)
+    return (
+        (before.misfit - after.misfit) / noise_per_unit(problem, before, after)
+        + complexity_penalty(before)
+        - complexity_penalty(after)
+    )
 
 
-def price_of_noise(eq: Equation, before: Fit, after: Fit) -> float:
+def noise_per_unit(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
     """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
     shaky = SHAKY if before.parted and after.parted else 1.0
     return shaky * min(before.temperature, after.temperature)
 
 
-def unique(eq: Equation, before: Fit, after: Fit) -> float:
+def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
     """The largest rms, in units of noise, that an effect takes from some recording's rows.
 
     Beside a gearbox that bounces or rings, a torque must show in the torque, and not right after an impact: what lies
@@ -63,50 +72,52 @@ def unique(eq: Equation, before: Fit, after: Fit) -> float:
     by_torque = before.parted and after.parted and not came & ENCODER_ONLY
     fell = after.weights**2 * (before.raw**2 - after.raw**2)
     best = 0.0
-    for k, part in enumerate(eq.torque_parts):
-        rows = fell[part][eq.observations[k].calm] if by_torque else fell[part]
+    for k, part in enumerate(problem.torque_parts):
+        rows = fell[part][problem.observations[k].below_shock_limit] if by_torque else fell[part]
         if len(rows) >= FEWEST:
             best = max(best, float(np.mean(rows)))
-    for part in () if by_torque else eq.encoder_parts:
+    for part in () if by_torque else problem.encoder_parts:
         if part.stop - part.start >= FEWEST:
             best = max(best, float(np.mean(fell[part])))
     return math.sqrt(best)
 
 
-def matters(eq: Equation, before: Fit, after: Fit) -> bool:
+def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
-    if any(_does_nothing(after, name) or _too_large(eq, after, name) for name in came):
+    if any(_does_nothing(after, name) or _too_large(problem, after, name) for name in came):
         return False
     over = {catalogue()[id].depends_on for id in came.values()}
-    if over == {"encoders"} and _hardly_parts(eq, before, after):
+    if over == {"encoders"} and _hardly_parts(problem, before, after):
         return False
     relief = before.prior_cost - after.prior_cost
     if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
         return True
     if before.parted != after.parted or "encoders" in over:
-        count, misfit, remains = eq.judged, before.misfit, after.misfit
+        count, misfit, remains = problem.judged, before.misfit, after.misfit
     else:  # encoders that do not fit are no matter of torques
-        count = eq.size
-        misfit, remains = (float(eq.costs(f.raw)[:count].sum()) for f in (before, after))
+        count = problem.size
+        misfit, remains = (float(problem.costs(f.raw)[:count].sum()) for f in (before, after))
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
     floor = SHAKY_FLOOR if after.parted else FLOOR
     if [*came.values()] == ["mesh_friction"]:
         if not VARYING_LOADS & after.hypothesis.held:
             floor = max(floor, UNLOADED_FLOOR)
-        elif after.parted and gain(eq, before, after) > SURE:
+        elif after.parted and penalised_gain(problem, before, after) > SURE:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size
             floor *= 0.5
-    return fall >= SHARE * excess and unique(eq, before, after) >= floor * left
+    return fall >= SHARE * excess and largest_rms_reduction(problem, before, after) >= floor * left
 
 
-def left_over(eq: Equation, f: Fit) -> list[float]:
+def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
     """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
     parted = f.parted
     found = []
-    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
-        z = f.raw[part][o.calm & ~o.thrown if parted else o.calm]  # of a standstill there are none
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
+        z = f.raw[part][
+            o.below_shock_limit & ~o.after_impact if parted else o.below_shock_limit
+        ]  # of a standstill there are none
         if len(z) < FEWEST:
             found.append(0.0)
             continue
@@ -116,24 +127,24 @@ def left_over(eq: Equation, f: Fit) -> list[float]:
     return found
 
 
-def _hardly_parts(eq: Equation, before: Fit, after: Fit) -> bool:
+def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
     """Whether next to nothing of how far the encoders part is gone: all that can be asked where they are not known."""
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
-    for part in eq.encoder_parts:
-        noise = eq.noise_of_encoders(part)
-        difference = eq.measured[part] * noise
+    for part in problem.encoder_parts:
+        noise = problem.noise_of_encoders(part)
+        difference = problem.measured[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < PARTING_SHARE * parted
 
 
-def _too_large(eq: Equation, f: Fit, name: str) -> bool:
+def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether an effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
     instance = f.hypothesis.instance(name)
     size = catalogue()[instance.effect].parameters[0]
-    most = LARGEST * float(np.abs(eq.torque).max(initial=0.0))
+    most = LARGEST * float(np.abs(problem.torque).max(initial=0.0))
     return size.unit == "N m" and abs(instance.parameters[size.name]) > most
 
 

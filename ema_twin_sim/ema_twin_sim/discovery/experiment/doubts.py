@@ -15,14 +15,14 @@ import numpy as np
 
 from ...effects import catalogue
 from ...identification.candidates import Candidate, candidates
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
-from ...identification.hypothesis import PARTING, Hypothesis
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.screening import screen
 from ...measured.observation import STANDSTILL
 from ...model import EffectInstance
 from ...plant.measured_motion import SPEED
-from ..criteria.worth import ENCODER_ONLY, FLOOR, gain
+from ..criteria.worth import ENCODER_ONLY, FLOOR, penalised_gain
 from ..search.rivals import Rivalry
 from ..search.search import entrants
 from ..search.trace import Search
@@ -62,14 +62,14 @@ class Doubt:
 
 
 def doubts(
-    eq: Equation,
+    problem: EquationErrorProblem,
     found: Search,
     rivals: Sequence[Rivalry],
     without: frozenset[str] = frozenset(),
     *,
     thorough: bool = True,
 ) -> tuple[Doubt, ...]:
-    """What the recordings of ``eq`` leave in doubt after a search and the look at its rivals.
+    """What the recordings of ``problem`` leave in doubt after a search and the look at its rivals.
 
     ``thorough`` holds every effect of the catalogue against each found one, and not its known rivals only, unless a
     gearbox with play or spring has to be simulated for that.
@@ -78,7 +78,7 @@ def doubts(
     standing = {rivalry.effect: rivalry for rivalry in rivals}
     held = []
     for name, instance in best.hypothesis.added.items():
-        if instance.effect in PARTING:
+        if instance.effect in COMPLIANT_EFFECTS:
             continue  # what parts the encoders was decided by their difference
         wanted: set[str] = set()
         fits: tuple[Fit, ...] = ()
@@ -90,55 +90,57 @@ def doubts(
                 wanted.add(rivalry.runner_up)
         if thorough and not best.parted:  # a gearbox takes too long to try everything on
             wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
-        doubt = _about(eq, best, name, wanted, without, fits)
+        doubt = _about(problem, best, name, wanted, without, fits)
         if doubt is not None:
             held.append(doubt)
-    doubt = _too_small(eq, found)
+    doubt = _too_small(problem, found)
     if doubt is not None:
         held.append(doubt)
-    if not reverses(eq):
-        doubt = _one_direction(eq, best, without, {n.partition("(")[0] for d in held for n in d.names})
+    if not reverses(problem):
+        doubt = _one_direction(problem, best, without, {n.partition("(")[0] for d in held for n in d.names})
         if doubt is not None:
             held.append(doubt)
     return tuple(held)
 
 
-def reverses(eq: Equation) -> bool:
+def reverses(problem: EquationErrorProblem) -> bool:
     """Whether the recordings show motion in both directions."""
-    forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in eq.observations)
-    backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in eq.observations)
+    forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in problem.observations)
+    backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in problem.observations)
     return min(forward, backward) > _MOVING
 
 
-def information(eq: Equation, f: Fit) -> np.ndarray:
+def information(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
     return f.jacobian.T @ f.jacobian / f.temperature + pj.T @ pj
 
 
 def _about(
-    eq: Equation, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
+    problem: EquationErrorProblem, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
 ) -> Doubt | None:
     """The doubt about a found effect: what of its alternatives, none included, loses by little; some have ``fits``."""
     instance = best.hypothesis.added[name]
     kinds = _other_kinds(best.hypothesis, name, without)
-    if not (wanted or kinds or fits or _may_be_nothing(eq, best, name)):
+    if not (wanted or kinds or fits or _may_be_nothing(problem, best, name)):
         return None
-    bare = fit(eq, best.hypothesis.without(name), 4, known=best)
+    bare = fit(problem, best.hypothesis.without(name), 4, known=best)
     tried = list(fits)
     if wanted:
-        barred = without | (frozenset(catalogue()) - wanted)
-        tried += [fit(eq, h, 6, known=bare) for h in entrants(eq, bare, barred)[:ALTERNATIVES]]
-    for s in screen(eq, bare, kinds):
+        excluded = without | (frozenset(catalogue()) - wanted)
+        tried += [fit(problem, h, 6, known=bare) for h in entrants(problem, bare, excluded)[:ALTERNATIVES]]
+    for s in screen(problem, bare, kinds):
         h = bare.hypothesis.with_effect(s.candidate.effect, s.candidate.options, s.start)
-        tried.append(fit(eq, h, 6, known=bare))
+        tried.append(fit(problem, h, 6, known=bare))
     others = {
-        _last(f).effect: f for f in sorted(tried, key=lambda f: gain(eq, best, f)) if _last(f).effect != instance.effect
+        _last(f).effect: f
+        for f in sorted(tried, key=lambda f: penalised_gain(problem, best, f))
+        if _last(f).effect != instance.effect
     }
     alike = [f for f in tried if _last(f).effect == instance.effect]
     rivals = [Rival(NOTHING, bare), *(Rival(id, f) for id, f in others.items())]
     rivals += [Rival(_in_full(_last(f)), f) for f in alike]
-    behind = [(-gain(eq, best, rival.fit), rival) for rival in rivals]
+    behind = [(-penalised_gain(problem, best, rival.fit), rival) for rival in rivals]
     near = sorted((entry for entry in behind if entry[0] < OPEN), key=lambda entry: entry[0])[:ALTERNATIVES]
     if not near:
         return None
@@ -164,35 +166,35 @@ def _in_full(instance: EffectInstance) -> str:
 def _other_kinds(h: Hypothesis, name: str, without: frozenset[str]) -> list[Candidate]:
     """The same effect with one option chosen differently, numbers apart: these show themselves."""
     instance = h.added[name]
-    barred = without | (frozenset(catalogue()) - {instance.effect})
+    excluded = without | (frozenset(catalogue()) - {instance.effect})
 
     def differs_in_kind(options: dict[str, str]) -> bool:
         changed = [k for k, v in options.items() if v != instance.options.get(k)]
         return len(changed) == 1 and not options[changed[0]].replace(".", "").isdigit()
 
-    return [c for c in candidates(h.without(name), barred) if differs_in_kind(dict(c.options))]
+    return [c for c in candidates(h.without(name), excluded) if differs_in_kind(dict(c.options))]
 
 
-def _may_be_nothing(eq: Equation, best: Fit, name: str) -> bool:
+def _may_be_nothing(problem: EquationErrorProblem, best: Fit, name: str) -> bool:
     """Whether an effect's size is so uncertain that the recordings may do without it."""
     size = catalogue()[best.hypothesis.added[name].effect].parameters[0]
     if size.neutral is None:
         return False
     paths = [free.path for free in best.hypothesis.free]
     k = paths.index(f"effects.{name}.{size.name}")
-    spread = np.linalg.pinv(information(eq, best), hermitian=True)[k, k]
+    spread = np.linalg.pinv(information(problem, best), hermitian=True)[k, k]
     return (best.hypothesis.values[k] - size.neutral) ** 2 < _SURE * float(spread)
 
 
-def _too_small(eq: Equation, found: Search) -> Doubt | None:
+def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
     """The doubt about an effect that would have been worth its price, but was too small to be named.
 
-    Beside decoys, or an output that bounces, such a one is what no effect explains.
+    Beside generic bases, or an output that bounces, such a one is what no effect explains.
     """
     best = found.fit
-    if found.stopped is None or best.hypothesis.decoys or best.parted:
+    if found.stopped is None or best.hypothesis.generic_bases or best.parted:
         return None
-    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / eq.judged))
+    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / problem.judged))
     for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:
@@ -202,24 +204,24 @@ def _too_small(eq: Equation, found: Search) -> Doubt | None:
     return None
 
 
-def _one_direction(eq: Equation, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
+def _one_direction(problem: EquationErrorProblem, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
     """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
     if best.hypothesis.held & {*_SHOWN_BY_REVERSALS} or named & {*_SHOWN_BY_REVERSALS}:
         return None
     id = next((id for id in _SHOWN_BY_REVERSALS if id not in without), None)
     if id is None:
         return None
-    rival = Rival(id, _as_large_as_may_be(eq, best, id))
+    rival = Rival(id, _as_large_as_may_be(problem, best, id))
     reason = f"no recording reverses, and in one direction {id} looks like friction that is off by a little"
-    return Doubt((Rival(NOTHING, best), rival), (0.0, -gain(eq, best, rival.fit)), reason)
+    return Doubt((Rival(NOTHING, best), rival), (0.0, -penalised_gain(problem, best, rival.fit)), reason)
 
 
-def _as_large_as_may_be(eq: Equation, best: Fit, id: str) -> Fit:
+def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fit:
     """An effect as large as the recordings allow, the constants giving way to it."""
     size = catalogue()[id].parameters[0]
-    free = fit(eq, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
+    free = fit(problem, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
     k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")
-    spread = math.sqrt(float(np.linalg.pinv(information(eq, free), hermitian=True)[k, k]))
+    spread = math.sqrt(float(np.linalg.pinv(information(problem, free), hermitian=True)[k, k]))
     value = free.hypothesis.values[k] + math.copysign(_AWAY * spread, free.hypothesis.values[k])
     base = best.hypothesis.base.with_effect(id, {size.name: min(max(value, size.lower), size.upper)})
-    return fit(eq, replace(best.hypothesis, base=base), 4, known=best)
+    return fit(problem, replace(best.hypothesis, base=base), 4, known=best)

@@ -18,7 +18,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.hypothesis import Hypothesis
 from ...measured.observation import STANDSTILL, Observation, observe
 from ...model.own_units import shown
@@ -102,7 +102,7 @@ class _Evaluated:
 class _Field:
     """The rivals, the pairs of them that are to be told apart, and the bench that they are simulated on."""
 
-    def __init__(self, eq: Equation, held: Sequence[Doubt], signals: frozenset[str]) -> None:
+    def __init__(self, problem: EquationErrorProblem, held: Sequence[Doubt], signals: frozenset[str]) -> None:
         self.base = held[0].rivals[0].fit.hypothesis.base
         self.temperature = min(rival.fit.temperature for doubt in held for rival in doubt.rivals)
         self.contenders: dict[int, _Explanation] = {}
@@ -120,11 +120,11 @@ class _Field:
                 if _holds(one, other):
                     self.nested.add(pair)
             for rival in doubt.rivals:
-                self.contenders.setdefault(id(rival.fit), _contender(eq, rival))
-        self.noise = float(np.median([o.torque_noise.min() for o in eq.observations if len(o.rows)]))
+                self.contenders.setdefault(id(rival.fit), _contender(problem, rival))
+        self.noise = float(np.median([o.torque_noise.min() for o in problem.observations if len(o.rows)]))
         self.signals = signals
-        self.reversed = reverses(eq)
-        self.origins = (eq.observations[0].motor_origin, eq.observations[0].output_origin)
+        self.reversed = reverses(problem)
+        self.origins = (problem.observations[0].motor_origin, problem.observations[0].output_origin)
 
     def _named(self, one: Rival, other: Rival) -> Pair:
         """What a pair is called: of two effects of one kind beside the same rival, the second is numbered."""
@@ -154,7 +154,7 @@ class _Field:
 
     def evaluate(self, trial: Planned, limits: Limits) -> _Evaluated | None:
         """How far all pairs would come apart; None where a rival cannot do it or would leave the limits."""
-        shown: dict[int, Equation] = {}
+        shown: dict[int, EquationErrorProblem] = {}
         furthest: Limits | None = None
         for rival in self.contenders:
             try:
@@ -165,17 +165,17 @@ class _Field:
                 return None
             if furthest is None or limits.effort(done) > limits.effort(furthest):
                 furthest = done
-            shown[rival] = Equation([o])
+            shown[rival] = EquationErrorProblem([o])
         assert furthest is not None  # a doubt has rivals
         return _Evaluated(trial, furthest, self._separation(shown, 1))
 
     def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
         """How far all pairs would come apart under a command that they can follow."""
         return self._separation(
-            {rival: Equation([self.simulated(rival, trial)[0]]) for rival in self.contenders}, steps
+            {rival: EquationErrorProblem([self.simulated(rival, trial)[0]]) for rival in self.contenders}, steps
         )
 
-    def _separation(self, shown: Mapping[int, Equation], steps: int) -> dict[Pair, float]:
+    def _separation(self, shown: Mapping[int, EquationErrorProblem], steps: int) -> dict[Pair, float]:
         found = {}
         for pair, (one, other) in self.pairs.items():
             found[pair] = self.apart(shown[one], one, other, steps)[0]
@@ -183,20 +183,20 @@ class _Field:
                 found[pair] = min(found[pair], self.apart(shown[other], other, one, steps)[0])
         return found
 
-    def apart(self, eq: Equation, true: int, other: int, steps: int) -> tuple[float, np.ndarray]:
+    def apart(self, problem: EquationErrorProblem, true: int, other: int, steps: int) -> tuple[float, np.ndarray]:
         """(standard deviations, rows (m,)) by which a rival misses what a true one shows, at its best."""
-        truth = eq.predict(self.contenders[true].hypothesis).rows
+        truth = problem.predict(self.contenders[true].hypothesis).rows
         contender = self.contenders[other]
         h, known = contender.hypothesis, contender.information
-        even = np.ones(eq.rows)
+        even = np.ones(problem.rows)
         heat = self.temperature
-        lower, upper = eq.bounds(h)
+        lower, upper = problem.bounds(h)
         moved = np.zeros(len(h.values))
-        predicted = eq.predict(h)
-        missed = eq.centred(truth - predicted.rows, even)
+        predicted = problem.predict(h)
+        missed = problem.centred(truth - predicted.rows, even)
         best, rows = float(missed @ missed) / heat, missed
         for _ in range(steps):
-            slopes = eq.jacobian(h.at(contender.hypothesis.values + moved), predicted, even)
+            slopes = problem.jacobian(h.at(contender.hypothesis.values + moved), predicted, even)
             a = slopes.T @ slopes / heat + known
             scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
             g = (slopes.T @ missed / heat - known @ moved) * scale
@@ -208,8 +208,8 @@ class _Field:
             gained = False
             for share in (1.0, 0.3):
                 trial = np.clip(contender.hypothesis.values + moved + share * move, lower, upper)
-                p = eq.predict(h.at(trial))
-                left = eq.centred(truth - p.rows, even)
+                p = problem.predict(h.at(trial))
+                left = problem.centred(truth - p.rows, even)
                 away = trial - contender.hypothesis.values
                 value = float(left @ left) / heat + float(away @ known @ away)
                 if value < best:
@@ -225,7 +225,7 @@ class _Field:
         shown = []
         for true, rival in (self.pairs[pair], self.pairs[pair][::-1]):
             o, _ = self.simulated(true, e.trial)
-            shown.append((o, self.apart(Equation([o]), true, rival, _STEPS)[1]))
+            shown.append((o, self.apart(EquationErrorProblem([o]), true, rival, _STEPS)[1]))
         o, rows = max(shown, key=lambda entry: float(entry[1] @ entry[1]))
         other = "a model without it" if pair[1] == NOTHING else pair[1]
         novel = "" if self.reversed or not _turns(o) else "; no recording so far reverses"
@@ -270,22 +270,22 @@ def _holds(one: Rival, other: Rival) -> bool:
     return {*one.fit.hypothesis.model().effects} > {*other.fit.hypothesis.model().effects}
 
 
-def _contender(eq: Equation, rival: Rival) -> _Explanation:
+def _contender(problem: EquationErrorProblem, rival: Rival) -> _Explanation:
     f = rival.fit
-    known = information(eq, f)
-    keep = np.array([not free.path.startswith("decoy.") for free in f.hypothesis.free])
-    if not keep.all():  # decoys stand for what these recordings show, and say nothing of another
+    known = information(problem, f)
+    keep = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
+    if not keep.all():  # generic bases stand for what these recordings show, and say nothing of another
         inner = np.linalg.pinv(known[np.ix_(~keep, ~keep)], hermitian=True)
         across = known[np.ix_(keep, ~keep)]
         known = known[np.ix_(keep, keep)] - across @ inner @ across.T
     h = f.hypothesis
-    for name in h.decoys:
-        h = h.without_decoy(name)
+    for name in h.generic_bases:
+        h = h.without_generic_basis(name)
     return _Explanation(rival.name, h, known)
 
 
 def best_command(
-    eq: Equation,
+    problem: EquationErrorProblem,
     held: Sequence[Doubt],
     signals: frozenset[str],
     *,
@@ -298,8 +298,8 @@ def best_command(
     ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within what the
     recordings have driven, unless only a command beyond that decides. ``few`` tries a handful of commands only.
     """
-    field = _Field(eq, held, signals)
-    allowed = limits or driven_limits(eq.observations, field.base.value("machine.gear_ratio"))
+    field = _Field(problem, held, signals)
+    allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
     found = _evaluate_all(field, allowed, few, (), progress)
     if limits is None and not any(min(e.separation.values()) >= DECIDED for e in found):
         more = widened(allowed, field.base, field.origins[1])

@@ -9,7 +9,7 @@ import numpy as np
 from ...comparison.orders import find_order
 from ...effects import catalogue
 from ...identification.candidates import Candidate
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
 from ...plant.layout import OUTPUT_TORQUE
@@ -25,7 +25,7 @@ WHOLE = 0.02  # of an order, within which it is a whole number
 LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
 
 
-def order_candidates(eq: Equation, f: Fit) -> list[Candidate]:
+def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
     """Effects whose order is free, at the orders that stand out of a fit's residual.
 
     None where the machine has no others than the usual.
@@ -38,11 +38,11 @@ def order_candidates(eq: Equation, f: Fit) -> list[Candidate]:
     if not base.other_orders:
         return []
     ratio = base.value("machine.gear_ratio")
-    found = [("cogging", str(order)) for order in standing_out(eq, f)]
+    found = [("cogging", str(order)) for order in standing_out(problem, f)]
     if ratio != 1.0:  # else the output's angle is the motor's
-        found += [("output_ripple", str(order)) for order in standing_out(eq, f, ratio)]
-    found += [("encoder_eccentricity", order) for order in of_the_encoders(eq, f, ratio)]
-    if (order := of_the_gears(eq, f)) is not None:
+        found += [("output_ripple", str(order)) for order in standing_out(problem, f, ratio)]
+    found += [("encoder_eccentricity", order) for order in of_the_encoders(problem, f, ratio)]
+    if (order := of_the_gears(problem, f)) is not None:
         found.append(("cogging" if ratio == 1.0 else "mesh_ripple", f"{order:.5g}"))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
     return [
@@ -59,10 +59,10 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
-def of_the_gears(eq: Equation, f: Fit) -> float | None:
+def of_the_gears(problem: EquationErrorProblem, f: Fit) -> float | None:
     """The strongest order, of all that are resolved; None where it is unclear, or whole as those of a shaft are."""
     parts = []
-    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
         if not o.of_points:
             parts.append((f.residual[part], angle, np.sign(speed)))
@@ -72,12 +72,12 @@ def of_the_gears(eq: Equation, f: Fit) -> float | None:
     return None if _is_whole(strongest.order) else strongest.order
 
 
-def of_the_encoders(eq: Equation, f: Fit, gear_ratio: float) -> list[str]:
+def of_the_encoders(problem: EquationErrorProblem, f: Fit, gear_ratio: float) -> list[str]:
     """The orders, in cycles per turn of the output, at which the encoders part most: whole ones of either shaft."""
     own = np.arange(1, HIGHEST + 1, dtype=float)
     orders = np.unique(np.concatenate([own, own[:HIGHEST_OF_MOTOR] * gear_ratio]).round(6))
     power = np.zeros(len(orders))
-    for o, part in zip(eq.observations, eq.encoder_parts, strict=True):
+    for o, part in zip(problem.observations, problem.encoder_parts, strict=True):
         angle = o.output_origin + o.motion[o.encoder_rows, OUTPUT_ANGLE]
         if not len(angle):
             continue
@@ -103,11 +103,11 @@ def highest_order(o: Observation) -> float:
     return float(np.pi / np.median(steps)) if len(steps) else 0.0
 
 
-def resolved(eq: Equation, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
+def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
     """The candidates less those of orders that no table of points resolves."""
-    if not all(o.of_points for o in eq.observations):
+    if not all(o.of_points for o in problem.observations):
         return list(options)
-    highest = max((highest_order(o) for o in eq.observations), default=np.inf)
+    highest = max((highest_order(o) for o in problem.observations), default=np.inf)
     return [
         c
         for c in options
@@ -115,7 +115,7 @@ def resolved(eq: Equation, options: Iterable[Candidate], gear_ratio: float) -> l
     ]
 
 
-def standing_out(eq: Equation, f: Fit, gear_ratio: float | None = None) -> list[int]:
+def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
     """The orders with the most power, as far up as the samples resolve them, in cycles per turn of the motor.
 
     Where a ``gear_ratio`` is given, in cycles per turn of the output, less those that are whole for the motor too; and
@@ -124,7 +124,7 @@ def standing_out(eq: Equation, f: Fit, gear_ratio: float | None = None) -> list[
     at_output = gear_ratio is not None
     per_turn = gear_ratio or 1.0
     power = np.zeros(HIGHEST + 1)
-    for o, part in zip(eq.observations, eq.torque_parts, strict=True):
+    for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
         if at_output:
             angle = o.output_origin + o.motion[o.rows, OUTPUT_ANGLE]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.hypothesis import PARTING
-from ..criteria.worth import ENCODER_ONLY, gain, unique
+from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
 
@@ -28,31 +28,31 @@ class Rivalry:
     fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
 
 
-def judged_against_rivals(eq: Equation, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
+def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
     """The search with every effect that a rival beats replaced by it, and what still comes near."""
-    rivals = rivalries(eq, found)
+    rivals = rivalries(problem, found)
     for _ in range(SWAPS):
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None or better.behind > -BETTER:
             break
-        other = swapped(eq, found, better.fits[0])
-        if gain(eq, found.fit, other.fit) <= 0.0:
+        other = swapped(problem, found, better.fits[0])
+        if penalised_gain(problem, found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
         found = other
-        rivals = rivalries(eq, found)
+        rivals = rivalries(problem, found)
     return found, rivals
 
 
-def rivalries(eq: Equation, found: Search) -> tuple[Rivalry, ...]:
+def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ...]:
     """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
     best = found.fit
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
-        if turn is None or instance.effect in PARTING:
+        if turn is None or instance.effect in COMPLIANT_EFFECTS:
             continue
-        fits = sorted(substitutes(eq, best, name, turn), key=lambda f: -gain(eq, best, f))
-        worth = [gain(eq, best, f) for f in fits]
+        fits = sorted(substitutes(problem, best, name, turn), key=lambda f: -penalised_gain(problem, best, f))
+        worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
@@ -61,7 +61,7 @@ def rivalries(eq: Equation, found: Search) -> tuple[Rivalry, ...]:
     return tuple(judged)
 
 
-def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
+def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round) -> list[Fit]:
     """The end of the search with an effect replaced by each that came near it in its round."""
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
     bare = best.hypothesis.without(name)
@@ -76,21 +76,22 @@ def substitutes(eq: Equation, best: Fit, name: str, turn: Round) -> list[Fit]:
         if ENCODER_ONLY & {effect, other.effect}:  # what no torque shows stands in for no torque
             continue
         start = trial.fit.hypothesis.instance(trial.names[0])
-        found.append(fit(eq, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+        found.append(fit(problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
     return found
 
 
-def swapped(eq: Equation, found: Search, rival: Fit) -> Search:
+def swapped(problem: EquationErrorProblem, found: Search, rival: Fit) -> Search:
     """The search with one more round, in which a rival took the place of one effect, or of several."""
     best = found.fit
     added, removed = new_names(best, rival), new_names(rival, best)
     bare = best.hypothesis
     for name in removed:
         bare = bare.without(name)
-    nothing = fit(eq, bare, 8, known=best)
+    nothing = fit(problem, bare, 8, known=best)
     tried = tuple(
-        Trial(names, f, gain(eq, nothing, f), unique(eq, nothing, f)) for names, f in ((added, rival), (removed, best))
+        Trial(names, f, penalised_gain(problem, nothing, f), largest_rms_reduction(problem, nothing, f))
+        for names, f in ((added, rival), (removed, best))
     )
-    after = prune(eq, fit(eq, rival.hypothesis))
+    after = prune(problem, fit(problem, rival.hypothesis))
     turn = Round(best, tried, after, added, removed, "others explain more in its place")
-    return replace(found, fit=after, rounds=(*found.rounds, turn), weighting=eq.weighting)
+    return replace(found, fit=after, rounds=(*found.rounds, turn), weighting=problem.weighting)

@@ -11,50 +11,57 @@ import numpy as np
 from ...effects import catalogue
 from ...identification.candidates import candidates
 from ...identification.compliance import structural_fits
-from ...identification.equation import CORRELATION, FAR, Equation
+from ...identification.equation import CORRELATION, FAR, EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import add_decoys, dependence, order_decoys
-from ...identification.hypothesis import PARTING, Hypothesis
+from ...identification.generic_bases import add_generic_bases, dependence, order_bases
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import NARROW, cost, hopped
-from ...identification.screening import Screened, screen, screen_decoys
+from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
 from ..criteria.explained import MISFIT_DOUBTED, MISFIT_LEFT
 from ..criteria.plausible import insignificant
-from ..criteria.worth import COST_DECOY, ENCODER_ONLY, gain, matters, price, unique
+from ..criteria.worth import (
+    COST_OF_BASIS_COLUMN,
+    ENCODER_ONLY,
+    complexity_penalty,
+    has_effect_size,
+    largest_rms_reduction,
+    penalised_gain,
+)
 from .found_orders import order_candidates, resolved
 from .trace import NEEDLESS, Round, Search, Trial, new_names
 
 USUAL = 4  # effects that a machine may lack; where more seem missing, friction that wanders may be behind them
-DECOY_SHARE = 0.95  # of a decoy's gain, from which on an effect goes before it
+BASIS_SHARE = 0.95  # of a generic basis's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 PROMISING = 0.05  # of the largest gain by regression, from which on an effect is worth a fit
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
 ROUNDS = 7  # at most: what takes more effects than that is something else
-DECOYED = 4  # the same, where decoys are tried too: what an unknown depends on shows in the first of them
+ROUNDS_WITH_BASES = 4  # the same, with generic bases: what an unknown depends on shows in the first rounds
 PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
 
 
-def settle(eq: Equation, f: Fit) -> Fit:
+def settle(problem: EquationErrorProblem, f: Fit) -> Fit:
     """Fit, take weight from outliers, fit again."""
     for _ in range(4):
-        moved = eq.reweigh(f.raw, NARROW if f.parted else math.inf)
-        if not (eq.inflate(f.temperature) or moved):
+        moved = problem.reweigh(f.raw, NARROW if f.parted else math.inf)
+        if not (problem.inflate(f.temperature) or moved):
             break
-        f = fit(eq, f.hypothesis)
+        f = fit(problem, f.hypothesis)
     return f
 
 
-def parted_encoders(eq: Equation, f: Fit) -> bool:
+def parted_encoders(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether the encoders part by more than their noise."""
-    return any(p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > PARTED for p in eq.encoder_parts)
+    return any(p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > PARTED for p in problem.encoder_parts)
 
 
 def search(
-    eq: Equation,
+    problem: EquationErrorProblem,
     null: Hypothesis,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
@@ -68,50 +75,50 @@ def search(
     gearbox can only be simulated with the right loads. Where what is left of the torque is friction that wanders, and
     ``may_wander``, the search begins anew with that as part of the noise.
     """
-    eq.weighting = eq.weighting.begun_anew(FAR)
-    bare = settle(eq, fit(eq, null))
+    problem.weighting = problem.weighting.begun_anew(FAR)
+    bare = settle(problem, fit(problem, null))
     if null.base.value("machine.output_inertia") == 0.0:
-        without = without | set(PARTING)  # there is nothing behind the teeth
-    if not eq.size:
-        return _by_encoders_alone(eq, bare, without, progress, most)
-    parts = parted_encoders(eq, bare) and not without >= {*PARTING, *ENCODER_ONLY}
-    eq.use_encoder = not parts
+        without = without | set(COMPLIANT_EFFECTS)  # there is nothing behind the teeth
+    if not problem.size:
+        return _by_encoders_alone(problem, bare, without, progress, most)
+    parts = parted_encoders(problem, bare) and not without >= {*COMPLIANT_EFFECTS, *ENCODER_ONLY}
+    problem.use_encoder = not parts
     # without the encoders calling for it, what they alone show has no place
     by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
     if parts:
         progress("looking at the torque alone")
-    begun = fit(eq, bare.hypothesis) if parts else bare
-    current, rounds = add_effects(eq, begun, by_torque, progress, most=most)
-    if may_wander and eq.weighting.wander is None and not null.base.is_open:
-        current, rounds = _beside_wander(eq, null, current, rounds, by_torque, progress, most)
+    begun = fit(problem, bare.hypothesis) if parts else bare
+    current, rounds = add_effects(problem, begun, by_torque, progress, most=most)
+    if may_wander and problem.weighting.wander is None and not null.base.is_open:
+        current, rounds = _beside_wander(problem, null, current, rounds, by_torque, progress, most)
     if parts:
-        eq.use_encoder = True
-        eq.weighting = eq.weighting.from_outliers(NARROW)
-        current = fit(eq, current.hypothesis)
-        if parted_encoders(eq, current):
+        problem.use_encoder = True
+        problem.weighting = problem.weighting.from_outliers(NARROW)
+        current = fit(problem, current.hypothesis)
+        if parted_encoders(problem, current):
             progress("looking at the gearbox")
-            current, by_gearbox = _add_structure(eq, current, without)
+            current, by_gearbox = _add_structure(problem, current, without)
             rounds += by_gearbox
-        current, by_all = add_effects(eq, current, without, progress, most=most)
+        current, by_all = add_effects(problem, current, without, progress, most=most)
         rounds += by_all
-    return significant(eq, Search(current, tuple(rounds), eq.weighting))
+    return significant(problem, Search(current, tuple(rounds), problem.weighting))
 
 
 def _by_encoders_alone(
-    eq: Equation, bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
+    problem: EquationErrorProblem, bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
 ) -> Search:
     """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
     current = bare
     rounds: list[Round] = []
-    if parted_encoders(eq, bare):
+    if parted_encoders(problem, bare):
         progress("looking at the gearbox")
-        current, rounds = _add_structure(eq, bare, without)
-    current, further = add_effects(eq, current, without, progress, most=most)
-    return significant(eq, Search(current, (*rounds, *further), eq.weighting))
+        current, rounds = _add_structure(problem, bare, without)
+    current, further = add_effects(problem, current, without, progress, most=most)
+    return significant(problem, Search(current, (*rounds, *further), problem.weighting))
 
 
 def _beside_wander(
-    eq: Equation,
+    problem: EquationErrorProblem,
     null: Hypothesis,
     current: Fit,
     rounds: list[Round],
@@ -124,71 +131,74 @@ def _beside_wander(
     Asked where something is left, or where it took suspiciously many effects to leave nothing.
     """
     many = len(current.hypothesis.added) > USUAL
-    if torque_left(eq, current) <= MISFIT_LEFT and not many:
+    if torque_left(problem, current) <= MISFIT_LEFT and not many:
         return current, rounds
-    plain, wander = eq.weighting, wandering(eq, rounds[1].after if many else current)
+    plain, wander = problem.weighting, wandering(problem, rounds[1].after if many else current)
     if wander is None:
         return current, rounds
-    cost_of_many = _torque_cost(eq, current) if many else math.inf
+    cost_of_many = _torque_cost(problem, current) if many else math.inf
     progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
-    eq.weighting = replace(plain.begun_anew(FAR), wander=wander)
-    beside, rounds_beside = add_effects(eq, settle(eq, fit(eq, null)), without, progress, most=most)
-    weighting, left = eq.weighting, torque_left(eq, beside)
-    too_dear = _torque_cost(eq, beside) + wander.price > cost_of_many
-    eq.weighting = plain
-    paid = left + CORRELATION * wander.price / eq.size
-    if left > MISFIT_LEFT or too_dear or depends_on_more(eq, beside.hypothesis, paid):
+    problem.weighting = replace(plain.begun_anew(FAR), wander=wander)
+    beside, rounds_beside = add_effects(problem, settle(problem, fit(problem, null)), without, progress, most=most)
+    weighting, left = problem.weighting, torque_left(problem, beside)
+    too_dear = _torque_cost(problem, beside) + wander.complexity_penalty > cost_of_many
+    problem.weighting = plain
+    paid = left + CORRELATION * wander.complexity_penalty / problem.size
+    if left > MISFIT_LEFT or too_dear or depends_on_more(problem, beside.hypothesis, paid):
         return current, rounds
-    eq.weighting = weighting
+    problem.weighting = weighting
     return beside, rounds_beside
 
 
-def depends_on_more(eq: Equation, h: Hypothesis, at_most: float) -> bool:
+def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
     """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
 
     Or hardly more of it than ``at_most``, in misfit per row.
     """
-    add_decoys(eq)
-    f = fit(eq, h)
-    name = next((name for _, name in screen_decoys(eq, f) if dependence(name) != "time"), None)
+    add_generic_bases(problem)
+    f = fit(problem, h)
+    name = next((name for _, name in screen_generic_bases(problem, f) if dependence(name) != "time"), None)
     if name is None:
         return False
-    columns = eq.decoys[name].shape[1]
-    beside = fit(eq, h.with_decoy(name, columns))
-    return torque_left(eq, beside) + CORRELATION * COST_DECOY * columns / eq.size < at_most + MISFIT_DOUBTED - 1.0
+    columns = problem.generic_bases[name].shape[1]
+    beside = fit(problem, h.with_generic_basis(name, columns))
+    return (
+        torque_left(problem, beside) + CORRELATION * COST_OF_BASIS_COLUMN * columns / problem.size
+        < at_most + MISFIT_DOUBTED - 1.0
+    )
 
 
-def _torque_cost(eq: Equation, f: Fit) -> float:
+def _torque_cost(problem: EquationErrorProblem, f: Fit) -> float:
     """What a hypothesis costs by the torque, as twice a negative log-likelihood, its price paid."""
-    return float(eq.costs(f.raw)[: eq.size].sum()) / CORRELATION + price(f)
+    return float(problem.costs(f.raw)[: problem.size].sum()) / CORRELATION + complexity_penalty(f)
 
 
-def torque_left(eq: Equation, f: Fit) -> float:
+def torque_left(problem: EquationErrorProblem, f: Fit) -> float:
     """What a row of torque adds to the misfit, in the mean: one where nothing but noise is left."""
-    return float(eq.costs(f.raw)[: eq.size].mean())
+    return float(problem.costs(f.raw)[: problem.size].mean())
 
 
-def significant(eq: Equation, found: Search) -> Search:
+def significant(problem: EquationErrorProblem, found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that."""
     uncertain: frozenset[str] = frozenset()
-    while name := insignificant(eq, found.fit):
+    while name := insignificant(problem, found.fit):
         uncertain |= {found.fit.hypothesis.added[name].effect}
-        found = less(eq, found, [name], "too uncertain to be named")
+        found = less(problem, found, [name], "too uncertain to be named")
         once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
         if back := (once & catalogue().keys()) - uncertain - {*found.fit.hypothesis.effects}:
-            after, rounds = add_effects(eq, found.fit, frozenset(catalogue()) - back, most=len(back))
-            found = replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting)
+            after, rounds = add_effects(problem, found.fit, frozenset(catalogue()) - back, most=len(back))
+            found = replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)
     return found
 
 
-def less(eq: Equation, found: Search, names: Sequence[str], reason: str) -> Search:
+def less(problem: EquationErrorProblem, found: Search, names: Sequence[str], reason: str) -> Search:
     """The search with one more round, in which effects were taken out, and what is needless without them."""
     if not names:
         return found
     h = found.fit.hypothesis
     for name in names:
         h = _without(h, name)
-    return found.ended(prune(eq, settle(eq, fit(eq, h))), eq.weighting, reason)
+    return found.ended(prune(problem, settle(problem, fit(problem, h))), problem.weighting, reason)
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
@@ -197,24 +207,31 @@ def _misleading(null: Hypothesis) -> frozenset[str]:
 
 
 def add_effects(
-    eq: Equation,
+    problem: EquationErrorProblem,
     current: Fit,
     without: frozenset[str],
     progress: Callable[[str], None] = lambda text: None,
-    decoyed: bool = False,
+    with_bases: bool = False,
     most: int = ROUNDS,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
     banned: frozenset[str] = frozenset()
-    for _ in range(DECOYED if decoyed else most):
+    for _ in range(ROUNDS_WITH_BASES if with_bases else most):
         progress("trying all effects")
-        tried = [with_one_more(eq, current, h) for h in entrants(eq, current, without | banned)]
-        if decoyed:
-            eq.decoys.update(order_decoys(eq, current))
-            for name in [name for _, name in screen_decoys(eq, current) if name not in banned][:2]:
-                tried.append(fit(eq, current.hypothesis.with_decoy(name, eq.decoys[name].shape[1]), 3, known=current))
-        turn = _turn(eq, current, tried)
+        tried = [with_one_more(problem, current, h) for h in entrants(problem, current, without | banned)]
+        if with_bases:
+            problem.generic_bases.update(order_bases(problem, current))
+            for name in [name for _, name in screen_generic_bases(problem, current) if name not in banned][:2]:
+                tried.append(
+                    fit(
+                        problem,
+                        current.hypothesis.with_generic_basis(name, problem.generic_bases[name].shape[1]),
+                        3,
+                        known=current,
+                    )
+                )
+        turn = _turn(problem, current, tried)
         rounds.append(turn)
         if not turn.added:
             break
@@ -224,96 +241,101 @@ def add_effects(
     return current, rounds
 
 
-def with_one_more(eq: Equation, current: Fit, h: Hypothesis) -> Fit:
+def with_one_more(problem: EquationErrorProblem, current: Fit, h: Hypothesis) -> Fit:
     """A fit of a hypothesis that has one effect more, from where a regression would start it.
 
     Or, if a straight line led too far, from a typical size, or from where the effect does next to nothing.
     """
     name = next(n for n in h.added if n not in current.hypothesis.added)
     size = catalogue()[h.added[name].effect].parameters[0]
-    tried = [fit(eq, h, 6, known=current)]
+    tried = [fit(problem, h, 6, known=current)]
     begun = h.instance(name).parameters[size.name]
     if size.neutral is not None:
         for value in (size.default, size.neutral + NEXT_TO_NOTHING * (begun - size.neutral)):
             if cost(tried[-1]) <= cost(current):
                 break
             near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": value})
-            tried.append(fit(eq, near, 6, known=current))
+            tried.append(fit(problem, near, 6, known=current))
     return min(tried, key=lambda f: cost(f) if math.isfinite(cost(f)) else math.inf)
 
 
-def _add_structure(eq: Equation, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
+def _add_structure(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
-    tried = structural_fits(eq, current, without) if gearbox_shows(eq, current) else []
+    tried = structural_fits(problem, current, without) if gearbox_shows(problem, current) else []
     sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
-    tried += [fit(eq, h, 6) for h in entrants(eq, current, without | sensors)]
-    turn = _turn(eq, current, tried)
+    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | sensors)]
+    turn = _turn(problem, current, tried)
     return turn.after, [turn]
 
 
-def _turn(eq: Equation, current: Fit, tried: Sequence[Fit]) -> Round:
+def _turn(problem: EquationErrorProblem, current: Fit, tried: Sequence[Fit]) -> Round:
     """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
-    trials = _ranked(_trial(eq, current, g) for g in tried)
-    took = _best(eq, current, trials)
+    trials = _ranked(_trial(problem, current, g) for g in tried)
+    took = _best(problem, current, trials)
     if took is None and not current.parted:
         # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
-        again = [_trial(eq, current, fit(eq, t.fit.hypothesis)) for t in near]
+        again = [_trial(problem, current, fit(problem, t.fit.hypothesis)) for t in near]
         trials = _ranked([*again, *(t for t in trials if t not in near)])
-        took = _best(eq, current, trials)
+        took = _best(problem, current, trials)
     if took is None:
         return Round(current, trials, current)
-    whole = fit(eq, took.fit.hypothesis.balanced())
+    whole = fit(problem, took.fit.hypothesis.balanced())
     fresh = [name for name in took.names if name in whole.hypothesis.added]
-    after = prune(eq, settle(eq, hopped(eq, whole, fresh) if whole.parted else whole))
+    after = prune(problem, settle(problem, hopped(problem, whole, fresh) if whole.parted else whole))
     return Round(current, trials, after, took.names, new_names(after, took.fit))
 
 
-def _trial(eq: Equation, before: Fit, after: Fit) -> Trial:
-    return Trial(new_names(before, after), after, gain(eq, before, after), unique(eq, before, after))
+def _trial(problem: EquationErrorProblem, before: Fit, after: Fit) -> Trial:
+    return Trial(
+        new_names(before, after),
+        after,
+        penalised_gain(problem, before, after),
+        largest_rms_reduction(problem, before, after),
+    )
 
 
 def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
-    """Best first; a decoy fits anything: an effect that does nearly as well goes before it."""
-    share = {True: DECOY_SHARE, False: 1.0}
-    return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.decoys})]))
+    """Best first; a generic basis fits anything: an effect that does nearly as well goes before it."""
+    share = {True: BASIS_SHARE, False: 1.0}
+    return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.generic_bases})]))
 
 
-def _best(eq: Equation, current: Fit, trials: Iterable[Trial]) -> Trial | None:
+def _best(problem: EquationErrorProblem, current: Fit, trials: Iterable[Trial]) -> Trial | None:
     """The first that is worth its price, and large enough to be named."""
-    return next((t for t in trials if t.gain > 0.0 and matters(eq, current, t.fit)), None)
+    return next((t for t in trials if t.gain > 0.0 and has_effect_size(problem, current, t.fit)), None)
 
 
-def entrants(eq: Equation, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
+def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
     """The current hypothesis with each of the most promising effects added."""
-    options = [c for c in candidates(current.hypothesis, without) if c.effect not in PARTING]
-    options += [c for c in order_candidates(eq, current) if c.effect not in without]
-    ranked = screen(eq, current, resolved(eq, options, current.hypothesis.base.value("machine.gear_ratio")))
+    options = [c for c in candidates(current.hypothesis, without) if c.effect not in COMPLIANT_EFFECTS]
+    options += [c for c in order_candidates(problem, current) if c.effect not in without]
+    ranked = screen(problem, current, resolved(problem, options, current.hypothesis.base.value("machine.gear_ratio")))
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
         if alike < 2 and len(picked) < ENTRANTS and s.gain > PROMISING * ranked[0].gain:
             picked.append(s)
-    return [_more(eq, current.hypothesis, s) for s in picked]
+    return [_more(problem, current.hypothesis, s) for s in picked]
 
 
-def _more(eq: Equation, h: Hypothesis, s: Screened) -> Hypothesis:
+def _more(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
     """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
-    lower, upper = eq.bounds(h)
+    lower, upper = problem.bounds(h)
     room = h.at(np.clip(h.values + s.shift, lower, upper))
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
-def prune(eq: Equation, f: Fit) -> Fit:
+def prune(problem: EquationErrorProblem, f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included."""
-    while f.hypothesis.added or f.hypothesis.decoys:
-        trials = [fit(eq, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
-        trials += [fit(eq, f.hypothesis.without_decoy(n), 4, known=f) for n in f.hypothesis.decoys]
-        needless = [g for g in trials if gain(eq, f, g) >= 0.0 or not matters(eq, g, f)]
+    while f.hypothesis.added or f.hypothesis.generic_bases:
+        trials = [fit(problem, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
+        trials += [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]
+        needless = [g for g in trials if penalised_gain(problem, f, g) >= 0.0 or not has_effect_size(problem, g, f)]
         if not needless:
             break
-        best = max(needless, key=lambda g: gain(eq, f, g))
-        f = fit(eq, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
+        best = max(needless, key=lambda g: penalised_gain(problem, f, g))
+        f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
 
 

@@ -11,11 +11,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...effects import catalogue
-from ...identification.equation import Equation
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import Hypothesis
 from ..criteria.plausible import strained
-from ..criteria.worth import ENCODER_ONLY, gain
+from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .rivals import BETTER, swapped
 from .search import add_effects, entrants, search, significant, with_one_more
 from .trace import Search
@@ -25,7 +25,9 @@ SEVERAL = 4  # effects that another explanation may have
 THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
-def in_better_company(eq: Equation, found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
+def in_another_order(
+    problem: EquationErrorProblem, found: Search, without: frozenset[str], progress: Callable[[str], None]
+) -> Search:
     """The search with other effects in the place of those that show over the speed, where these explain more together.
 
     Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
@@ -38,28 +40,28 @@ def in_better_company(eq: Equation, found: Search, without: frozenset[str], prog
     bare = best.hypothesis
     for name in alike:
         bare = bare.without(name)
-    start = fit(eq, bare)
+    start = fit(problem, bare)
     others = without | {id for id in catalogue() if not _by_speed(id)}
     for effect in sorted(catalogue().keys() - others):
-        for h in entrants(eq, start, frozenset(catalogue().keys() - {effect}))[:1]:
-            other, _ = add_effects(eq, with_one_more(eq, start, h), others, most=MORE)
-            eq.weighting = found.weighting  # misfits compare under one weighting only
-            other = fit(eq, other.hypothesis)
-            if gain(eq, best, other) > BETTER:
+        for h in entrants(problem, start, frozenset(catalogue().keys() - {effect}))[:1]:
+            other, _ = add_effects(problem, with_one_more(problem, start, h), others, most=MORE)
+            problem.weighting = found.weighting  # misfits compare under one weighting only
+            other = fit(problem, other.hypothesis)
+            if penalised_gain(problem, best, other) > BETTER:
                 best = other
     if best is not found.fit:
-        better = significant(eq, swapped(eq, found, best))
-        eq.weighting = found.weighting
-        if gain(eq, found.fit, fit(eq, better.fit.hypothesis)) > 0.0:
-            eq.weighting = better.weighting
+        better = significant(problem, swapped(problem, found, best))
+        problem.weighting = found.weighting
+        if penalised_gain(problem, found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
+            problem.weighting = better.weighting
             return better
     return found
 
 
-def thought_again(
-    eq: Equation,
+def search_without_first(
+    problem: EquationErrorProblem,
     null: Hypothesis,
-    barred: frozenset[str],
+    excluded: frozenset[str],
     found: Search,
     content: Callable[[Fit], bool],
     progress: Callable[[str], None],
@@ -70,14 +72,16 @@ def thought_again(
     """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(eq, null, barred | {effect}, progress, most=SEVERAL, may_wander=False)
+        other = search(problem, null, excluded | {effect}, progress, most=SEVERAL, may_wander=False)
         if other.fit.parted:
             continue
-        after, rounds = add_effects(eq, other.fit, barred | ENCODER_ONLY, progress, most=MORE)
-        other = significant(eq, replace(other, fit=after, rounds=(*other.rounds, *rounds), weighting=eq.weighting))
+        after, rounds = add_effects(problem, other.fit, excluded | ENCODER_ONLY, progress, most=MORE)
+        other = significant(
+            problem, replace(other, fit=after, rounds=(*other.rounds, *rounds), weighting=problem.weighting)
+        )
         if content(other.fit):
             return other, True
-    eq.weighting = found.weighting
+    problem.weighting = found.weighting
     return found, False
 
 

@@ -9,9 +9,9 @@ from ...identification.weighting import Weighting
 
 
 def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
-    """The effects and decoys that one fit has and another has not."""
-    held = {*before.hypothesis.added, *before.hypothesis.decoys}
-    return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.decoys) if n not in held)
+    """The effects and generic bases that one fit has and another has not."""
+    held = {*before.hypothesis.added, *before.hypothesis.generic_bases}
+    return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.generic_bases) if n not in held)
 
 
 NEEDLESS = "needless beside what was added"
@@ -39,7 +39,7 @@ class Round:
     reason: str = NEEDLESS  # why that was removed
 
     def effect_of(self, name: str) -> str:
-        """The effect, or the decoy, behind a name that was tried."""
+        """The effect, or the generic basis, behind a name that was tried."""
         held = next((t.fit.hypothesis.added[name] for t in self.tried if name in t.fit.hypothesis.added), None)
         return held.effect if held else name
 
@@ -54,7 +54,7 @@ class Search:
 
     @property
     def changes(self) -> tuple[Round, ...]:
-        """The rounds in which something came or went, decoys included."""
+        """The rounds in which something came or went, generic bases included."""
         return tuple(turn for turn in self.rounds if turn.after is not turn.before)
 
     @property
@@ -65,10 +65,10 @@ class Search:
     @property
     def stopped(self) -> Round | None:
         """The last round in which nothing was worth its price beside what the end holds; None where there is none."""
-        held = {*self.fit.hypothesis.added, *self.fit.hypothesis.decoys}
+        held = {*self.fit.hypothesis.added, *self.fit.hypothesis.generic_bases}
         refused = (turn for turn in reversed(self.rounds) if turn.after is turn.before)
         last = next(refused, None)
-        same = last is not None and {*last.after.hypothesis.added, *last.after.hypothesis.decoys} == held
+        same = last is not None and {*last.after.hypothesis.added, *last.after.hypothesis.generic_bases} == held
         return last if same else None
 
     def with_numbers(self, fit: Fit) -> Search:

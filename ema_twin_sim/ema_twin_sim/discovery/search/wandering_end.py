@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...identification.equation import CORRELATION, FAR, Equation
+from ...identification.equation import CORRELATION, FAR, EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.local_minima import NARROW
 from ...identification.wandering import wandering
@@ -19,23 +19,25 @@ from .trace import Search
 
 
 def wandering_after_all(
-    eq: Equation, found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
+    problem: EquationErrorProblem, found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
 ) -> Search | None:
     """The search, its end beside friction that wanders, where nothing else is left then; None where more is."""
-    wander = None if found.weighting.wander is not None else wandering(eq, found.fit)
+    wander = None if found.weighting.wander is not None else wandering(problem, found.fit)
     if wander is None:
         return None
     progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
-    plain = eq.weighting
-    eq.weighting = replace(plain.begun_anew(NARROW if found.fit.parted else FAR), wander=wander)
-    after, rounds = add_effects(eq, settle(eq, fit(eq, found.fit.hypothesis)), without, progress)
-    beside = significant(eq, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=eq.weighting))
-    allowed = torque_left(eq, beside.fit) + CORRELATION * wander.price / eq.size
-    if explained(eq, beside.fit, start):
-        weighting = eq.weighting
-        eq.weighting = plain
-        if not depends_on_more(eq, beside.fit.hypothesis, allowed):
-            eq.weighting = weighting
+    plain = problem.weighting
+    problem.weighting = replace(plain.begun_anew(NARROW if found.fit.parted else FAR), wander=wander)
+    after, rounds = add_effects(problem, settle(problem, fit(problem, found.fit.hypothesis)), without, progress)
+    beside = significant(
+        problem, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)
+    )
+    allowed = torque_left(problem, beside.fit) + CORRELATION * wander.complexity_penalty / problem.size
+    if explained(problem, beside.fit, start):
+        weighting = problem.weighting
+        problem.weighting = plain
+        if not depends_on_more(problem, beside.fit.hypothesis, allowed):
+            problem.weighting = weighting
             return beside
-    eq.weighting = plain
+    problem.weighting = plain
     return None
