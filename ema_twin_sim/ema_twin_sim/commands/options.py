@@ -56,13 +56,17 @@ EffectName = Annotated[
 WithFiles = Annotated[
     list[Path] | None,
     typer.Option(
-        "--with", metavar="FILE.py", help="A Python file with an effect of your own. It is run. May be repeated."
+        "--with",
+        "--effect-file",
+        metavar="FILE.py",
+        help="A Python file with an effect of your own. It is run. May be repeated.",
     ),
 ]
 Without = Annotated[
     list[str] | None,
     typer.Option(
         "--without",
+        "--exclude",
         metavar="EFFECT",
         help="An effect that is not to be looked for. May be repeated.",
         autocompletion=effect_names,
