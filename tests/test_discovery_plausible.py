@@ -4,6 +4,7 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.explained import apart
 from ema_twin_sim.discovery.criteria.plausible import insignificant, only_constants, strained
+from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import search
 from ema_twin_sim.effects import catalogue
@@ -110,3 +111,12 @@ def test_a_bristle_that_no_recording_bends_is_not_sure(stock):
     bent = stock.with_effect("presliding_friction", {"stiffness": 4.0, "damping": 0.0})
     problem = EquationErrorProblem(observe_all(record(bent, RUNS), stock))
     assert insignificant(problem, fit(problem, h)) is None
+
+
+@pytest.mark.parametrize("scale", [0.87, 1.156])
+def test_constants_that_were_put_back_do_not_make_an_effect_improbable(scale, stock):
+    """The model ends with its file's constants where the loop follows as well; the equation may know better ones."""
+    found = discover(record(stock.with_effect("torque_constant_error", {"scale": scale}), RUNS), stock)
+    ranking = weigh(found).ranking
+    assert {entry.effect for entry in ranking if entry.found} == {*found.added} == {"torque_constant_error"}
+    assert ranking[0].probability > 0.9

@@ -47,3 +47,15 @@ def test_a_bump_of_friction_is_not_stribecks(stock):
             with_signals(recording, {**recording.signals, "current": recording.signals["current"] + bump / kt})
         )
     assert standing(bumped, stock, "stribeck_friction", {"torque": 0.05, "speed": 4.0}) == ()
+
+
+@pytest.mark.parametrize(("amplitude", "stands"), [(0.0, ("encoder_delay",)), (4e-4, ())])
+def test_a_late_encoder_stands_where_it_is_most_of_how_the_encoders_part(amplitude, stands, stock):
+    """Beside lines that an encoder interpolates wrongly, a delay that takes a small part away may be their likeness."""
+    late = record(stock.with_effect("encoder_delay", {"delay": 5e-4}), RUNS)
+    lined = []
+    for recording in late:
+        output = recording.signals["output_position"]
+        wave = amplitude * np.sin(60.0 * output)
+        lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
+    assert standing(lined, stock, "encoder_delay", {"delay": 5e-4}) == stands

@@ -9,7 +9,7 @@ been made of other stretches of the same kind.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -154,7 +154,10 @@ def weigh(found: Discovery) -> Diagnosis:
             absent[key] = absent.get(key, 1.0) * (1.0 - chance)
     present = {key: SUREST * (1.0 - chance) for key, chance in absent.items()}
     contenders = {contender.key: contender for contender in reversed([c for each in contests for c in each] + tried)}
-    order = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))[:RANKED]
+    # what is held is told with the numbers that the model got
+    contenders |= {cause.key: replace(cause, after=found.search.fit) for cause, *_ in contests if cause.key in held}
+    likeliest = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))
+    order = [key for place, key in enumerate(likeliest) if place < RANKED or key in held]
     removed = _removed(problem, found.recordings, [contenders[key] for key in order[:SIMULATED]])
     ranking = tuple(_ranked(problem, contenders[key], present[key], removed.get(key), key in held) for key in order)
     verdict = next(entry.effect for entry in ranking if entry.found) if found.verdict == "explained" else found.verdict
@@ -172,7 +175,7 @@ def weigh(found: Discovery) -> Diagnosis:
 
 def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Contender]]:
     """For each effect that the complete search holds: itself, and what could stand in its place."""
-    best = found.search.fit
+    best = found.search.free_fit
     contests: dict[Key, list[_Contender]] = {}
     for name, instance in best.hypothesis.added.items():
         bare = fit(problem, best.hypothesis.without(name), 4, known=best)

@@ -51,6 +51,7 @@ class Search:
     fit: Fit
     rounds: tuple[Round, ...]
     weighting: Weighting  # that the end was fitted under
+    loosest: Fit | None = None  # the end before numbers of it were put back, where they were
 
     @property
     def changes(self) -> tuple[Round, ...]:
@@ -75,9 +76,14 @@ class Search:
         """The search with other numbers of what it ended with."""
         last = self.changes[-1]
         rounds = tuple(replace(turn, after=fit) if turn is last else turn for turn in self.rounds)
-        return replace(self, fit=fit, rounds=rounds)
+        return replace(self, fit=fit, rounds=rounds, loosest=self.free_fit)
+
+    @property
+    def free_fit(self) -> Fit:
+        """The end with all its numbers where the equation error has them: what others may be held against."""
+        return self.loosest or self.fit
 
     def ended(self, after: Fit, weighting: Weighting, reason: str) -> Search:
         """The search with one more round, which ends at a fit that holds less."""
         turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
-        return replace(self, fit=after, rounds=(*self.rounds, turn), weighting=weighting)
+        return replace(self, fit=after, rounds=(*self.rounds, turn), weighting=weighting, loosest=None)
