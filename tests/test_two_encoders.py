@@ -1,5 +1,7 @@
 """Recordings of two encoders and no torque: what parts them is named, on machines of any size."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -121,3 +123,10 @@ def test_no_live_twin_runs_behind_two_encoders(tmp_path):
     recording, _ = drafted(tmp_path, "nothing", 1.0)
     with pytest.raises(InputError, match="holds no current, torque or setpoint"):
         refuse_encoders_alone(recording)
+
+
+def test_recordings_with_and_without_a_torque_are_judged_apart(tmp_path):
+    recording, model = drafted(tmp_path, "nothing", 1.0)
+    driven = replace(recording, name="driven", signals={**recording.signals, "current": np.ones(len(recording))})
+    with pytest.raises(InputError, match="run: hold two encoders and no torque, beside recordings that hold one"):
+        discover([recording, driven], model)

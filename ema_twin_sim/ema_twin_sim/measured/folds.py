@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import FEWEST, directed
 
 FEWEST_OF_BOTH = 4 * FEWEST
@@ -53,10 +54,19 @@ def _part(whole: Recording, chosen: np.ndarray, name: str) -> Recording:
 
 
 def refuse_mixed(recordings: Sequence[Recording]) -> None:
-    """Raise InputError where operating points stand beside recordings of a motion: they are judged differently."""
+    """Raise InputError where recordings of different kinds stand side by side, since they are judged differently.
+
+    These are operating points, two encoders without a torque, and all others.
+    """
     names = [recording.name for recording in recordings if recording.of_points]
     if names and len(names) < len(recordings):
         raise InputError(
             f"{', '.join(names)}: operating points, beside recordings of a motion; give one kind at a time, the second "
             "with the model that the first gave"
+        )
+    names = [recording.name for recording in recordings if of_encoders_alone(recording)]
+    if names and len(names) < len(recordings):
+        raise InputError(
+            f"{', '.join(names)}: hold two encoders and no torque, beside recordings that hold one; give one kind at a "
+            "time, the second with the model that the first gave"
         )
