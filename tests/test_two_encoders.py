@@ -104,6 +104,30 @@ def test_what_parts_two_encoders_is_named(kind, quicker, tmp_path):
     assert excess[1] < 0.02 * excess[0]
 
 
+def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
+    recording, model = drafted(tmp_path, "play", 1.0)
+    time = recording.time
+    late = np.interp(time - 2e-3, time, recording.signals["output_position"])
+    found = discover([replace(recording, signals={**recording.signals, "output_position": late})], model)
+    assert {*found.added} == {"backlash", "encoder_delay"}
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.1)
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(2e-3, rel=0.02)
+
+
+def test_a_carriage_has_play_too(tmp_path):
+    time = np.arange(SAMPLES) * 2e-3
+    way = 0.15 * moved(time, 1.0)
+    columns = [time, *(np.round((x - x[0]) / 1e-6) * 1e-6 for x in (way, behind_play(way, 8e-5)))]
+    trace = tmp_path / "run.csv"
+    head = "time [s],motor position [m],output position [m]"
+    np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
+    init(str(tmp_path / "machine"), trace)
+    found = discover([load(trace, import_map=tmp_path / "machine_map.yaml")], load_model(tmp_path / "machine.yaml"))
+    assert (found.verdict, found.added) == ("explained", ("backlash",))
+    width = found.parameters["backlash"]["width"]
+    assert width["unit"] == "m" and width["value"] == pytest.approx(8e-5, rel=0.15)
+
+
 def test_encoders_that_agree_lack_nothing(tmp_path):
     recording, model = drafted(tmp_path, "nothing", 1.0)
     found = discover([recording], model)

@@ -16,11 +16,13 @@ from .excerpt import excerpt
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .local_minima import NARROW, best_of, ranked, starting
-from .sensors import with_sensors
+from .sensors import hysteresis, with_sensors
 
 STIFFNESS = tuple(3.0 * 1.3**k for k in range(22))
 DAMPING = (0.004, 0.015, 0.05, 0.15)
 WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
+ABOUT = (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.3)  # times the hysteresis of both encoders, where no torque was measured
+HOLDING = (0.03, 0.1, 0.3, 1.0)  # times the friction that an output begins with
 SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
 OUTPUT_SHARE = 0.4  # of the friction, to begin with, that is at the output
@@ -49,7 +51,9 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
         families.append(ranked(part, wound))
     if "backlash" not in held and spread > 0.0:
-        families.append(ranked(part, _gaps(h, spread)))
+        families.append(
+            ranked(part, _gaps(h, spread) if h.by_torque else _held_in_gaps(h, hysteresis(problem, current)))
+        )
     hopeless = HOPELESS * min((family[0][0] for family in families), default=0.0)
     best = [best_of(part, family) for family in families if family[0][0] <= hopeless]
     play = next((f for f in best if "shaft_compliance" not in held and "backlash" in f.hypothesis.effects), None)
@@ -98,6 +102,12 @@ def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
         starting(gap, {**side, "contact.stiffness": stiffness, "contact.damping": damping})
         for gap, side, (stiffness, damping) in itertools.product(gaps, _sides(gaps[0]), CONTACTS)
     ]
+
+
+def _held_in_gaps(h: Hypothesis, hysteresis: float) -> list[Hypothesis]:
+    """A hypothesis with play of about the encoders' ``hysteresis`` [rad], in which some friction holds the output."""
+    gaps = [h.with_effect("backlash", {}, {"width": hysteresis * share}) for share in ABOUT]
+    return [starting(gap, {"scale.output_coulomb": held}) for gap, held in itertools.product(gaps, HOLDING)]
 
 
 def _is_contact(f: Fit) -> bool:

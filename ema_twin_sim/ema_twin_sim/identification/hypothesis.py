@@ -205,6 +205,8 @@ class Hypothesis:
             if self.by_torque:  # else the inertia is what all torques are told in
                 sides["scale.inertia"] = Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))
             wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
+            if not self.by_torque and "shaft_compliance" not in held:  # more would wind up the teeth, which is no play
+                wanted = [(replace(side, upper=1.0), value) for side, value in wanted]
         if "backlash" in held and "shaft_compliance" not in held:
             wanted += self._teeth()
         paths = [free.path for free, _ in wanted]

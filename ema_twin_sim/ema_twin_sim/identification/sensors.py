@@ -64,6 +64,14 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
     return True
 
 
+def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
+    """How far [rad, slow shaft] the encoders part from one direction to the other, beside their sensors' errors."""
+    gearbox, sensors = _columns(problem, f)
+    by_direction = gearbox[:, GEARBOX_COLUMNS - 1 :]
+    coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), problem.measured[problem.size :])
+    return 2.0 * abs(float(coefficients[0]))
+
+
 def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """(what a gearbox shows (k, c), what each sensor shows (k, 1 or 2)) at all encoder rows, in units of noise."""
     ratio = f.predicted.plant["gear_ratio"][0]

@@ -62,7 +62,8 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
         return model
     torque = rms_torque(recordings, model)
     if torque == 0.0 and all(map(of_encoders_alone, recordings)):
-        return _with_output_held(model, encoder_units(recordings, model))
+        radius = drum_radius(recordings) if model.motion == "linear" else None
+        return _with_output_held(model, encoder_units(recordings, model, radius))
     estimate = estimate_balance(recordings, model, torque) if torque > 0.0 else None
     if estimate is None:
         return model
@@ -90,7 +91,7 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     torque = rms_torque(recordings, model) * (radius or 1.0)
     inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
     if all(map(of_encoders_alone, recordings)):
-        return encoder_units(recordings, model)
+        return encoder_units(recordings, model, radius)
     fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
     if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)

@@ -44,18 +44,20 @@ def refuse_encoders_alone(recording: Recording) -> None:
         )
 
 
-def encoder_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
+def encoder_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
     """The units of a machine of which both encoders were recorded and no torque: its time by its speed.
 
-    That of torque is a mere name, by which the model's inertia becomes the reference's.
+    That of torque is a mere name, by which the model's inertia becomes the reference's. ``radius`` [m] is that of the
+    drum that a linear machine runs round.
     """
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     motors = [_even(recording) for recording in recordings]
     square = float(np.mean([np.mean(np.gradient(position, time) ** 2) for time, position in motors]))
     if not (square > 0.0 and inertia > 0.0):
-        return OwnUnits()
-    time = reference_bench.MOTOR_SPEED / math.sqrt(square)
-    return OwnUnits(time, inertia / reference_bench.INERTIA / time**2)
+        return OwnUnits(radius=radius)
+    drum = radius or 1.0
+    time = reference_bench.MOTOR_SPEED * drum / math.sqrt(square)
+    return OwnUnits(time, inertia * drum**2 / reference_bench.INERTIA / time**2, 1.0, radius)
 
 
 def twin_behind_motor(model: Model, recording: Recording) -> Recording:
