@@ -154,3 +154,10 @@ def test_recordings_with_and_without_a_torque_are_judged_apart(tmp_path):
     driven = replace(recording, name="driven", signals={**recording.signals, "current": np.ones(len(recording))})
     with pytest.raises(InputError, match="run: hold two encoders and no torque, beside recordings that hold one"):
         discover([recording, driven], model)
+
+
+def test_an_output_that_never_moves_is_refused(tmp_path):
+    recording, model = drafted(tmp_path, "nothing", 1.0)
+    still = replace(recording, signals={**recording.signals, "output_position": np.zeros(len(recording))})
+    with pytest.raises(InputError, match="output_position never changes while the motor turns"):
+        discover([still], model)

@@ -112,14 +112,15 @@ def options_words(options: Mapping[str, str]) -> str:
 
 def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
     """What of the machine repeats as often as effects do; where its model does not say, what may."""
+    from ..effects import catalogue
     from ..model.model import ORDER_ERROR
 
     told = []
     unnamed: dict[tuple[str, str], list[str]] = {}
     for name in names:
         order = model.effects[name].options.get("order") if name in model.effects else None
-        if order is None:
-            continue
+        if order is None or catalogue()[model.effects[name].effect].depends_on == "encoders":
+            continue  # an encoder's own error is no part of the train
         cycles = model.motor_order(name)
         shaft = "motor" if float(order) == cycles else "output"
         within = ORDER_ERROR * cycles / float(order)  # as near in the turns of either shaft

@@ -43,6 +43,7 @@ CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
 THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
 SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
+COUNTED = 2.5  # counts of the output by which a reading may step where it is slow and its encoder coarse
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 LEAST_ROWS = 100  # of motion, in all recordings together: a second, or two where the speed is not recorded
 FEWEST = 10  # samples
@@ -141,6 +142,11 @@ def observe(recording: Recording, model: Model) -> Observation:
     period, time, signals, whole = _even(recording)
     by_torque = "current" in signals
     if not by_torque:
+        if np.ptp(signals["output_position"]) == 0.0:
+            raise InputError(
+                f"{recording.name}: its output_position never changes while the motor turns; is the encoder connected, "
+                "and is that the right column of the trace?"
+            )
         signals["current"] = np.zeros(len(time))
     elif np.ptp(signals["current"]) == 0.0:
         raise InputError(
@@ -179,7 +185,8 @@ def observe(recording: Recording, model: Model) -> Observation:
     noise = np.maximum(noise, LEAST_NOISE * largest)
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
-    jumps = _jumps(difference, motion[:, SPEED] * period / ratio)
+    count = model.turn / model.value("sensors.output_encoder_counts")
+    jumps = _jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
     breaks = jumps != 0.0
     motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
     difference = difference - np.cumsum(jumps)
@@ -395,16 +402,16 @@ def despiked(values: np.ndarray) -> np.ndarray:
     return kept
 
 
-def _jumps(difference: np.ndarray, travel: np.ndarray) -> np.ndarray:
+def _jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:
     """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
 
     A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
-    of a sample: by so much the encoders may part where an output is hit.
+    of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
     """
     step = np.diff(difference, prepend=difference[:1])
     out = step - median_filter(step, NEIGHBOURS)
     spread = 1.4826 * float(np.median(np.abs(out)))
-    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + 1e-12
+    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + counted
     return np.where(np.abs(out) > most, out, 0.0)
 
 
