@@ -161,3 +161,17 @@ def test_an_output_that_never_moves_is_refused(tmp_path):
     still = replace(recording, signals={**recording.signals, "output_position": np.zeros(len(recording))})
     with pytest.raises(InputError, match="output_position never changes while the motor turns"):
         discover([still], model)
+
+
+def test_a_fit_stays_by_the_spring_that_was_found(tmp_path):
+    recording, model = drafted(tmp_path, "spring", 1.0)
+    found = discover([recording], model)
+    fitted = fit_model([recording], found.model)
+    before, after = (i.parameters["shaft_compliance"]["stiffness"]["value"] for i in (found, fitted))
+    assert after == pytest.approx(before, rel=0.05)
+
+
+def test_a_draft_without_any_gearbox_effect_cannot_be_fitted_to_two_encoders(tmp_path):
+    recording, model = drafted(tmp_path, "nothing", 1.0)
+    with pytest.raises(InputError, match="has no play, spring, delay or angle error"):
+        fit_model([recording], model)

@@ -45,7 +45,7 @@ def why_ended(
         )
     if not last.tried:
         return "nothing is left to try"
-    if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted:
+    if unseen.rmse[-1] > NOISY * unseen.noise_floor and found.fit.parted and problem.size:
         return (
             "no effect explains more; what the simulated current still misses is at impacts, whose timing needs "
             "parameters known to 0.1 %"

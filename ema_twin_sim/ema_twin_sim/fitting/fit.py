@@ -129,6 +129,11 @@ def fit_model(
     if method not in METHODS:
         raise InputError(f"method '{method}' is not known; give {' or '.join(METHODS)}")
     if {*sources} == {BY_MOTOR}:
+        if not free and not _parts_encoders(model):
+            raise InputError(
+                f"model {model.name}: has no play, spring, delay or angle error, and {recordings[0].name} (two "
+                "encoders, no torque) shows nothing else; run discover"
+            )
         fix = (*fix, *not_by_encoders(model, free))
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)

@@ -188,8 +188,8 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
     for k, number in enumerate(numbers):
         away = next((bound for bound in (number.lower, number.upper) if values[k] == bound), None)
         if away is not None:
-            to_solver = number.scale if away == number.lower else -number.scale
-            values[k] = min(max(away + OFF_BOUND * to_solver, number.lower), number.upper)
+            step_off = number.scale if away == number.lower else -number.scale
+            values[k] = min(max(away + OFF_BOUND * step_off, number.lower), number.upper)
             began, unit = shown(model, float(values[k]), number.unit)
             named = f"{model.shown_path(number.path)} stood on its bound, where a fit sees no way off"
             notes.append(f"{named}: it started at {began:g}{'' if unit == '1' else f' {unit}'}")
@@ -198,10 +198,16 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
 
 def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
     """Paths of what two encoders without a torque do not show, less what ``free`` names: the numbers of all torques."""
+    held = {instance.effect for instance in model.active.values()}
+    winding_up = (
+        {"coulomb_friction"} if held & {*COMPLIANT_EFFECTS} else set()
+    )  # of the output, by which it comes to rest
     hidden = [
         f"effects.{name}"
         for name, instance in model.effects.items()
-        if instance.enabled and catalogue()[instance.effect].depends_on != "encoders"
+        if instance.enabled
+        and catalogue()[instance.effect].depends_on != "encoders"
+        and not (instance.effect in winding_up and instance.options.get("side") == "output")
     ]
     return [
         path for path in (*hidden, *INERTIAS) if not any(text == path or text.startswith(f"{path}.") for text in free)

@@ -206,7 +206,7 @@ class Hypothesis:
                 sides["scale.inertia"] = Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))
             wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
             if not self.by_torque and "shaft_compliance" not in held:  # more would wind up the teeth, which is no play
-                wanted = [(replace(side, upper=1.0), value) for side, value in wanted]
+                wanted = [(side if side.prior else replace(side, upper=1.0), value) for side, value in wanted]
         if "backlash" in held and "shaft_compliance" not in held:
             wanted += self._teeth()
         paths = [free.path for free, _ in wanted]
@@ -331,7 +331,10 @@ def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
     Where it is not judged ``by_torque``, only the friction is, which an output behind play comes to rest by.
     """
     if not by_torque:
-        friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
+        rubbing = [instance for instance in model.active.values() if instance.effect == "coulomb_friction"]
+        friction = Free("scale.coulomb_friction", 0.0, 5.0, 1e-3, (1.0, PRIOR))
+        if any(instance.open for instance in rubbing):
+            friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
         return Hypothesis(model, {}, (friction,), np.ones(1))._sides()
     tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
     free = [

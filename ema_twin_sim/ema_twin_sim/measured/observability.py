@@ -46,7 +46,7 @@ def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
 
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
-    """The model less what recordings of points at rest do not show, switched off; ``woken`` switches it on again."""
+    """The model less what recordings of points at rest do not show, switched off; ``restored`` switches it on again."""
     hidden = _not_at_points(recordings)
     sleeping = {
         name: replace(instance, enabled=False) for name, instance in model.active.items() if instance.effect in hidden

@@ -21,6 +21,7 @@ from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
+from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
@@ -259,12 +260,12 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
 def _missing(recording: Recording) -> list[str]:
     """The signals without which a recording of a motion tells nothing: a torque, or the output beside the motor."""
     missing = [name for name in NEEDED if not recording.has(name)]
-    return missing if recording.has("current") or recording.has("output_position") else ["current", *missing]
+    return missing if recording.has("current") or of_encoders_alone(recording) else ["current", *missing]
 
 
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
     """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
-    if missing := _missing(recording):
+    if missing := [name for name in ("current", *NEEDED) if not recording.has(name)]:
         raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
     period, time, signals, _ = _even(recording)
     if len(time) < FEWEST:

@@ -26,6 +26,7 @@ from .balance_estimate import estimate_balance
 FASTEST = 0.95  # quantile of the speeds
 SPIKES = 0.999  # quantile of a torque's size beyond which it is cut off: a spoilt sample sets no scale
 
+COMPLIANT = ("backlash", "shaft_compliance")
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 
 
@@ -57,13 +58,13 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
 
     What is open has a value that somebody guessed: neither a scale nor an answer may hang on it.
     """
+    if recordings and all(map(of_encoders_alone, recordings)):
+        radius = drum_radius(recordings) if model.motion == "linear" else None
+        return _with_output_held(model, encoder_units(recordings, model, radius))
     paths = [path for path in INERTIAS if model.value(path) > 0.0]
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
         return model
     torque = rms_torque(recordings, model)
-    if torque == 0.0 and all(map(of_encoders_alone, recordings)):
-        radius = drum_radius(recordings) if model.motion == "linear" else None
-        return _with_output_held(model, encoder_units(recordings, model, radius))
     estimate = estimate_balance(recordings, model, torque) if torque > 0.0 else None
     if estimate is None:
         return model
@@ -90,7 +91,7 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     radius = drum_radius(recordings) if model.motion == "linear" else None
     torque = rms_torque(recordings, model) * (radius or 1.0)
     inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
-    if all(map(of_encoders_alone, recordings)):
+    if recordings and all(map(of_encoders_alone, recordings)):
         return encoder_units(recordings, model, radius)
     fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
     if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
@@ -102,7 +103,12 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
 
 
 def _with_output_held(model: Model, units: OwnUnits) -> Model:
-    """The model with so much open friction that its output comes to rest where nothing pushes it."""
+    """The model with so much open friction that its output comes to rest where nothing pushes it.
+
+    One that has play or a spring already has the friction that these were found beside.
+    """
+    if any(effect.effect in COMPLIANT for effect in model.active.values()):
+        return model
     held = {
         name: effect
         for name, effect in model.active.items()

@@ -20,7 +20,7 @@ from ..model import load_model
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
-from .shaft import ALIKE, Shaft, position_shaft, ratio_of_positions
+from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
 
 CHECK = "CHECK"
 _FEWEST = 10
@@ -185,6 +185,14 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
             doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
         elif abs(shown - 1.0) < ALIKE:
             doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
+        nearest = whole_ratio(shown, recording) if recording.motion == "rotary" else None
+        if nearest is not None:
+            if abs(shown / nearest - 1.0) > EXACT:
+                doubt = (
+                    doubt
+                    or f"the slope is {abs(shown):.6g}: taken for the whole number, which an angle error would bend"
+                )
+            shown = nearest
         return _Ratio(abs(shown), "slope of both positions", doubt)
     if recording.motion == "rotary":
         return _Ratio(1.0, "assumed", "turns of the motor per turn of the output")

@@ -14,7 +14,9 @@ from ..measured.smoothing import gaussian, smooth
 OWN = 0.1  # of one, within which a position goes the way of the motor's speed
 ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
 SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that was given
-WHOLE = 5e-4  # relative, within which a ratio is the whole number beside it: an angle error bends a short way by more
+NEAR_A_WHOLE = 0.05  # of a turn
+ANGLE_ERROR = 1e-3  # rad, of an encoder over the travel of a recording
+EXACT = 2e-4  # relative, within which a ratio is the whole number beyond doubt
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples that this smoothing bends at either end
@@ -77,15 +79,19 @@ def ratio_of_positions(recording: Recording) -> float | None:
 
 
 def _beside_lags(recording: Recording) -> float:
-    """The ratio of both positions where the output may be late, lie on either side of its play, or wind up.
-
-    A whole number that is as near as an angle error would bend it is that number.
-    """
+    """The ratio of both positions where the output may be late, lie on either side of its play, or wind up."""
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
     columns = np.stack([output, step, np.sign(step), bend, np.ones(len(step))], axis=1)
     columns[:_AT_ENDS] = columns[-_AT_ENDS:] = np.nan
     whole = np.isfinite(columns).all(axis=1) & np.isfinite(motor)
-    ratio = float(np.linalg.lstsq(columns[whole], motor[whole], rcond=None)[0][0])
+    return float(np.linalg.lstsq(columns[whole], motor[whole], rcond=None)[0][0])
+
+
+def whole_ratio(ratio: float, recording: Recording) -> float | None:
+    """The whole number that an encoder's angle error may have bent a ratio from; None where none is so near."""
     nearest = float(round(ratio))
-    return nearest if nearest and abs(ratio / nearest - 1.0) < WHOLE else ratio
+    if abs(nearest) < 2.0 or abs(ratio - nearest) > NEAR_A_WHOLE:
+        return None
+    travel = float(np.ptp(recording.signals["output_position"][np.isfinite(recording.signals["output_position"])]))
+    return nearest if abs(ratio / nearest - 1.0) * travel < ANGLE_ERROR else None

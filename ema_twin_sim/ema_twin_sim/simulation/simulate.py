@@ -69,6 +69,7 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
     if chosen == BY_MOTOR:
+        bench_of(recording, shown(model, 1.0, "s")[0])  # which refuses too long a gap
         return twin_behind_motor(model, recording)
     bench = bench_of(recording, shown(model, 1.0, "s")[0])
     twin = started(model, recording, bench, chosen, step)
