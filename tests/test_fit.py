@@ -10,7 +10,7 @@ from ema_bench_replay.load import load
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.equation_misfit import EquationMisfit
 from ema_twin_sim.fitting.fit import METHODS, fit_model
-from ema_twin_sim.fitting.freedom import choose_numbers
+from ema_twin_sim.fitting.free_parameters import choose_numbers
 from ema_twin_sim.fitting.simulation_misfit import SimulationMisfit
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.measured.observation import observe_all

@@ -17,7 +17,7 @@ from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from ..simulation.sensor_noise import counter_noise
-from .freedom import FreeParameter, FreeParameters
+from .free_parameters import FreeParameter, FreeParameters
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""

@@ -14,7 +14,7 @@ from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..model import Model
 from ..model.own_units import shown
 from .equation_misfit import BLIND, LAG
-from .freedom import FreeParameter, split
+from .free_parameters import FreeParameter, split
 from .plausibility_rules import Circumstances, absurdities
 from .solver import Solution
 from .uncertainty import Uncertainty

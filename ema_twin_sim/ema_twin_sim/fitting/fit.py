@@ -30,7 +30,7 @@ from ..simulation.angle_origins import without_common_zero
 from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input
 from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
-from .freedom import FreeParameters, choose_numbers, not_by_encoders
+from .free_parameters import FreeParameters, choose_numbers, not_by_encoders
 from .misfit import Misfit
 from .plausibility_rules import circumstances
 from .simulation_misfit import SimulationMisfit

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .freedom import FreeParameters
+from .free_parameters import FreeParameters
 
 
 class Misfit(Protocol):

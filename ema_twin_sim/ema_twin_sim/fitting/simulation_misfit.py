@@ -27,7 +27,7 @@ from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
-from .freedom import FreeParameters
+from .free_parameters import FreeParameters
 
 POOL = ThreadPoolExecutor(os.cpu_count())
 OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less

@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from .freedom import FreeParameters
+from .free_parameters import FreeParameters
 from .misfit import Misfit
 
 ITERATIONS = 15  # steps before the parts are weighed anew

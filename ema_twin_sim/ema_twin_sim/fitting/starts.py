@@ -17,7 +17,7 @@ from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
 from ..identification.local_minima import NARROW, WIDE
 from ..identification.weighting import Weighting
 from .equation_misfit import EquationMisfit
-from .freedom import FreeParameters, split, waves
+from .free_parameters import FreeParameters, split, waves
 from .solver import Solution, refine, solve
 
 FINALISTS = 4

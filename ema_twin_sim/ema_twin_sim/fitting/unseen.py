@@ -16,7 +16,7 @@ from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
 from ..simulation.simulate import simulate
-from .freedom import FreeParameters
+from .free_parameters import FreeParameters
 from .misfit import Misfit
 from .solver import Solution
 from .uncertainty import left_out

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..effects import catalogue
-from ..measured.scales import INERTIAS
+from ..measured.scales import COMPLIANT_EFFECTS, INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..plant.driven_output import RESOLVED
 
@@ -20,7 +20,6 @@ EXACT = 1e-4  # relative: a tolerance of zero
 GUESSED = 1e3  # times the value that an open number starts with, up to which it may be
 SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
 BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
-COMPLIANT_EFFECTS = ("backlash", "shaft_compliance")  # what lets the two encoders part
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
 STIFFEST = 9.0  # times the contact that samples resolve: what a stiffer one gives way by, no encoder shows
 SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")

@@ -47,9 +47,8 @@ def with_sensors(problem: EquationErrorProblem, f: Fit) -> Hypothesis:
 def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether play or a spring could be behind how the encoders part: by the torque, the tooth, or the direction.
 
-    It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves.
-
-    A regression asks in milliseconds what trying every gearbox would take seconds to answer.
+    It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves. A
+    regression answers in milliseconds what trying every gearbox would take seconds to answer.
     """
     if not problem.size:
         return True

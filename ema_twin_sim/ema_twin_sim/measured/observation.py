@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
+from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -29,6 +29,7 @@ from ..simulation.simulate import LONGEST_GAP
 from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
 from .smoothing import gaussian, smooth, smooth_at, smooth_way
+from .spoilt_samples import COUNTED, counter_jumps, despiked
 
 NEEDED = ("motor_position",)
 STANDSTILL = 0.3  # rad/s of the fast shaft
@@ -43,9 +44,6 @@ SHAKEN = 0.05  # s after hard acceleration in which rows count less
 CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
 THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
-SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
-COUNTED = 2.5  # counts of the output by which a reading may step where it is slow and its encoder coarse
-NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 LEAST_ROWS = 100  # of motion, in all recordings together: a second, or two where the speed is not recorded
 FEWEST = 10  # samples
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
@@ -73,15 +71,11 @@ class Observation:
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
     below_shock_limit: np.ndarray  # bool (m,), no hard acceleration shortly before
-    after_impact: (
-        np.ndarray
-    )  # bool (m,), so hard an acceleration not long before that an output with play rests anywhere
+    after_impact: np.ndarray  # bool (m,), a hard acceleration before: an output with play rests anywhere
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
-    encoder_piece: (
-        np.ndarray
-    )  # int64 (k,), rises by one where the difference jumps: each piece has an offset of its own
+    encoder_piece: np.ndarray  # int64 (k,), rises by one where the difference jumps: a piece has its own offset
 
     @property
     def of_points(self) -> bool:
@@ -187,7 +181,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
     count = model.turn / model.value("sensors.output_encoder_counts")
-    jumps = _jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
+    jumps = counter_jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
     breaks = jumps != 0.0
     motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)
     difference = difference - np.cumsum(jumps)
@@ -386,34 +380,6 @@ def _held(load: np.ndarray) -> np.ndarray:
     held = load.copy()
     hold(held)
     return held
-
-
-def despiked(values: np.ndarray) -> np.ndarray:
-    """The values (n,) without single samples that stand far out of their neighbours' line: transmission errors."""
-    middle = 0.5 * (values[:-2] + values[2:])
-    out = values[1:-1] - middle
-    spread = 1.4826 * float(np.median(np.abs(out)))
-    # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
-    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
-    wild = (np.abs(out) > SPIKE * spread) & (before * out < -0.25 * out**2) & (after * out < -0.25 * out**2)
-    if spread == 0.0 or not wild.any():
-        return values
-    kept = values.copy()
-    kept[1:-1][wild] = middle[wild]
-    return kept
-
-
-def _jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:
-    """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
-
-    A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
-    of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
-    """
-    step = np.diff(difference, prepend=difference[:1])
-    out = step - median_filter(step, NEIGHBOURS)
-    spread = 1.4826 * float(np.median(np.abs(out)))
-    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + counted
-    return np.where(np.abs(out) > most, out, 0.0)
 
 
 def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model: Model) -> float:

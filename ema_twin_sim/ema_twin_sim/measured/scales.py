@@ -26,7 +26,7 @@ from .balance_estimate import estimate_balance
 FASTEST = 0.95  # quantile of the speeds
 SPIKES = 0.999  # quantile of a torque's size beyond which it is cut off: a spoilt sample sets no scale
 
-COMPLIANT = ("backlash", "shaft_compliance")
+COMPLIANT_EFFECTS = ("backlash", "shaft_compliance")  # what lets the two encoders part
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 
 
@@ -107,7 +107,7 @@ def _with_output_held(model: Model, units: OwnUnits) -> Model:
 
     One that has play or a spring already has the friction that these were found beside.
     """
-    if any(effect.effect in COMPLIANT for effect in model.active.values()):
+    if any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values()):
         return model
     held = {
         name: effect

@@ -38,8 +38,7 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
     Wanted may be ``command`` too, the position that was asked for, which the model's own position loop then follows.
 
     Operating points drive it by their positions and speeds (``motion``); a recording of both encoders and of no torque,
-    by the motor's position (``motor``). Raises InputError where the recording lacks
-    the signal.
+    by the motor's position (``motor``). Raises InputError where the recording lacks the signal.
     """
     if recording.of_points:
         if wanted not in (None, POINTWISE):
@@ -69,7 +68,7 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
     if chosen == BY_MOTOR:
-        bench_of(recording, shown(model, 1.0, "s")[0])  # which refuses too long a gap
+        _refuse_long_gap(recording, shown(model, 1.0, "s")[0])
         return twin_behind_motor(model, recording)
     bench = bench_of(recording, shown(model, 1.0, "s")[0])
     twin = started(model, recording, bench, chosen, step)
@@ -81,6 +80,13 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
 
     A ``second`` of the recording is so many s, where it is told in own units.
     """
+    _refuse_long_gap(recording, second)
+    absent = np.full(len(recording), math.nan)
+    return np.column_stack([recording.signals.get(name, absent) for name in BENCH])
+
+
+def _refuse_long_gap(recording: Recording, second: float) -> None:
+    """Raise InputError at a gap that no twin is simulated across; a ``second`` of the recording is so many s."""
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and second * longest.duration > LONGEST_GAP:
         raise InputError(
@@ -88,8 +94,6 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
             f"{second * longest.time:.3f} s on; "
             f"gaps over {LONGEST_GAP:g} s cannot be simulated: cut there (--from, --to)"
         )
-    absent = np.full(len(recording), math.nan)
-    return np.column_stack([recording.signals.get(name, absent) for name in BENCH])
 
 
 def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, step: float | None) -> Twin:

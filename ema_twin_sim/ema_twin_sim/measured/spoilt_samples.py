@@ -1,0 +1,38 @@
+"""Spoilt samples: transmission errors of a single sample, and places where a counter has lost counts."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d, median_filter
+
+SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
+COUNTED = 2.5  # counts of the output by which a reading may step where it is slow and its encoder coarse
+NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
+
+
+def despiked(values: np.ndarray) -> np.ndarray:
+    """The values (n,) without single samples that stand far out of their neighbours' line: transmission errors."""
+    middle = 0.5 * (values[:-2] + values[2:])
+    out = values[1:-1] - middle
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
+    before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
+    wild = (np.abs(out) > SPIKE * spread) & (before * out < -0.25 * out**2) & (after * out < -0.25 * out**2)
+    if spread == 0.0 or not wild.any():
+        return values
+    kept = values.copy()
+    kept[1:-1][wild] = middle[wild]
+    return kept
+
+
+def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:
+    """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
+
+    A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
+    of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
+    """
+    step = np.diff(difference, prepend=difference[:1])
+    out = step - median_filter(step, NEIGHBOURS)
+    spread = 1.4826 * float(np.median(np.abs(out)))
+    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + counted
+    return np.where(np.abs(out) > most, out, 0.0)
