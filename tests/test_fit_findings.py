@@ -8,7 +8,7 @@ import pytest
 from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import METHODS, fit_model
-from ema_twin_sim.fitting.plausibility_rules import RULES, absurdities, circumstances
+from ema_twin_sim.fitting.plausibility import circumstances, implausible
 from ema_twin_sim.identification.shown_by import SHOWN_BY
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
@@ -90,11 +90,9 @@ def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
     recordings = bench(stock, FAST[1:], 5.0)
     for id, effect in catalogue().items():
         model = stock.with_effect(id)
-        units = {p.name: p.unit for p in effect.parameters}
-        assert absurdities(id, effect.default_parameters(), units, circumstances(recordings, model)) == [], id
+        assert implausible(id, effect.default_parameters(), circumstances(recordings, model)) == [], id
         assert id in SHOWN_BY
-    for rule in RULES:
-        assert rule.parameter in catalogue()[rule.effect].default_parameters()
+        assert {rule.parameter for rule in effect.implausible} <= {*effect.default_parameters()}
 
 
 @pytest.mark.parametrize("method", ["equation", "simulation"])

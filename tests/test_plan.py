@@ -11,11 +11,11 @@ import pytest
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.criteria import DECIDED
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.experiment.bench_limits import Limits, driven_limits, reached, widened
 from ema_twin_sim.discovery.experiment.command_grid import command_grid, round_number
 from ema_twin_sim.discovery.experiment.doubts import doubts
-from ema_twin_sim.discovery.experiment.next_command import DECIDED
 from ema_twin_sim.discovery.experiment.suggestion import suggest
 from ema_twin_sim.discovery.plan import plan
 from ema_twin_sim.measured.observation import observe

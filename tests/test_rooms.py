@@ -7,7 +7,7 @@ import ema_twin_sim
 
 PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
 ROOMS = (
-    *("quantities", "reading_noise", "plant", "effects", "model", "own_effects", "simulation", "measured"),
+    *("criteria", "quantities", "reading_noise", "plant", "effects", "model", "own_effects", "simulation", "measured"),
     *("identification", "comparison", "fitting", "discovery/criteria", "discovery/search", "discovery/experiment"),
     *("discovery", "new_machine", "nodes", "commands", "report", "views", "start"),
 )

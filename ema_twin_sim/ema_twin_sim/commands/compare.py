@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from ..criteria import SMALL
 from ..quantities import quantity
 from . import options
 from .error_cells import ALL, AT_NOISE, error_cell, noise_cell, shown_signals
@@ -182,7 +183,6 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
 
 
 def _where(found: Sequence[Dependence], title: str) -> ReportTable:
-    from ..comparison.where import WEAK
 
     table = ReportTable(title)
     table.words("error of", "against")
@@ -194,7 +194,7 @@ def _where(found: Sequence[Dependence], title: str) -> ReportTable:
     for signal in dict.fromkeys(d.signal for d in found):
         best, *others = (d for d in found if d.signal == signal)
         name = signal.replace("_", " ")
-        for d in (best, *(d for d in others if d.share >= WEAK)):
+        for d in (best, *(d for d in others if d.share >= SMALL)):
             sizes = ("–", "–")
             if d.is_largest_there:
                 sizes = (quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit))

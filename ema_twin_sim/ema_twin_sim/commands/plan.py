@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..criteria import DECIDED
 from . import options
 from .output import console, status
 from .tables import ReportTable
@@ -148,7 +149,6 @@ def show(found: Plan) -> None:
 
 
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
-    from ..discovery.experiment.next_command import DECIDED
 
     table = ReportTable(f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)")
     table.words("command")

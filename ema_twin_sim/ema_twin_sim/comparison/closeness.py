@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..criteria import LIKELY
 from .running_comparison import SignalError
 
 if TYPE_CHECKING:
     from .compare import Comparison
 
 AT_LEAST, EXACTLY, AT_MOST = "at_least", "", "at_most"
-_SCATTERS = 2.0
-"""Standard deviations of the noise's own mean square within which an excess is none."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ def times_closer(before: SignalError, after: SignalError, samples: int) -> Close
     these is taken for them, and the ratio for a bound.
     """
     floor = after["noise_floor"]
-    least = floor**2 * _SCATTERS * math.sqrt(2.0 / samples)
+    least = floor**2 * LIKELY * math.sqrt(2.0 / samples)
     first, other = (max(error["rmse"] ** 2 - floor**2, 0.0) for error in (before, after))
     if max(first, other) <= least:
         return None

@@ -13,15 +13,14 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
-from ..measured.scales import to_rotary_equivalent
+from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
 from ..simulation.angle_origins import angle_origins, without_common_zero
-from ..simulation.operating_points import HOLDING
-from ..simulation.simulate import BY_MOTOR, POINTWISE, choose_input, simulate
+from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
-from .where import STANDSTILL, Dependence, Stretch, find_dependences
+from .where import Dependence, Stretch, find_dependences
 
 if TYPE_CHECKING:
     from .torque_error import TorqueError
@@ -96,6 +95,7 @@ def compare(
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``progress``
     is called with each recording's name when it is done. Raises InputError where a recording lacks the input's signal.
     """
+    given, asked = recordings, model
     recordings, model = to_rotary_equivalent(recordings, model)
     inputs = [choose_input(recording, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
@@ -115,12 +115,12 @@ def compare(
     torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
     if _by_torque(recordings):
         stretches["motor_torque"] = [replace(s, residual=s.residual * constant) for s in stretches.pop("current")]
-    standstill = 0.5 * HOLDING if together == POINTWISE else STANDSTILL
+    slow = standstill(given, asked, together)
     where = [
         dependence
         for name, parts in stretches.items()
         if parts
-        for dependence in _dependences(model, name, parts, torques.get(name), standstill)
+        for dependence in _dependences(model, name, parts, torques.get(name), slow)
     ]
     return Comparison(
         model.name,
@@ -157,14 +157,14 @@ def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
 
 
 def _dependences(
-    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, standstill: float
+    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float
 ) -> list[Dependence]:
-    """Where a signal's residual is large, in the units of the machine's file; ``standstill`` [rad/s]."""
+    """Where a signal's residual is large, in the units of the machine's file; below ``slow`` [rad/s], no direction."""
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=standstill)
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
-    return find_dependences(name, unit, native, torque, motion="linear", standstill=standstill * way)
+    return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)
 
 
 def _by_torque(recordings: Sequence[Recording]) -> bool:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..criteria import CLEARLY_MORE
+
 _ANGLE_BINS = 512  # per revolution: orders up to 256
 _STEP = 0.02
 ORDERS = np.arange(0.2, 160.0, _STEP)
@@ -15,7 +17,6 @@ ORDERS = np.arange(0.2, 160.0, _STEP)
 _REFINED = 11  # orders tried around the best of the grid
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
-_CLEARLY = 1.5  # ratio of powers at which the kind is told
 _ENOUGH = 50_000  # samples that settle amplitude and phase
 _LARGEST = 1 << 22  # angle bins
 
@@ -48,7 +49,7 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
-    clear = max(flipped.max(), plain.max()) > _CLEARLY * min(flipped.max(), plain.max())
+    clear = max(flipped.max(), plain.max()) > CLEARLY_MORE**2 * min(flipped.max(), plain.max())
     power = flipped if dissipative else plain
     best = int(np.argmax(power))
     residual, angle, direction = (np.concatenate(columns) for columns in zip(*used, strict=True))

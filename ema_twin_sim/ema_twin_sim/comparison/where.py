@@ -14,19 +14,15 @@ import numpy as np
 
 from ema_bench_replay.units import unit_in
 
+from ..criteria import SMALL, STANDSTILL
 from ..quantities import quantity
 from .orders import Periodicity, find_order
 
 _BINS = 16
 _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
-STANDSTILL = 0.3  # rad/s of the fast shaft: below it a direction means little
-_NEARLY = 0.9  # of the best share: then the simpler variable is what the error depends on
 
 FEWEST_SAMPLES = 10 * _BINS
 """With fewer samples there is no telling where a model fails."""
-
-WEAK = 0.1
-"""A variable that explains less of an error than this is not what it depends on."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +84,7 @@ class Dependence:
     def sentence(self) -> str:
         """The dependence in words."""
         signal = self.signal.replace("_", " ")
-        if self.share < WEAK:
+        if self.share < SMALL:
             where = f"; {self.where}"
             if self.is_largest_there:
                 there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
@@ -169,7 +165,7 @@ def find_dependences(
     if periodic is not None:
         found.insert(1, periodic)
     best = max(dependence.share for dependence in found)
-    simplest = next(dependence for dependence in found if dependence.share >= _NEARLY * best)
+    simplest = next(dependence for dependence in found if dependence.share >= (1.0 - SMALL) * best)
     others = sorted((d for d in found if d is not simplest), key=lambda dependence: -dependence.share)
     return [simplest, *others]
 

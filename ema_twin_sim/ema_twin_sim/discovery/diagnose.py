@@ -17,6 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
+from ..criteria import MISFIT_DOUBTED, SUREST
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import reported, standard_errors
@@ -35,10 +36,8 @@ from .search.trace import Round, Trial, new_names
 
 BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
 DRAWS = 400
-SUREST = 0.98  # no statement is surer: of 152 unseen cases of other benches 149 were right (docs/accuracy.md)
 RANKED = 8  # entries of a ranking, at most
 SIMULATED = 4  # of them, whose error on unseen data is worked out
-NOISY = 1.1  # noise floors up to which an RMSE is the sensors' noise: there is nothing to remove
 
 Key = tuple[str, tuple[tuple[str, str], ...]]
 
@@ -296,6 +295,6 @@ def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], 
     shares = [
         excess_removed(before[name], after[name])
         for name in telling
-        if name in before and before[name]["rmse"] > NOISY * before[name]["noise_floor"]
+        if name in before and before[name]["rmse"] > MISFIT_DOUBTED * before[name]["noise_floor"]
     ]
     return max((share for share in shares if share is not None), default=0.0)

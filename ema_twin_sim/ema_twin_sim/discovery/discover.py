@@ -9,6 +9,7 @@ from typing import Any
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import MOST_EFFECTS, NOISY, PART
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, parameters, standard_errors
@@ -27,11 +28,11 @@ from ..simulation.angle_origins import without_common_zero
 from .cautions import ALONE, OPEN_CONSTANTS, WITHOUT_TORQUE
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
-from .ending import NOISY, why_ended
+from .ending import why_ended
 from .experiment.suggestion import suggest
 from .left_over import left_over_words
 from .search.rivals import Rivalry, judged_against_rivals
-from .search.search import ROUNDS, less, search, settle, significant
+from .search.search import less, search, settle, significant
 from .search.search_order import in_another_order, search_without_first
 from .search.trace import Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
@@ -41,7 +42,6 @@ from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
 
 OF_TEETH = ("mesh_ripple", "tooth_fault")
-FOLLOWED = 0.25  # of the excess error: what play or spring takes away at the least, where they are what is missing
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ def _searched(
     found = search(problem, null, excluded, progress)
     if null.base.is_open:
         return found, explained(problem, found.fit, found.rounds[0].before)
-    if len(found.fit.hypothesis.added) >= ROUNDS:  # what takes more effects than that is something else
+    if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
         return found, False
     found = in_another_order(problem, found, excluded, progress)
     start = found.rounds[0].before
@@ -251,8 +251,8 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
             continue
         removed = unseen.removed(k, len(unseen.rmse) - 1)
         # a measured current drives no loop that would meet the teeth: there the encoders tell
-        followed = unseen.parting_removed(k, len(unseen.rmse) - 1) >= FOLLOWED
-        if parting and not followed and removed is not None and removed < FOLLOWED:
+        followed = unseen.parting_removed(k, len(unseen.rmse) - 1) >= PART
+        if parting and not followed and removed is not None and removed < PART:
             return parting
         there = unseen.removed(k, k + 1)
         by_encoders = all(catalogue()[added[name].effect].depends_on == "encoders" for name in came)

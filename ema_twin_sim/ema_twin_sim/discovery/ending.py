@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..criteria import NOISY
 from ..identification.equation import EquationErrorProblem
 from ..model.own_units import shown
 from ..quantities import quantity
@@ -9,8 +10,6 @@ from .criteria.episodes import episodes, listed_episodes
 from .criteria.explained import lagging
 from .search.trace import Search
 from .unseen import Unseen
-
-NOISY = 1.5  # noise floors from which on a simulated signal shows more than its sensor's noise
 
 
 def why_ended(

@@ -15,10 +15,10 @@ import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
+from ..criteria import STANDSTILL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.generic_bases import dependence
-from ..measured.observation import STANDSTILL
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME

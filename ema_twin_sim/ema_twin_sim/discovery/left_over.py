@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
+from ..criteria import STANDSTILL
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
-from ..measured.observation import STANDSTILL
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED, TIME

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..criteria import DECIDED
 from ..model import Model
 from .discover import discover
 from .experiment.bench_limits import Limits, driven_limits
 from .experiment.doubts import doubts
-from .experiment.next_command import DECIDED, Choice, Pair, Proposal, best_command, signals_of
+from .experiment.next_command import Choice, Pair, Proposal, best_command, signals_of
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",

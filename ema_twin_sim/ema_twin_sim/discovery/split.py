@@ -15,6 +15,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit
 from ..identification.hypothesis import Hypothesis
@@ -23,8 +24,6 @@ from ..model import Model
 from ..simulation.simulate import choose_input
 from .search.trace import Search
 from .unseen import squares
-
-BETTER = 0.98  # of the squared error: what the model file's shares must reach to be preferred
 
 
 def with_best_split(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
@@ -39,7 +38,7 @@ def with_best_split(problem: EquationErrorProblem, recordings: Sequence[Recordin
     others = [shared, *([held_at(shared, teeth)] if teeth else [])]
     fitted, *errors = (loop_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
     least = int(np.argmin(errors))
-    if not errors[least] < BETTER * fitted:
+    if not errors[least] < (1.0 - NEGLIGIBLE) * fitted:
         return found
     return found.with_numbers(fit(problem, others[least], 0))
 

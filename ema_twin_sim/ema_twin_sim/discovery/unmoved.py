@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import LIKELY, NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import standard_errors
 from ..identification.fit import Fit, fit
@@ -20,9 +21,6 @@ from ..identification.hypothesis import LAG, Hypothesis
 from ..simulation.simulate import choose_input
 from .search.trace import Search
 from .split import held_at, loop_error
-
-MOVED = 2.0  # standard errors from its file's value within which a constant is not known to have moved
-AS_WELL = 1.02  # of the squared error of the closed loop: what the file's values may cost
 
 
 def with_unmoved_constants(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
@@ -35,7 +33,7 @@ def with_unmoved_constants(problem: EquationErrorProblem, recordings: Sequence[R
     fitted, *errors = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, *simpler))
     least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
-        if math.isfinite(error) and error <= AS_WELL * least:
+        if math.isfinite(error) and error <= (1.0 + NEGLIGIBLE) * least:
             return found.with_numbers(rest)
     return found
 
@@ -61,7 +59,7 @@ def _put_back(problem: EquationErrorProblem, best: Fit) -> Fit | None:
     unmoved = {
         free.path: free.prior[0]
         for free in best.hypothesis.free
-        if free.prior is not None and abs(values[free.path] - free.prior[0]) < MOVED * sure.get(free.path, 0.0)
+        if free.prior is not None and abs(values[free.path] - free.prior[0]) < LIKELY * sure.get(free.path, 0.0)
     }
     return _fitted_beside(problem, best.hypothesis, unmoved) if unmoved else None
 

@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import share_removed
+from ..criteria import CLEARLY_MORE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
 from ..identification.parallel import simulations
@@ -21,9 +22,6 @@ from ..model.own_units import in_si, shown
 from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
-
-WORSE = 1.2  # times the error of the start, from which on the end is worse
-NEARER = 0.8  # times the start's error of the output's position, below which the end is nearer in that
 
 
 @dataclass(frozen=True)
@@ -53,12 +51,12 @@ class Unseen:
             return True
         if self.encoders:
             return self.output[-1] < self.output[0]
-        return bool(self.output) and self.output[-1] < NEARER * self.output[0] and not self.worsens
+        return bool(self.output) and self.output[-1] < (1.0 / CLEARLY_MORE) * self.output[0] and not self.worsens
 
     @property
     def worsens(self) -> bool:
         """Whether the end is clearly farther from the recordings than the start."""
-        return self.rmse[-1] > WORSE * max(self.rmse[0], self.noise_floor)
+        return self.rmse[-1] > CLEARLY_MORE * max(self.rmse[0], self.noise_floor)
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""

@@ -1,6 +1,6 @@
 """The catalogue of effects: one file an effect."""
 
 from .catalogue import catalogue, find_effect
-from .effect import Effect, Parameter
+from .effect import Circumstances, Effect, Parameter
 
-__all__ = ["Effect", "Parameter", "catalogue", "find_effect"]
+__all__ = ["Circumstances", "Effect", "Parameter", "catalogue", "find_effect"]

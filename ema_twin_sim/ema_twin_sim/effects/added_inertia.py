@@ -2,7 +2,7 @@
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -19,4 +19,11 @@ EFFECT = Effect(
     source="Newton's second law",
     parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, math.inf, "more inertia, reduced to the fast shaft"),),
     settle=settle,
+    implausible=(
+        Implausible(
+            "inertia",
+            lambda v, c: v["inertia"] > 3.0 * (c.motor_inertia + c.output_inertia),
+            "more than three times the machine's own: is the model that of this machine?",
+        ),
+    ),
 )

@@ -4,7 +4,7 @@ L [N m] and b [N m s/rad] are the total dry level and viscous coefficient of the
 effects have made up. (A Coulomb level alone that differs by direction is a constant load while sliding.)
 """
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -21,4 +21,11 @@ EFFECT = Effect(
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(Parameter("fraction", "1", 0.15, -0.9, 0.9, "excess forward, lack backward"),),
     settle=settle,
+    implausible=(
+        Implausible(
+            "fraction",
+            lambda v, c: abs(v["fraction"]) > 0.6,
+            "friction four times as large one way as the other: is it a constant load?",
+        ),
+    ),
 )

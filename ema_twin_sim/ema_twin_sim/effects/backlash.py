@@ -4,7 +4,7 @@ Added to a rigid transmission it makes it a two-inertia one with the model's con
 centred at the start of a recording. Nordin and Gutman, "Controlling mechanical systems with backlash" (2002).
 """
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -34,4 +34,11 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "width",
+            lambda v, c: v["width"] > c.output_travel,
+            "wider than the output ever moved: the gap was never crossed",
+        ),
+    ),
 )

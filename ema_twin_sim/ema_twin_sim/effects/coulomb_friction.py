@@ -5,7 +5,7 @@ Thesis, script "Main HF": dynamics.friction (FDTm, FDTu sliding; FSTm, FSTu at r
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -28,4 +28,11 @@ EFFECT = Effect(
     ),
     options={"side": ("motor", "output")},
     settle=settle,
+    implausible=(
+        Implausible(
+            "static_ratio",
+            lambda v, c: v["static_ratio"] > 5.0,
+            "break-away is some times the sliding level, not that many",
+        ),
+    ),
 )

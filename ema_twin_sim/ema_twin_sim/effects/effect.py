@@ -11,7 +11,17 @@ import numpy as np
 
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT
 
-__all__ = ["DRY_LEVEL", "OUTPUT_TORQUE", "POSITIVE", "TORQUE", "VISCOUS_COEFFICIENT", "Effect", "Parameter"]
+__all__ = [
+    "DRY_LEVEL",
+    "OUTPUT_TORQUE",
+    "POSITIVE",
+    "TORQUE",
+    "VISCOUS_COEFFICIENT",
+    "Circumstances",
+    "Effect",
+    "Implausible",
+    "Parameter",
+]
 
 QUANTITIES = (
     "speed",
@@ -61,6 +71,32 @@ class Parameter:
     driven: bool = False
 
 
+@dataclass(frozen=True)
+class Circumstances:
+    """What a value is judged by, SI at the fast shaft."""
+
+    duration: float  # s, of the longest recording
+    sample_period: float  # s, the longest
+    top_speed: float  # rad/s
+    travel: float  # rad, of the motor
+    output_travel: float  # rad, of the slow shaft
+    dry_level: float  # N m, all Coulomb friction
+    viscous: float  # N m s/rad
+    motor_inertia: float  # kg m2, gearbox included
+    output_inertia: float  # kg m2
+    torque_limit: float  # N m
+    limit_in_words: str  # the same with the unit of the model's file
+
+
+@dataclass(frozen=True)
+class Implausible:
+    """Values of a parameter that no machine has, and the question to ask instead: something else is missing."""
+
+    parameter: str
+    when: Callable[[Values, Circumstances], bool]
+    reason: str
+
+
 @dataclass(frozen=True, eq=False)
 class Effect:
     """One physical cause that can be added to a model.
@@ -100,6 +136,7 @@ class Effect:
     delays: bool = False
     free_option: str = ""
     searched: bool = True
+    implausible: tuple[Implausible, ...] = ()
 
     def __post_init__(self) -> None:
         if self.act is None and self.settle is None:

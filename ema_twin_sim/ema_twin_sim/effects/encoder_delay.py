@@ -5,7 +5,7 @@ An encoder on a bus answers a cycle or more late. A time lag between two encoder
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -24,4 +24,11 @@ EFFECT = Effect(
     settle=settle,
     repeatable=False,
     delays=True,
+    implausible=(
+        Implausible(
+            "delay",
+            lambda v, c: v["delay"] > 8.0 * c.sample_period,
+            "an encoder answers within a few samples: is it compliance or play?",
+        ),
+    ),
 )

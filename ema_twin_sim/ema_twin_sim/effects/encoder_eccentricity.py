@@ -7,7 +7,7 @@ positions are published from zero. An error of the motor's encoder has orders of
 """
 
 from ..plant.layout import ANGLE_ERRORS
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -32,4 +32,11 @@ EFFECT = Effect(
     options={"order": ("1", "2")},
     free_option="order",
     settle=settle,
+    implausible=(
+        Implausible(
+            "amplitude",
+            lambda v, c: v["amplitude"] > 0.02,
+            "an encoder that far off its centre would be seen to wobble: is it gravity on a soft shaft?",
+        ),
+    ),
 )

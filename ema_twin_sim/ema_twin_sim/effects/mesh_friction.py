@@ -3,7 +3,7 @@
 T_t [N m at the fast shaft] is what the gearbox passes on to the output. Thesis, chapter 3.4 (sliding of the teeth).
 """
 
-from .effect import DRY_LEVEL, Effect, Parameter
+from .effect import DRY_LEVEL, Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -21,4 +21,11 @@ EFFECT = Effect(
     parameters=(Parameter("coefficient", "1", 0.1, 0.0, 1.5, "dry level per transmitted torque, both at fast shaft"),),
     act=act,
     place=DRY_LEVEL,
+    implausible=(
+        Implausible(
+            "coefficient",
+            lambda v, c: v["coefficient"] > 0.6,
+            "more than half of what teeth carry does not go into their friction",
+        ),
+    ),
 )

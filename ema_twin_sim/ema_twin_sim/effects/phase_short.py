@@ -12,7 +12,7 @@ Phase u's flux is at the motor counter's zero. The current and the heat in the s
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 _PHASES = ("u", "v", "w")
 _APART = 4.0 * math.pi / 3.0  # rad of the ripple
@@ -49,4 +49,11 @@ EFFECT = Effect(
     settle_winding=settle_winding,
     electrical=True,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "fraction",
+            lambda v, c: v["fraction"] > 0.6,
+            "with most turns of a phase shorted the drive would have tripped: is it the torque constant?",
+        ),
+    ),
 )

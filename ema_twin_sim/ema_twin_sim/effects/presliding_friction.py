@@ -6,7 +6,7 @@ L [N m] is the motor side's dry level; the bristle's state z [rad] starts relaxe
 
 import math
 
-from .effect import POSITIVE, Effect, Parameter
+from .effect import POSITIVE, Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -37,4 +37,16 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "stiffness",
+            lambda v, c: c.dry_level / v["stiffness"] > min(3.0, 0.5 * c.travel),
+            "the contact would give way over half of all that moved: is it a spring load?",
+        ),
+        Implausible(
+            "damping",
+            lambda v, c: v["damping"] > 10.0 * c.viscous > 0.0,
+            "the bristle would damp more than all lubricant",
+        ),
+    ),
 )

@@ -2,7 +2,7 @@
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -21,4 +21,11 @@ EFFECT = Effect(
         Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, math.inf, "torque per squared speed, fast shaft"),
     ),
     act=act,
+    implausible=(
+        Implausible(
+            "coefficient",
+            lambda v, c: v["coefficient"] * c.top_speed**2 > 3.0 * (c.dry_level + c.viscous * c.top_speed) > 0.0,
+            "more than three times all other friction at top speed: is the viscous friction taken too small?",
+        ),
+    ),
 )

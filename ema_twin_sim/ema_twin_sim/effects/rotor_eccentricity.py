@@ -9,7 +9,7 @@ centre itself.
 import cmath
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -39,4 +39,11 @@ EFFECT = Effect(
     settle_winding=settle_winding,
     electrical=True,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "amplitude",
+            lambda v, c: v["amplitude"] > 0.6,
+            "the magnets' pull would have closed the gap: is it torque ripple of that order?",
+        ),
+    ),
 )

@@ -5,7 +5,7 @@ Added to a rigid transmission it makes it a two-inertia one; with backlash, the 
 
 import math
 
-from .effect import POSITIVE, Effect, Parameter
+from .effect import POSITIVE, Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -13,6 +13,12 @@ def settle(plant, parameters, options):
     plant["two_inertia"] = 1.0
     plant["contact_stiffness"] = parameters["stiffness"]
     plant["contact_damping"] = parameters["damping"]
+
+
+def _damping_ratio(values, circumstances):
+    """Of two inertias on a spring: damping / 2 * sqrt((1 / J_m + 1 / J_o) / stiffness)."""
+    softness = 1.0 / circumstances.motor_inertia + 1.0 / max(circumstances.output_inertia, 1e-12)
+    return 0.5 * values["damping"] * math.sqrt(softness / values["stiffness"])
 
 
 EFFECT = Effect(
@@ -37,4 +43,21 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "damping",
+            lambda v, c: _damping_ratio(v, c) > 1.0,
+            "a shaft damped beyond its own ringing is no spring: is it a delay of the encoder?",
+        ),
+        Implausible(
+            "damping",
+            lambda v, c: _damping_ratio(v, c) < 1e-4,
+            "no shaft rings forever: is it play that makes it ring?",
+        ),
+        Implausible(
+            "stiffness",
+            lambda v, c: c.dry_level / v["stiffness"] > 0.5 * c.travel,
+            "friction alone would wind the shaft up over half of all that moved",
+        ),
+    ),
 )

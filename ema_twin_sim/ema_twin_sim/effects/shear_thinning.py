@@ -6,7 +6,7 @@ is taken for a negative quadratic drag or a negative Stribeck term.
 
 import math
 
-from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Parameter
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -36,4 +36,11 @@ EFFECT = Effect(
     ),
     act=act,
     place=VISCOUS_COEFFICIENT,
+    implausible=(
+        Implausible(
+            "fraction",
+            lambda v, c: v["fraction"] > 0.95,
+            "a lubricant does not lose nearly all its friction: is the viscous coefficient too large?",
+        ),
+    ),
 )

@@ -6,7 +6,7 @@ The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstro
 
 import math
 
-from .effect import DRY_LEVEL, POSITIVE, Effect, Parameter
+from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -36,4 +36,16 @@ EFFECT = Effect(
     ),
     act=act,
     place=DRY_LEVEL,
+    implausible=(
+        Implausible(
+            "speed",
+            lambda v, c: v["speed"] > c.top_speed,
+            "faster than anything recorded: it acts as plain Coulomb friction here",
+        ),
+        Implausible(
+            "torque",
+            lambda v, c: c.dry_level > 0.0 and v["torque"] > 5.0 * c.dry_level,
+            "more than five times the sliding level: is the Coulomb friction taken too small?",
+        ),
+    ),
 )

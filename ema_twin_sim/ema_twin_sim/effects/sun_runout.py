@@ -7,7 +7,7 @@ period at 0.01 rad/s is this (2 pi / 1.24 = 5.07 s), not the mesh.
 
 import math
 
-from .effect import DRY_LEVEL, TORQUE, Effect, Parameter
+from .effect import DRY_LEVEL, TORQUE, Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -29,4 +29,11 @@ EFFECT = Effect(
     options={"kind": ("dissipative", "conservative")},
     act=act,
     place=lambda options: DRY_LEVEL if options["kind"] == "dissipative" else TORQUE,
+    implausible=(
+        Implausible(
+            "torque",
+            lambda v, c: c.dry_level > 0.0 and v["torque"] > c.dry_level,
+            "more than the Coulomb friction that it modulates: friction would be negative",
+        ),
+    ),
 )

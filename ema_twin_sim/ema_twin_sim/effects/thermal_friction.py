@@ -5,7 +5,7 @@ The lubricant warms as the machine runs, and the model's viscous coefficient b [
 
 import math
 
-from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Parameter
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter
 
 
 def act(at, p):
@@ -34,4 +34,14 @@ EFFECT = Effect(
     ),
     act=act,
     place=VISCOUS_COEFFICIENT,
+    implausible=(
+        Implausible(
+            "time_constant",
+            lambda v, c: v["time_constant"] > 3.0 * c.duration,
+            "far longer than the recordings: they show a slow drift and not its end; is it a spring or a load?",
+        ),
+        Implausible(
+            "fraction", lambda v, c: v["fraction"] > 0.9, "a warm lubricant does not lose nearly all its friction"
+        ),
+    ),
 )

@@ -3,7 +3,7 @@
 Magnets lose strength with heat and age; nominal torque constants are good to some per cent.
 """
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 
 def settle(plant, parameters, options):
@@ -27,4 +27,11 @@ EFFECT = Effect(
     settle=settle,
     settle_winding=settle_winding,
     repeatable=False,
+    implausible=(
+        Implausible(
+            "scale",
+            lambda v, c: not 0.7 < v["scale"] < 1.3,
+            "magnets lose some per cent, not a third: are inertia and friction of the model right?",
+        ),
+    ),
 )

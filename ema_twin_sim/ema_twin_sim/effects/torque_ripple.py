@@ -5,7 +5,7 @@ Back-EMF that is no sine, or currents that are none: the torque swings in propor
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Implausible, Parameter
 
 _ORDER = 24.0
 
@@ -27,4 +27,11 @@ EFFECT = Effect(
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     act=act,
+    implausible=(
+        Implausible(
+            "fraction",
+            lambda v, c: v["fraction"] > 0.3,
+            "a motor whose torque ripples by a third is broken: is it cogging?",
+        ),
+    ),
 )

@@ -9,9 +9,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ..identification.equation import CORRELATION, EquationErrorProblem
-from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_PRIOR, LAG_STEP, Free, Hypothesis
-from ..identification.local_minima import NARROW
+from ..criteria import BESIDE_IMPACTS, CORRELATION, DAMPING_ERROR, LAG_TOLERANCE, SIDES_ERROR
+from ..identification.equation import EquationErrorProblem
+from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_STEP, Free, Hypothesis
 from ..identification.weighting import Weighting
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
@@ -21,10 +21,8 @@ from .free_parameters import FreeParameter, FreeParameters
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""
-LAG_NUMBER = FreeParameter(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_PRIOR, LAG_STEP, (0.0, LAG_PRIOR))
+LAG_NUMBER = FreeParameter(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_TOLERANCE, LAG_STEP, (0.0, LAG_TOLERANCE))
 ONE_SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
-SIDES_ERROR = 0.01  # relative, measured on the virtual bench, as is the next
-DAMPING_ERROR = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +57,7 @@ class EquationMisfit:
         self.parts = equation.parts
         self._hypothesis = ModelHypothesis(freedom.model, {}, (), self.freedom.start, self.freedom)
         # an output behind play is thrown about: from the beginning, what is far off must not lead
-        self._most = NARROW if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
+        self._most = BESIDE_IMPACTS if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
         if math.isfinite(self._most):
             equation.weighting = Weighting.even(self.rows, self._most)
 

@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..effects import catalogue
+from ..criteria import CONTRADICTED, LEAST_SIZE, LIKELY, NEARLY_ALL, PART
+from ..effects import Circumstances, catalogue
 from ..identification.on_bound import reached_bound
 from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 from ..model import Model
 from ..model.own_units import shown
 from .equation_misfit import BLIND, LAG
 from .free_parameters import FreeParameter, split
-from .plausibility_rules import Circumstances, absurdities
+from .plausibility import implausible
 from .solver import Solution
 from .uncertainty import Uncertainty
-
-SEEN = 2.0  # standard deviations by which a typical change of a number must show
-NEEDED = 2.0  # standard errors by which a size must differ from none
-ALIKE = 0.95  # correlation from which on two numbers cannot be told apart
-PART = 0.3  # of a direction of unit length, from which on a number is part of it
-LOOSE = 0.2  # of its size: where both are known better than that, a correlation does no harm
-TOLERANCES = 3.0  # by which a constant may be off before the model file is doubted
 
 
 @dataclass(frozen=True)
@@ -60,7 +53,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
         if not number.path.startswith("effects."):
             off = abs(value / number.prior[0] - 1.0)
             tolerance = fitted.constants[number.path].tolerance
-            if off > TOLERANCES * tolerance:
+            if off > CONTRADICTED * tolerance:
                 text = (
                     f"ends {100.0 * off:.0f} % off its nominal value, {off / tolerance:.0f} times its tolerance: is "
                     "the model that of this machine, or does an effect stand in its place?"
@@ -73,8 +66,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
         found += [Finding("inseparable", *_place(numbers[k].path, fitted), text) for k in group]
     for name, instance in fitted.effects.items():
         if instance.enabled:
-            units: Mapping[str, str] = {p.name: p.unit for p in catalogue()[instance.effect].parameters}
-            for parameter, reason in absurdities(instance.effect, instance.parameters, units, c):
+            for parameter, reason in implausible(instance.effect, instance.parameters, c):
                 free = solution.freedom.index(f"effects.{name}.{parameter}")
                 if free is not None:
                     written = _written(instance.parameters[parameter], numbers[free], fitted)
@@ -128,7 +120,7 @@ def _shown(solution: Solution, k: int) -> float:
 def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> str | None:
     """Why these recordings do not show a number, and what would; ``shown`` are standard deviations per unit of it."""
     change = 1.0 if number.periodic else (math.log(2.0) if number.log else number.scale)
-    if shown * change >= SEEN:
+    if shown * change >= LIKELY:
         return None
     part, name, parameter = split(number.path)
     if part != "effects":
@@ -151,7 +143,7 @@ def _needless(number: FreeParameter, value: float, std: float, model: Model) -> 
         return None
     effect = catalogue()[model.effects[name].effect]
     size = effect.parameters[0]
-    if parameter != size.name or size.neutral is None or abs(value - size.neutral) >= NEEDED * std:
+    if parameter != size.name or size.neutral is None or abs(value - size.neutral) >= LIKELY * std:
         return None
     found = f"{_written(value, number, model)} ± {_written(std, number, model)}"
     return (
@@ -168,14 +160,14 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
     """
     numbers = solution.freedom.numbers
     loose = [
-        float(sure.std[k]) * n.slope(float(v)) > LOOSE * _size(n, float(v))
+        float(sure.std[k]) * n.slope(float(v)) > LEAST_SIZE * _size(n, float(v))
         for k, (n, v) in enumerate(zip(numbers, solution.values, strict=True))
     ]
     named = [k for k, n in enumerate(numbers) if n.path != LAG]
     sizes, directions = np.linalg.eigh(sure.correlation[np.ix_(named, named)])
     groups: list[set[int]] = []
     for size, direction in zip(sizes, directions.T, strict=True):
-        if size > 1.0 - ALIKE:
+        if size > 1.0 - NEARLY_ALL:
             break  # they come in rising order
         group = {named[k] for k in np.flatnonzero(np.abs(direction) > PART)}
         if any(loose[k] for k in group):

@@ -15,6 +15,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
+from ..criteria import CONTRADICTED, NOISY, SMALL, TOO_MUCH
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..measured.consistency import refuse_inconsistent
@@ -32,7 +33,7 @@ from .equation_misfit import LAG, EquationMisfit
 from .findings import Finding, asleep, find, not_given
 from .free_parameters import FreeParameters, choose_numbers, not_by_encoders
 from .misfit import Misfit
-from .plausibility_rules import circumstances
+from .plausibility import circumstances
 from .simulation_misfit import SimulationMisfit
 from .solver import FINAL, ROUGH, Solution, solve
 from .starts import explored, open_start, structural_starts
@@ -40,10 +41,6 @@ from .uncertainty import Uncertainty, solved, uncertainty, weigh
 from .unseen import Errors, judge
 
 METHODS = ("equation", "simulation")
-CONTRADICTED = 3.0  # standard deviations of a prior beyond which the recordings have it wrong
-TOO_MUCH = 3.0  # times the noise that is left where a model is right
-WORSE = 1.05  # times the error before: a fit that ends there on unseen data has made it worse
-NOISY = 1.5  # times the noise, below which no error tells which model is better
 MUCH = 1.5  # change of what rows are worth after which a fit is made again
 
 Progress = Callable[[str], None]
@@ -244,7 +241,7 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
             + "the model is incomplete: run diagnose"
         )
     for signal, error in told.items():
-        if error["rmse"] > WORSE * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
+        if error["rmse"] > (1.0 + SMALL) * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
             notes.append(f"{signal.replace('_', ' ')}: on what was not fitted to, the model as it was is better")
     return notes
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
+from ..criteria import ANY_SIZE, NEGLIGIBLE, PART, SEARCHED_UP_TO, TOLERANCE, UNSEEN_SPREAD
 from ..effects import Parameter, catalogue
-from ..identification.hypothesis import COMPLIANT_EFFECTS, GUESSED, INERTIAS, SIDES_PRIOR
+from ..identification.hypothesis import COMPLIANT_EFFECTS, INERTIAS
 from ..identification.search_limits import Reached, search_limits
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -19,11 +20,7 @@ from ..model.model import nearest
 from ..model.own_units import shown, told
 
 FRICTION = ("viscous_friction", "coulomb_friction")
-FRICTION_PRIOR = 0.05  # relative; what a model file that was made for the machine knows of it
-WEAK = 3.0  # times its typical size that a number wanders where the recordings say nothing of it
 WEAK_ANGLE = 10.0  # rad
-OPEN = 10.0  # relative: what keeps a constant from running away of which nothing is known
-BEYOND = 10.0  # times where it stands that a number of any size may go, however little the recordings reach
 WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
@@ -116,7 +113,7 @@ class FreeParameters:
                 continue
             effect = catalogue()[self.model.effects[name].effect]
             lower, upper = search_limits(effect, _parameter_of(self.model, number.path), of)
-            most = BEYOND * abs(float(start))
+            most = SEARCHED_UP_TO * abs(float(start))
             if math.isinf(number.upper):
                 numbers[k] = replace(
                     number,
@@ -176,7 +173,7 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
     for group in _tied(model, by_default, parted):
         numbers.append(_parameter(model, group, parted, asked=False))
         # a part that is a hundred times smaller than the other is no news
-        if len(group) > 1 and min(_value(model, path) for path in group[1:]) > 0.01 * _value(model, group[0]):
+        if len(group) > 1 and min(_value(model, path) for path in group[1:]) > NEGLIGIBLE * _value(model, group[0]):
             names = " and ".join(split(path)[1] for path in group)
             notes.append(f"{split(group[0])[2]} of {names}: only the sum shows, both were scaled by one factor")
     numbers += [_parameter(model, (path,), parted, asked=True) for path in effects if path in freed]
@@ -278,7 +275,7 @@ def _value(model: Model, path: str) -> float:
 
 
 def _weak(scale: float, periodic: bool) -> float:
-    return WEAK_ANGLE if periodic else WEAK * scale
+    return WEAK_ANGLE if periodic else UNSEEN_SPREAD * scale
 
 
 def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: bool) -> FreeParameter:
@@ -299,7 +296,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     told = value > 0.0 and not instance.open and not _doubled(model, name)
     known = size and not asked and instance.effect in FRICTION and told
     side = parted and instance.effect == "coulomb_friction" and instance.options["side"] == "output"
-    prior = (SIDES_PRIOR if side else FRICTION_PRIOR) * value if known else _weak(scale, p.periodic)
+    prior = (PART if side else TOLERANCE) * value if known else _weak(scale, p.periodic)
     return FreeParameter(
         paths[0],
         paths,
@@ -335,11 +332,11 @@ def _constant(model: Model, paths: tuple[str, ...]) -> FreeParameter:
         paths,
         tuple(model.value(path) / held.value for path in paths),
         constant.unit,
-        max(least, abs(held.value) / GUESSED) if log else max(least, -GUESSED * abs(held.value)),
-        min(most, GUESSED * abs(held.value)),
+        max(least, abs(held.value) / ANY_SIZE) if log else max(least, -ANY_SIZE * abs(held.value)),
+        min(most, ANY_SIZE * abs(held.value)),
         abs(held.value),
         STEP * (1.0 if log else abs(held.value)),
-        (held.value, min(tolerance, OPEN) * abs(held.value)),
+        (held.value, min(tolerance, SEARCHED_UP_TO) * abs(held.value)),
         known=math.isfinite(tolerance),
         log=log,
     )

@@ -21,7 +21,8 @@ from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.recording import Recording
 
-from ..measured.observation import CHAOTIC, HARD, SHAKEN, STANDSTILL, THROWN, WIDTH, Observation, hardest
+from ..criteria import CHAOTIC, HARD, OUTLIER, SHAKEN, SMALL, STANDSTILL, THROWN
+from ..measured.observation import WIDTH, Observation, hardest
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
@@ -30,7 +31,6 @@ from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
 
 POOL = ThreadPoolExecutor(os.cpu_count())
-OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 LINGER = 0.06  # s around standstill in which rows do not count
 LEAP = 5.0  # steps of a finite difference over which leaps are looked for
 LEAPS = 3  # times that they are looked for
@@ -193,7 +193,7 @@ class SimulationMisfit:
             if trusted.any():
                 bulk = 1.4826 * float(np.median(np.abs(residual[here][trusted])))
                 self._spread[k] = max(1.0, before[k] * bulk)
-        return bool((np.abs(np.log(self._spread / before)) > 0.1).any())
+        return bool((np.abs(np.log(self._spread / before)) > SMALL).any())
 
     def _runs(self, points: Sequence[np.ndarray], k: int, step: float | None, shift: float = 0.0) -> list[np.ndarray]:
         """The twins' signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""

@@ -8,13 +8,13 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..criteria import BESIDE_IMPACTS, CLEARLY_MORE, FAR_OFF_ROW
 from ..effects import catalogue
 from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spread
 from ..identification.equation import FAR, EquationErrorProblem
 from ..identification.excerpt import excerpt
 from ..identification.fit import fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
-from ..identification.local_minima import NARROW, WIDE
 from ..identification.weighting import Weighting
 from .equation_misfit import EquationMisfit
 from .free_parameters import FreeParameters, split, waves
@@ -23,7 +23,6 @@ from .solver import Solution, refine, solve
 FINALISTS = 4
 STEPS = 8  # of a finalist
 TRIED = 2  # steps that a fit from another start takes before it is judged
-GOOD = 1.2  # misfit per row at which no other start is tried where each costs seconds
 
 Progress = Callable[[str], None]
 
@@ -44,7 +43,7 @@ def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, p
     part_of = excerpt(equation)
     progress("trying starts of what parts the encoders")
     misfit = EquationMisfit(part_of, freedom)
-    part_of.weighting = Weighting.even(part_of.rows, WIDE)
+    part_of.weighting = Weighting.even(part_of.rows, FAR_OFF_ROW)
     starts = []
     for chosen in itertools.product(*choices.values()):
         values = misfit.freedom.start.copy()
@@ -53,9 +52,9 @@ def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, p
     costs = [misfit.cost(misfit.residual(values)) for values in starts]
     finalists = []
     for k in np.argsort(costs)[:FINALISTS]:
-        part_of.weighting = Weighting.even(part_of.rows, WIDE)
+        part_of.weighting = Weighting.even(part_of.rows, FAR_OFF_ROW)
         wide = refine(misfit, starts[int(k)], STEPS)
-        part_of.weighting = Weighting.even(part_of.rows, NARROW)
+        part_of.weighting = Weighting.even(part_of.rows, BESIDE_IMPACTS)
         finalists.append(refine(misfit, wide.values, STEPS))
     finalists.sort(key=lambda solution: solution.cost)
     return [solution.values[: len(freedom.numbers)] for solution in finalists]
@@ -83,7 +82,7 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
     best = solve(misfit, wave_start(misfit, np.append(start, 0.0)), enough=enough, progress=progress)
     model = misfit.freedom.model
     parted = any(instance.enabled and instance.effect in COMPLIANT_EFFECTS for instance in model.effects.values())
-    if parted and best.misfit < GOOD * misfit.rows:
+    if parted and best.misfit < CLEARLY_MORE * misfit.rows:
         return best
     better = best = refine(misfit, best.values, 0)
     for k, number in enumerate(misfit.freedom.numbers):

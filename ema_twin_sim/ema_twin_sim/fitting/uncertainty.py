@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..criteria import FAR_OFF_ROW
 from ..identification.uncertainty import blocks, scaled_inverse
 from .misfit import Misfit
 from .solver import Solution, priors
-
-WORST = 30.0  # times that a row is worth less, at most, by the recordings' disagreement: beyond, straight lines mislead
 
 RIDGE = 1e-12  # every number of a fit has a prior
 
@@ -36,7 +35,7 @@ def weigh(misfit: Misfit, solution: Solution) -> float:
     away = _moves(misfit, solution)
     count = len(away)
     distance = (count - 1) / count * float(np.einsum("bi,ij,bj->", away, curvature, away))
-    misfit.variance *= min(max(1.0, distance / away.shape[1]), WORST)
+    misfit.variance *= min(max(1.0, distance / away.shape[1]), FAR_OFF_ROW)
     return misfit.variance / before
 
 

@@ -11,11 +11,12 @@ import math
 
 import numpy as np
 
+from ..criteria import BESIDE_IMPACTS
 from .equation import EquationErrorProblem
 from .excerpt import excerpt
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
-from .local_minima import NARROW, best_of, ranked, starting
+from .local_minima import best_of, ranked, starting
 from .sensors import hysteresis, with_sensors
 
 STIFFNESS = tuple(3.0 * 1.3**k for k in range(22))
@@ -67,7 +68,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
             best.append(f)
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
-    problem.weighting = problem.weighting.from_outliers(NARROW)
+    problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
     return [fit(problem, f.hypothesis, 6) for f in close]
 
 

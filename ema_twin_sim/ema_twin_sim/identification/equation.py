@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER, SMALL
 from ..effects import catalogue
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
@@ -33,11 +34,7 @@ from .weighting import Weighting
 NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
-MISSHAPEN = 20.0  # the same of a machine that nothing shakes: what is left of it there is a model's error, not a hit
-OUTLIER = 4.0  # robust standard deviations from which on a row counts less and less
 INFLATED = 0.2  # share by which a variance moves before all is fitted again
-FASTEST = 0.95  # of all moving rows are no faster than what counts as driven
-CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +88,7 @@ class EquationErrorProblem:
         self.measured = self._measured  # in units of all that acts as noise
         self.rows = len(self.measured)
         speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
-        self.fastest = float(np.quantile(speeds, FASTEST)) if len(speeds) else 0.0  # rad/s, of the motor
+        self.fastest = float(np.quantile(speeds, NEARLY_ALL)) if len(speeds) else 0.0  # rad/s, of the motor
         self.outlier = OUTLIER if any(o.geared for o in observations) else MISSHAPEN
         self._weighting = Weighting.even(self.rows, FAR)
         self.generic_bases: dict[str, np.ndarray] = {}
@@ -269,7 +266,7 @@ class EquationErrorProblem:
         for _, part in self.parts:
             if part.stop > part.start:
                 scale[part] = min(most, self.outlier * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
-        changed = bool((np.abs(np.log(scale / self.weighting.cauchy_scale)) > 0.1).any())
+        changed = bool((np.abs(np.log(scale / self.weighting.cauchy_scale)) > SMALL).any())
         if changed:  # a fit's misfit is right for the weighting that it was made under
             self.weighting = replace(self.weighting, cauchy_scale=scale)
         return changed

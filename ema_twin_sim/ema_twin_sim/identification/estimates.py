@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..criteria import CALIBRATION, CONTRADICTED
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -17,9 +18,6 @@ from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS
 from .uncertainty import covariance
-
-FAR_OFF = 3.0  # tolerances of a constant
-CALIBRATION = 0.005  # of a number: what two right formulations of the same physics differ by
 
 
 def standard_errors(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
@@ -47,7 +45,7 @@ def far_off(f: Fit) -> list[str]:
         f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
         "is that file of this machine, or do these recordings tell too little of it?"
         for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
-        if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > FAR_OFF * free.prior[1]
+        if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > CONTRADICTED * free.prior[1]
     ]
 
 

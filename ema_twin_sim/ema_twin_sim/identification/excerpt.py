@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..measured.observation import STANDSTILL, Observation
+from ..criteria import STANDSTILL
+from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
 from .equation import EquationErrorProblem
 

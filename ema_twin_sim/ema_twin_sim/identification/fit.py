@@ -9,7 +9,8 @@ from functools import cache, partial
 
 import numpy as np
 
-from .equation import CORRELATION, EquationErrorProblem, Prediction
+from ..criteria import CORRELATION
+from .equation import EquationErrorProblem, Prediction
 from .hypothesis import Hypothesis
 
 

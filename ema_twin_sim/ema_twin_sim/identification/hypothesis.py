@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..criteria import ANY_SIZE, LAG_TOLERANCE, PART, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
 from ..effects import catalogue
 from ..measured.scales import COMPLIANT_EFFECTS, INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
@@ -15,17 +16,11 @@ from ..plant.driven_output import RESOLVED
 
 FRICTION = ("viscous_friction", "coulomb_friction")
 LAG = "lag"
-PRIOR = 0.05  # of a constant: what a data sheet may be off by
 EXACT = 1e-4  # relative: a tolerance of zero
-GUESSED = 1e3  # times the value that an open number starts with, up to which it may be
-SIDES_PRIOR = 0.3  # nobody measures on which side of a gearbox its friction is
-BEYOND = 5.0  # times its outermost starts: how far a number that bends a curve may go
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
-STIFFEST = 9.0  # times the contact that samples resolve: what a stiffer one gives way by, no encoder shows
 SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
-LAG_PRIOR = 2e-4  # s, as are the next two
-LAG_LIMIT = 4e-4
-LAG_STEP = 1e-5
+LAG_LIMIT = 2.0 * LAG_TOLERANCE
+LAG_STEP = 1e-5  # own s
 
 
 @dataclass(frozen=True)
@@ -187,7 +182,9 @@ class Hypothesis:
                 lower, upper = -math.inf, math.inf
             elif p.neutral is None and p.starts:
                 # far outside its starts an effect does nothing that a machine without it would not do
-                beyond = BEYOND if self.by_torque else BEYOND**5  # own units are those of a typical speed, no more
+                beyond = (
+                    SEARCHED_BEYOND_STARTS if self.by_torque else SEARCHED_BEYOND_STARTS**5
+                )  # own units are those of a typical speed, no more
                 lower, upper = max(lower, min(p.starts) / beyond), min(upper, max(p.starts) * beyond)
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
@@ -200,9 +197,13 @@ class Hypothesis:
         now = self.by_path
         wanted: list[tuple[Free, float]] = []
         if held & set(COMPLIANT_EFFECTS) or self.base.kinds["transmission"] == "two_inertia":
-            sides = {"scale.coulomb_friction": Free("scale.output_coulomb", 0.0, 5.0, 1e-2, (1.0, SIDES_PRIOR))}
+            sides = {
+                "scale.coulomb_friction": Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, PART))
+            }
             if self.by_torque:  # else the inertia is what all torques are told in
-                sides["scale.inertia"] = Free("scale.output_inertia", 0.3, 3.0, 5e-3, (1.0, PRIOR))
+                sides["scale.inertia"] = Free(
+                    "scale.output_inertia", 1.0 / SEARCHED_BEYOND_STARTS, SEARCHED_BEYOND_STARTS, 5e-3, (1.0, TOLERANCE)
+                )
             wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
             if not self.by_torque and "shaft_compliance" not in held:  # more would wind up the teeth, which is no play
                 wanted = [(side if side.prior else replace(side, upper=1.0), value) for side, value in wanted]
@@ -331,25 +332,27 @@ def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
     """
     if not by_torque:
         rubbing = [instance for instance in model.active.values() if instance.effect == "coulomb_friction"]
-        friction = Free("scale.coulomb_friction", 0.0, 5.0, 1e-3, (1.0, PRIOR))
+        friction = Free("scale.coulomb_friction", 0.0, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, TOLERANCE))
         if any(instance.open for instance in rubbing):
             friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
         return Hypothesis(model, {}, (friction,), np.ones(1))._sides()
     tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
     free = [
-        Free("scale.inertia", 1.0 / GUESSED, GUESSED, 1e-3)
+        Free("scale.inertia", 1.0 / ANY_SIZE, ANY_SIZE, 1e-3)
         if math.isinf(tolerance)
-        else Free("scale.inertia", 0.3, 3.0, 1e-3, (1.0, max(tolerance, EXACT)))
+        else Free(
+            "scale.inertia", 1.0 / SEARCHED_BEYOND_STARTS, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, max(tolerance, EXACT))
+        )
     ]
     for id in dict.fromkeys(instance.effect for instance in model.active.values()):
         if any(instance.open for instance in model.active.values() if instance.effect == id):
             free.append(Free(f"scale.{id}", *_possible_scales(model, id), 1e-3))
             if catalogue()[id].wave_angle is not None:
-                free.append(Free(f"quarter.{id}", -GUESSED, GUESSED, 1e-3))
+                free.append(Free(f"quarter.{id}", -ANY_SIZE, ANY_SIZE, 1e-3))
         elif id in FRICTION:
-            free.append(Free(f"scale.{id}", 0.0, 5.0, 1e-3, (1.0, PRIOR)))
+            free.append(Free(f"scale.{id}", 0.0, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, TOLERANCE)))
     if not model.is_open:  # where so much else is open, a lag would only stand in for it: no model holds one
-        free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_PRIOR)))
+        free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_TOLERANCE)))
     values = [1.0 if one.path.startswith("scale.") else 0.0 for one in free]
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()
 
@@ -357,7 +360,7 @@ def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
 def _possible_scales(model: Model, id: str) -> tuple[float, float]:
     """(lower, upper) of what the sizes of an open effect may be multiplied by; a wave's sign is an angle's matter."""
     size = catalogue()[id].parameters[0]
-    lower, upper = -GUESSED, GUESSED
+    lower, upper = -ANY_SIZE, ANY_SIZE
     if catalogue()[id].wave_angle is None:
         for instance in model.active.values():
             value = instance.parameters[size.name] if instance.effect == id else 0.0
@@ -365,5 +368,5 @@ def _possible_scales(model: Model, id: str) -> tuple[float, float]:
                 ends = sorted((size.lower / value, size.upper / value))
                 lower, upper = max(lower, ends[0]), min(upper, ends[1])
         if size.lower > 0.0:
-            lower = max(lower, 1.0 / GUESSED)
+            lower = max(lower, 1.0 / ANY_SIZE)
     return lower, upper

@@ -7,13 +7,12 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
 from .parallel import predictions
 
-WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
-NARROW = 10.0  # the same once the starts are left behind
 FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
 DAMPED = (0.25, 0.5, 1.0, 2.0, 4.0)
@@ -28,16 +27,16 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
-    problem.weighting = problem.weighting.from_outliers(WIDE)
+    problem.weighting = problem.weighting.from_outliers(FAR_OFF_ROW)
     costs = list(predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), family))
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
 def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
     """The best fit of a ranked family: from its best few, then from beside there."""
-    problem.weighting = problem.weighting.from_outliers(WIDE)
+    problem.weighting = problem.weighting.from_outliers(FAR_OFF_ROW)
     finalists = [fit(problem, h, 8).hypothesis for _, h in family[:FINALISTS]]
-    problem.weighting = problem.weighting.from_outliers(NARROW)
+    problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
     return hopped(problem, min((fit(problem, h, 8) for h in finalists), key=cost), family[0][1].added)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from ..criteria import NEARLY_ALL, NEGLIGIBLE
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
@@ -13,15 +14,13 @@ from .fit import Fit
 from .hypothesis import INERTIAS, Free
 from .shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 
-AT_BOUND = 0.05  # standard errors within which a number is on its bound,
-NEAR_BOUND = 0.02  # and share of its typical size
 START_ELSEWHERE = "or give the model a value nearer to it to start from"
 
 
 def reached_bound(value: float, lower: float, upper: float, std: float, scale: float) -> str | None:
     """The bound, ``lower`` or ``upper``, that a number has run against, if any; ``scale`` is its typical size."""
     for bound, side in ((lower, "lower"), (upper, "upper")):
-        if math.isfinite(bound) and abs(value - bound) <= min(AT_BOUND * std, NEAR_BOUND * scale):
+        if math.isfinite(bound) and abs(value - bound) <= min((1.0 - NEARLY_ALL) * std, NEGLIGIBLE * scale):
             return side
     return None
 

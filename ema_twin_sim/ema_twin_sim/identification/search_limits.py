@@ -12,15 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..criteria import ANY_SIZE, NEARLY_ALL, SEARCHED_UP_TO
 from ..effects import Effect, Parameter
 from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
-MOST = 10.0  # times the largest torque measured: what one effect may come to
-SHAPES = 1e3  # times what was reached: a number that only shapes an effect, which is no more or no less beyond
 QUICKEST = 0.05  # of the longest recording: a change in time that is over sooner is a part of the start
 LATEST = 0.02  # s in own units, what a fieldbus of the reference bench may take: a later encoder is another machine's
-USUAL = 0.95  # of all rows are within the speed, or acceleration, that counts as reached
 _POWERS = {
     "N m": (0, 0, 0),
     "N m s/rad": (1, 0, 0),
@@ -46,7 +44,9 @@ def reached(observations: Sequence[Observation]) -> Reached:
     """What these recordings reach where they are judged."""
     judged = [o for o in observations if len(o.rows)]
     speed, acceleration = (
-        float(np.quantile(np.concatenate([np.abs(o.motion[o.rows, column]) for o in judged]), USUAL)) if judged else 0.0
+        float(np.quantile(np.concatenate([np.abs(o.motion[o.rows, column]) for o in judged]), NEARLY_ALL))
+        if judged
+        else 0.0
         for column in (SPEED, ACCELERATION)
     )
     return Reached(
@@ -64,7 +64,7 @@ def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[fl
     if math.isinf(upper):
         upper = _largest(effect, parameter, of)
         if parameter.unit == "rad/s":
-            lower = max(lower, of.speed / SHAPES)
+            lower = max(lower, of.speed / ANY_SIZE)
         if parameter.unit == "s" and parameter.lower > 0.0:
             lower = max(lower, QUICKEST * of.duration)
     if math.isinf(lower):
@@ -74,7 +74,7 @@ def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[fl
 
 def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
     size = effect.parameters[0]
-    most = MOST if parameter is size else SHAPES
+    most = SEARCHED_UP_TO if parameter is size else ANY_SIZE
     if parameter.unit == "s" and parameter is size:
         return LATEST
     if parameter.unit in _POWERS:
@@ -84,4 +84,4 @@ def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
         unit = of.speed**speed * of.acceleration**acceleration * of.travel**travel
         return most * of.torque / unit if unit > 0.0 and of.torque > 0.0 else math.inf
     known = {"rad/s": of.speed, "s": of.duration}.get(parameter.unit, 0.0)
-    return SHAPES * known if known > 0.0 else math.inf
+    return ANY_SIZE * known if known > 0.0 else math.inf

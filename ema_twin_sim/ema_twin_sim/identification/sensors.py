@@ -10,18 +10,14 @@ import math
 
 import numpy as np
 
+from ..criteria import BESIDE_IMPACTS, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
 
-FALL = 0.25  # share of the robust misfit that a sensor's error must take away
-LEAST_AMPLITUDE = 5e-5  # rad
-LEAST_DELAY = 3e-4  # s
-LEAST_SHARE = 0.1  # of the encoders' excess misfit: over 50 cases with play or a spring it was 0.32 or more
 GEARBOX_COLUMNS = 3  # the tooth touched, the torque, the direction
-REACH = 10.0  # noise standard deviations from which on a row counts less: those in a gap
 STEPS = 20
 
 
@@ -33,12 +29,12 @@ def with_sensors(problem: EquationErrorProblem, f: Fit) -> Hypothesis:
     _, bare = _regress(torque, wanted)
     for effect, columns in sensors.items():
         coefficients, cost = _regress(np.concatenate([torque, columns], axis=1), wanted)
-        if cost > (1.0 - FALL) * bare:
+        if cost > (1.0 - PART) * bare:
             continue
         own = coefficients[torque.shape[1] :]
-        if effect == "encoder_delay" and own[0] > LEAST_DELAY:
+        if effect == "encoder_delay" and own[0] > 0.0:
             h = h.with_effect(effect, {}, {"delay": float(own[0])})
-        elif effect == "encoder_eccentricity" and math.hypot(*own) > LEAST_AMPLITUDE:
+        elif effect == "encoder_eccentricity" and own.any():
             parameters = {"amplitude": math.hypot(*own), "phase": math.atan2(own[1], own[0])}
             h = h.with_effect(effect, catalogue()[effect].default_options(), parameters)
     return h
@@ -58,7 +54,7 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
         (_, bare), (_, beside) = (
             _regress(columns, wanted) for columns in (others, np.concatenate([gearbox[:, :GEARBOX_COLUMNS], others], 1))
         )
-        if bare - beside <= LEAST_SHARE * (bare - len(wanted)):
+        if bare - beside <= SMALL * (bare - len(wanted)):
             return False
     return True
 
@@ -104,5 +100,5 @@ def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float
     for _ in range(STEPS):
         coefficients = np.linalg.lstsq(columns * weights[:, None], wanted * weights, rcond=1e-10)[0]
         left = wanted - columns @ coefficients
-        weights = 1.0 / np.sqrt(1.0 + (left / REACH) ** 2)
-    return coefficients, float(REACH**2 * np.log1p((left / REACH) ** 2).sum())
+        weights = 1.0 / np.sqrt(1.0 + (left / BESIDE_IMPACTS) ** 2)
+    return coefficients, float(BESIDE_IMPACTS**2 * np.log1p((left / BESIDE_IMPACTS) ** 2).sum())

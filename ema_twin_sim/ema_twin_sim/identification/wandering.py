@@ -6,17 +6,16 @@ import math
 
 import numpy as np
 
+from ..criteria import CORRELATION, COST_OF_WANDER
 from ..plant.measured_motion import SPEED, TIME
 from .basis_columns import at_rows, at_rows_of, hat_columns
-from .equation import CORRELATION, EquationErrorProblem
+from .equation import EquationErrorProblem
 from .fit import Fit
 from .generic_bases import KNOT, KNOTS, MOST_KNOTS
 from .wander import Wander
 
 SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
 """Of the friction, by which it may wander: from a quarter of a per cent to eleven."""
-CERTAIN = 12.0
-"""Gain in log-likelihood from which on friction is taken to wander."""
 
 
 def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
@@ -39,7 +38,7 @@ def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
     square, rest = (directions.T @ residual) ** 2, float(residual @ residual)
     gains = [_log_likelihood(share, spreads, square, rest, problem.size) for share in (0.0, *SHARES)]
     best = int(np.argmax(gains))
-    if best == 0 or gains[best] - gains[0] < CERTAIN:
+    if best == 0 or gains[best] - gains[0] < COST_OF_WANDER:
         return None
     parts = tuple((part, *np.linalg.svd(c, full_matrices=False)[:2]) for part, c in columns)
     return Wander(SHARES[best - 1], parts)

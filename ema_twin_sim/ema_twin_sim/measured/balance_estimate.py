@@ -14,6 +14,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import CONTRADICTED, NEGLIGIBLE
 from ..model import Model
 from .smoothing import gaussian, smooth
 
@@ -22,8 +23,6 @@ LEAST_WIDTH = 2.5  # sample periods
 MOST_OF_A_RECORDING = 0.02  # of its duration that a kernel's standard deviation may be
 PASSES = 3  # estimates, each with the kernel that the one before suggests
 KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard deviation
-AT_REST = 0.02  # of the fastest speed: below it, friction has no sign
-TELLING = 9.0  # squared standard errors, of rows a kernel apart, by which an inertia shows
 ROWS = 200  # rows below which no estimate is made
 
 
@@ -75,7 +74,7 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
         drive = drive - smooth(signals["load_torque"], plain)
     half = len(plain) // 2
     kept = np.arange(half, len(time) - half, max(1, round(2.0 * width / period)))
-    kept = kept[np.abs(speed[kept]) > AT_REST * np.abs(speed).max()]
+    kept = kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]
     angle = position / model.value("machine.gear_ratio")
     columns = [acceleration, speed, np.sign(speed), np.sin(angle), np.cos(angle), angle, np.ones(len(time))]
     return np.stack(columns, 1)[kept], drive[kept]
@@ -95,6 +94,6 @@ def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> BalanceEstimat
     spread = float(left @ left) / max(len(torque) - len(values), 1)
     covariance = spread * np.linalg.pinv(scaled.T @ scaled, hermitian=True)
     inertia, viscous, coulomb = values[:3] / size[:3]
-    if inertia <= 0.0 or values[0] ** 2 < TELLING * covariance[0, 0]:
+    if inertia <= 0.0 or values[0] ** 2 < CONTRADICTED**2 * covariance[0, 0]:
         return None
     return BalanceEstimate(float(inertia), max(float(viscous), 0.0), max(float(coulomb), 0.0))

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..criteria import NEGLIGIBLE, SMALL
 from .smoothing import gaussian, smooth
 
 NARROWER = 0.7  # from one width that is tried to the next
-QUIET = 0.02  # of the acceleration's rms that noise may make
-SURE = 0.1  # of the speed at which a motor counts as standing still
 
 
 def narrowest(position: np.ndarray, period: float, noise: float, widest: float, least: float) -> float:
@@ -16,7 +15,7 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
 
     ``noise`` [rad] is the standard deviation of one sample.
     """
-    allowed = QUIET * float(np.sqrt(np.mean(smooth(position, gaussian(widest, period, 2)) ** 2)))
+    allowed = NEGLIGIBLE * float(np.sqrt(np.mean(smooth(position, gaussian(widest, period, 2)) ** 2)))
     width = widest
     while width * NARROWER >= least and noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 2))) <= allowed:
         width *= NARROWER
@@ -27,7 +26,7 @@ def narrowest_for_speed(period: float, noise: float, widest: float, least: float
     """The least width [s] whose first derivative tells the sign of a speed above ``standstill`` [rad/s]."""
     width = widest
     while width * NARROWER >= least:
-        if noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 1))) > SURE * standstill:
+        if noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 1))) > SMALL * standstill:
             break
         width *= NARROWER
     return width

@@ -16,6 +16,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL, TOO_MUCH
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
@@ -28,15 +29,8 @@ from .observation import Observation, observe
 from .smoothing import smooth_at
 
 WINDOW = 0.1  # s over which ways are compared
-MOVING = 0.3  # of the largest: less of a signal tells no factor
 FEWEST = 30  # samples that do
-STEADY = 0.1  # spread of a factor, relative, from which on it is none
-NAMED_INERTIA = 0.25  # relative, within which a factor of the inertia is a usual mistake
-LEFT = 0.1  # of what friction leaves of the torque, in power: where an acceleration leaves more, it is not in charge
-OVER_LIMIT = 3.0  # times the drive's limit
-ALL_BUT_SPIKES = 0.999  # quantile of a current that is its largest
 PIECE = 300.0  # s that are judged at once: half an hour takes memory, and tells no more
-NOISY = 0.3  # of an acceleration: with more noise in it, a slope to it tells nothing
 
 LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
 """Effects whose torque a model knows beforehand, whatever moves."""
@@ -54,9 +48,9 @@ class _Relation:
     counted: bool  # whether counts, or the gear ratio, may stand between them
 
 
-WAY_AND_SPEED = _Relation(off=0.1, named=0.03, unnamed=True, counted=True)
-TWO_SHAFTS = _Relation(off=0.25, named=0.03, unnamed=False, counted=True)  # play and springs take something away
-SETPOINT = _Relation(off=0.5, named=0.15, unnamed=False, counted=False)  # which a drive follows late, or not at all
+WAY_AND_SPEED = _Relation(off=SMALL, named=NEGLIGIBLE, unnamed=True, counted=True)
+TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, unnamed=False, counted=True)  # play and springs take something away
+SETPOINT = _Relation(off=0.5, named=SMALL, unnamed=False, counted=False)  # which a drive follows late, or not at all
 
 
 class _Factor(NamedTuple):
@@ -175,13 +169,13 @@ def _steady_factor(values: np.ndarray, expected: np.ndarray) -> float | None:
     """How many times what was expected the values are; None where they are no steady multiple of it."""
     both = np.isfinite(values) & np.isfinite(expected)
     values, expected = values[both], expected[both]
-    large = np.abs(expected) > MOVING * np.abs(expected).max(initial=0.0)
+    large = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
     if large.sum() < FEWEST:
         return None
     ratios = values[large] / expected[large]
     middle = float(np.median(ratios))
     spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
-    return middle if spread < STEADY * abs(middle) else None
+    return middle if spread < SMALL * abs(middle) else None
 
 
 def _mistake(factor: _Factor, model: Model) -> str:
@@ -220,7 +214,7 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     limit = model.value("drive.current_limit")
     if recording.has("current") and BY_TORQUE not in recording.metadata:
         largest = float(np.nanquantile(np.abs(recording.signals["current"]), ALL_BUT_SPIKES))
-        if largest > OVER_LIMIT * limit:
+        if largest > TOO_MUCH * limit:
             largest, limit = (shown(model, value, "A")[0] for value in (largest, limit))
             yield Inconsistency(
                 recording.name,
@@ -248,7 +242,7 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         1.0 / DEGREES: "as if the motion were in degrees",
         -1.0: "as if its sign were turned round",
     }
-    why = next((text for times, text in usual.items() if abs(factor - times) <= NAMED_INERTIA * abs(times)), None)
+    why = next((text for times, text in usual.items() if abs(factor - times) <= PART * abs(times)), None)
     if why is None:  # what a load or a disturbance makes of it has any size
         return
     yield Inconsistency(
@@ -271,13 +265,13 @@ def _times_inertia(recording: Recording, start: float, model: Model, inertia: fl
     size = np.linalg.norm(columns, axis=0)
     if len(speed) < FEWEST or not size.all():
         return None
-    if reading_noise(seen.acceleration) > NOISY * float(np.std(seen.acceleration)):
+    if reading_noise(seen.acceleration) > PART * float(np.std(seen.acceleration)):
         return None
     found, *_ = np.linalg.lstsq(columns / size, seen.torque, rcond=None)
     left = seen.torque - columns / size @ found
     without = columns[:, 1:] / size[1:]
     rest = seen.torque - without @ np.linalg.lstsq(without, seen.torque, rcond=None)[0]
-    if float(left @ left) > LEFT * float(rest @ rest):
+    if float(left @ left) > SMALL * float(rest @ rest):
         return None
     factor = float(found[0] / size[0])
     return factor if found[1] * factor >= 0.0 else None  # a spring that the model lacks turns no friction's sign round

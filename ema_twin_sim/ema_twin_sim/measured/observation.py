@@ -16,6 +16,7 @@ from scipy.ndimage import maximum_filter1d
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..criteria import CHAOTIC, COUNTED, HARD, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -29,26 +30,19 @@ from ..simulation.simulate import LONGEST_GAP
 from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
 from .smoothing import gaussian, smooth, smooth_at, smooth_way
-from .spoilt_samples import COUNTED, counter_jumps, despiked
+from .spoilt_samples import counter_jumps, despiked
 
 NEEDED = ("motor_position",)
-STANDSTILL = 0.3  # rad/s of the fast shaft
 WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
 COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
 COUNTER_SPEED_WIDTH = 0.004  # s, for the speed that friction depends on there
 COUNTER_PULL = 0.06  # s, the width over which the integrated speed follows the counter
 LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
 START = 0.03  # s at the ends that are not judged
-HARD = 50.0  # rad/s2: beyond it, rows count less
-SHAKEN = 0.05  # s after hard acceleration in which rows count less
-CHAOTIC = 500.0  # rad/s2: after it, an output with play rests anywhere
-THROWN = 2.0  # s after such a throw in which the encoders' difference is not judged
 JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
-LEAST_ROWS = 100  # of motion, in all recordings together: a second, or two where the speed is not recorded
 FEWEST = 10  # samples
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
-CURRENT_SATURATED = 0.98  # share of the current limit from which the drive does not follow
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +161,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     slow = np.abs(motion[:, SPEED]) < STANDSTILL
     # a machine without gearbox that passes through standstill within a kernel's inner half does not stick there
     moving = _spread(slow, len(kernel) // 2) == 0.0 if geared else _spread(~slow, len(kernel) // 2) > 0.0
-    driven = np.abs(signals["current"]) < CURRENT_SATURATED * min(
+    driven = np.abs(signals["current"]) < (1.0 - NEGLIGIBLE) * min(
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )
     rows = centres[(judged & moving & driven & by_torque)[centres]]
@@ -311,7 +305,7 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
     used = {name: despiked(values[whole]) for name, values in used.items()}
     if recording.has("load_torque"):
         used["load_torque"] = _held(recording.signals["load_torque"])[whole]
-    if whole.all() and np.abs(steps - period).max() < 0.02 * period:
+    if whole.all() and np.abs(steps - period).max() < NEGLIGIBLE * period:
         return period, recording.time, used, whole
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
     signals = {name: np.interp(time, measured, values) for name, values in used.items()}

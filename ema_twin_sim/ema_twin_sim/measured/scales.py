@@ -15,16 +15,16 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, STANDSTILL
 from ..effects import find_effect
 from ..effects.catalogue import own_files
 from ..model import Model, reference_bench
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..simulation.behind_motor import encoder_units, of_encoders_alone
+from ..simulation.operating_points import HOLDING
+from ..simulation.simulate import POINTWISE
 from .balance_estimate import estimate_balance
-
-FASTEST = 0.95  # quantile of the speeds
-SPIKES = 0.999  # quantile of a torque's size beyond which it is cut off: a spoilt sample sets no scale
 
 COMPLIANT_EFFECTS = ("backlash", "shaft_compliance")  # what lets the two encoders part
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
@@ -102,6 +102,17 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     return OwnUnits(time, size, size * reference_bench.TORQUE_CONSTANT / constant, radius)
 
 
+def standstill(recordings: Sequence[Recording], model: Model, source: str) -> float:
+    """The motor's speed [rad/s, of the drum where the machine is linear] below which a direction means little.
+
+    ``source`` is the input that drives the twin: beside operating points, a motor moves where it was told to.
+    """
+    if source == POINTWISE:
+        return 0.5 * HOLDING
+    found = [matched(recording, model) for recording in recordings]
+    return STANDSTILL / own_units(found, begun_near(found, model)).time
+
+
 def _with_output_held(model: Model, units: OwnUnits) -> Model:
     """The model with so much open friction that its output comes to rest where nothing pushes it.
 
@@ -130,14 +141,14 @@ def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
     sizes = np.concatenate([part[np.isfinite(part)] for part in parts]) if parts else np.zeros(0)
     if not len(sizes):
         return 0.0
-    sizes = np.minimum(sizes, np.quantile(sizes, SPIKES))
+    sizes = np.minimum(sizes, np.quantile(sizes, ALL_BUT_SPIKES))
     return float(model.value("machine.torque_constant") * np.sqrt(np.mean(sizes**2)))
 
 
 def drum_radius(recordings: Sequence[Recording]) -> float:
     """Radius [m] of a drum that turns at usual speeds beside a linear machine's recordings."""
     known = np.concatenate([np.zeros(0), *_speeds(recordings)])
-    fastest = float(np.quantile(known, FASTEST)) if len(known) else 0.0
+    fastest = float(np.quantile(known, NEARLY_ALL)) if len(known) else 0.0
     return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
-SPIKE = 12.0  # robust standard deviations by which a single sample stands out that is taken for an error
-COUNTED = 2.5  # counts of the output by which a reading may step where it is slow and its encoder coarse
+from ..criteria import SPIKE
+
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 
 

@@ -11,13 +11,12 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.compare import explained_signals, in_native_units, stretch_of
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
-from ..comparison.where import STANDSTILL, Stretch
-from ..measured.scales import to_rotary_equivalent
+from ..comparison.where import Stretch
+from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..simulation.operating_points import HOLDING
-from ..simulation.simulate import POINTWISE, choose_input, simulate
+from ..simulation.simulate import choose_input, simulate
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +50,15 @@ def beside(
 
     Raises InputError where a recording lacks the input's signal.
     """
-    matched, model = to_rotary_equivalent(recordings, model)
-    return [_beside(recording, model, choose_input(recording, source), step) for recording in matched]
+    matched, model_of_drum = to_rotary_equivalent(recordings, model)
+    inputs = [choose_input(recording, source) for recording in matched]
+    return [
+        _beside(recording, model_of_drum, chosen, step, standstill(recordings, model, chosen))
+        for recording, chosen in zip(matched, inputs, strict=True)
+    ]
 
 
-def _beside(recording: Recording, model: Model, source: str, step: float | None) -> Beside:
+def _beside(recording: Recording, model: Model, source: str, step: float | None, slow: float) -> Beside:
     twin = simulate(model, recording, source, step=step)
     residuals = RunningComparison(model, source, period=recording.sample_period).add_rows(
         recording.signals, twin.signals
@@ -83,7 +86,7 @@ def _beside(recording: Recording, model: Model, source: str, step: float | None)
     return Beside(
         recording.name,
         unit_of_way,
-        (0.5 * HOLDING if source == POINTWISE else STANDSTILL) * way,
+        slow * way,
         recording.time,
         speed,
         None if motor is None else motor * way,

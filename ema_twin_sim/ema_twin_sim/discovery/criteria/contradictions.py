@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...criteria import APART, SMALL
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 
 GROUPS = {"inertia": ("scale.inertia",), "friction": ("scale.viscous_friction", "scale.coulomb_friction")}
-WIDE = 0.5  # standard deviation within which one recording alone may put a share
-APART = 6.0  # standard errors
-LARGE = 0.12  # share
 
 
 def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
@@ -28,14 +26,14 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     moves, errors = [], []
     for part in problem.torque_parts:
         slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)
-        covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(groups)) / WIDE**2)
+        covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(groups)) / 0.5**2)
         moves.append(covariance @ (slopes.T @ f.residual[part]) / scale)
         errors.append(np.sqrt(np.diag(covariance)))
     away = np.array(moves) - np.median(moves, axis=0)
     found = []
     for o, shares, sure in zip(problem.observations, away, errors, strict=True):
         for name, share, error in zip(groups, shares, sure, strict=True):
-            if abs(share) > max(LARGE, APART * error):
+            if abs(share) > max(SMALL, APART * error):
                 more = "more" if share > 0.0 else "less"
                 found.append(
                     f"{o.name}: needs {abs(share):.0%} {more} {name} than the other recordings do; it may be of "

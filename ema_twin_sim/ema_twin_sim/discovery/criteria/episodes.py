@@ -7,15 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...criteria import FAR_OUT
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...plant.measured_motion import SPEED, TIME
 
-FAR = 8.0  # standard deviations of a row's noise
 SHORTEST = 0.1  # s
 HOLES = 0.2  # s within an episode in which rows may be near again, or not judged
-MOST = 0.6  # of all rows that are far off must lie in episodes
-LONGEST = 0.5  # of a recording's rows: what is off for longer is no episode
 
 
 @dataclass(frozen=True)
@@ -41,9 +39,9 @@ def episodes(problem: EquationErrorProblem, f: Fit) -> tuple[Episode, ...]:
             continue
         raw = f.raw[part]
         time = o.motion[o.rows, TIME]
-        far = np.flatnonzero(np.abs(raw) > FAR)
+        far = np.flatnonzero(np.abs(raw) > FAR_OUT)
         far_rows += len(far)
-        if not len(far) or len(far) > LONGEST * len(raw):
+        if not len(far) or len(far) > 0.5 * len(raw):
             continue
         for piece in np.split(far, np.flatnonzero(np.diff(time[far]) > HOLES) + 1):
             start, end = float(time[piece[0]]), float(time[piece[-1]])
@@ -53,7 +51,7 @@ def episodes(problem: EquationErrorProblem, f: Fit) -> tuple[Episode, ...]:
             torque = raw[piece] * o.torque_noise[piece]
             braking = torque * np.sign(o.motion[o.rows[piece], SPEED])
             found.append(Episode(o.name, start, end, float(np.mean(torque)), float(np.mean(braking))))
-    return tuple(found) if in_episodes > MOST * far_rows else ()
+    return tuple(found) if in_episodes > 0.5 * far_rows else ()
 
 
 def listed_episodes(found: Sequence[Episode], most: int = 6, second: float = 1.0) -> str:

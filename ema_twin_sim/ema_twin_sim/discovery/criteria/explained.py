@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...criteria import (
+    APART,
+    BRISTLED,
+    DEPENDS,
+    FAR_OFF_ROW,
+    FAR_OUT,
+    INTERPOLATED,
+    LEAST_SIZE,
+    MISFIT_DOUBTED,
+    MISFIT_LEFT,
+    NEGLIGIBLE,
+    PART,
+    SHAKY,
+    SMALL,
+    STANDSTILL,
+    UNEXPLAINED,
+)
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.generic_bases import add_generic_bases
 from ...identification.screening import screen_generic_bases
-from ...measured.observation import STANDSTILL
 from ...plant.measured_motion import SPEED
 from .plausible import only_constants, strained
-from .worth import CLIP, SHAKY, left_over
-
-UNEXPLAINED = 0.6  # of a recording's noise: what may be left over where everything is explained
-MUCH = 2.0  # times that, from which on it is not asked what it depends on
-MISFIT_LEFT = 1.3  # mean squared torque row, in units of its noise, where no output bounces
-MISFIT_DOUBTED = 1.1  # the same, from which on it is asked whether that depends on anything
-DEPENDS = 25.0  # gain of such a dependence; where nothing is missing, it stays below ten
-BRISTLED = 2.0  # times these where friction gives way before it slides: every law of that does so a little differently
-REMAINDER = 0.3  # of what the start model leaves over, beside an output that bounces
-APART = 6.0  # of an encoder's noise: an output that bounces is not followed to its last wiggle
-INTERPOLATED = 10.0  # the same where nothing bounces: an encoder that interpolates between its lines errs by as much
-LAGGING = 8.0  # standard deviations of a single reading: the first sample's own noise stays below four
-NEARLY = 0.1  # of the torque's rms
-PARTLY = 0.25  # of how far the encoders part at the start
-WIGGLE = 0.02  # of how far they parted at the start: the same where that is more
-REMAINS = (
-    0.2  # the same, beside the noise, where that is less: what is small to begin with must go for its greater part
-)
+from .worth import left_over
 
 
 def explained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
@@ -48,7 +47,7 @@ def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
         [o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in problem.observations]
     )
     left = f.raw[: problem.size][slides] * problem.noise[slides]
-    return float(np.sum(left**2)) <= NEARLY**2 * float(np.sum(problem.torque[slides] ** 2))
+    return float(np.sum(left**2)) <= SMALL**2 * float(np.sum(problem.torque[slides] ** 2))
 
 
 def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
@@ -60,12 +59,12 @@ def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
     before = problem.residual(start.predicted)[problem.size :]
     parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
     if f.hypothesis.base.is_open:  # as with the torque: no more can be asked than that little is left
-        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[problem.size :] ** 2))) > max(PARTLY * parted, APART)
+        return len(before) > 0 and float(np.sqrt(np.mean(f.raw[problem.size :] ** 2))) > max(PART * parted, APART)
     if lagging(problem, f):
         return True
-    usual = min(APART, 1.0 + REMAINS * parted) if f.parted else INTERPOLATED
-    allowed = min(max(usual, WIGGLE * parted), 0.5 * CLIP)
-    parts = [np.minimum(np.abs(f.raw[part]), CLIP) for part in problem.encoder_parts if part.stop > part.start]
+    usual = min(APART, 1.0 + LEAST_SIZE * parted) if f.parted else INTERPOLATED
+    allowed = min(max(usual, NEGLIGIBLE * parted), 0.5 * FAR_OFF_ROW)
+    parts = [np.minimum(np.abs(f.raw[part]), FAR_OFF_ROW) for part in problem.encoder_parts if part.stop > part.start]
     return any(float(np.sqrt(np.mean(rows**2))) > allowed for rows in parts)
 
 
@@ -82,7 +81,7 @@ def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
         if first.any():
             off = float(np.median((problem.measured - f.predicted.rows)[part][first] * o.encoder_noise[first]))
             reading = float(o.encoder_noise.min()) / float(np.linalg.norm(o.kernel))
-            if abs(off) > LAGGING * reading:
+            if abs(off) > FAR_OUT * reading:
                 found[o.name] = off
     return found
 
@@ -107,7 +106,7 @@ def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
         if bristled:
             allowed *= BRISTLED
         if f.parted:
-            allowed = max(SHAKY * allowed, REMAINDER * before)
-        if left > allowed and (f.parted or left > MUCH * allowed or depends(problem, f)):
+            allowed = max(SHAKY * allowed, PART * before)
+        if left > allowed and (f.parted or left > 2.0 * allowed or depends(problem, f)):
             return True
     return False

@@ -12,16 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...criteria import MOSTLY, NEGLIGIBLE
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, order_bases
 from ...identification.screening import screen_generic_bases
 from .worth import ENCODER_ONLY
-
-TELLING = 0.03  # of the noise's variance: what an effect must take away for its shape to tell anything
-OF_ENCODERS = 0.75  # of how the encoders part: eleven true ones took 0.89 or more, three false ones 0.60 or less
-OWN_SHARE = 0.98  # of the misfit that the best basis takes away, which an effect must take away
 
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
@@ -34,14 +31,14 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     kept = problem.generic_bases
     if f.hypothesis.added[name].effect in ENCODER_ONLY:
-        left = 1.0 - OF_ENCODERS
+        left = 1.0 - MOSTLY
         return _of_the_encoders(problem, f) <= left * _of_the_encoders(problem, bare)
     try:
         problem.generic_bases = _over(problem, bare, over)
         if not problem.generic_bases:  # of what shows over this, there is no other shape
             return True
         took = bare.misfit - f.misfit
-        if took < TELLING * f.judged:
+        if took < NEGLIGIBLE * f.judged:
             return False
         best = next((found for _, found in screen_generic_bases(problem, bare)), None)
         if best is None:
@@ -49,7 +46,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         any_shape = fit(
             problem, bare.hypothesis.with_generic_basis(best, problem.generic_bases[best].shape[1]), 3, known=bare
         )
-        return took >= OWN_SHARE * (bare.misfit - any_shape.misfit)
+        return took >= (1.0 - NEGLIGIBLE) * (bare.misfit - any_shape.misfit)
     finally:
         problem.generic_bases = kept
 

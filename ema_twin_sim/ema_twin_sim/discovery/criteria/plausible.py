@@ -11,20 +11,15 @@ import math
 
 import numpy as np
 
+from ...criteria import COST_PARAMETER, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.uncertainty import covariance, scaled_inverse
-from .worth import COST_PARAMETER, FLOOR, largest_rms_reduction
+from .worth import largest_rms_reduction
 
-STRAINED = 4.0  # tolerances off, from which on a constant does not belong to this machine
-STRAINED_TOGETHER = 18.0  # squared tolerances, summed: four constants that are off by two each are not there yet
-STRAINED_BESIDE = 12.0  # the same beside an effect that only constants tell: it should have put them right
-OFF = 2.0  # tolerances that are worth telling then
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
-SIGNIFICANT = 4.0  # standard errors from doing nothing, the shape held
-KNOWN = 1.0  # standard errors that a size must have with its shape free: 49 ± 57 mN m is no number to give anybody
 NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
 """Effects of which each may stand behind one constant that is off, where the model has it."""
@@ -44,7 +39,7 @@ def strained(f: Fit) -> tuple[str, ...]:
     }
     told_by_constants = any(catalogue()[id].depends_on in NOTHING_ELSE for id in f.hypothesis.effects)
     most = STRAINED_BESIDE if told_by_constants else STRAINED_TOGETHER
-    limit = OFF if sum(z**2 for z in off.values()) > most else STRAINED
+    limit = LIKELY if sum(z**2 for z in off.values()) > most else SIGNIFICANT
     over = [OVER[path.partition(".")[2]] for path, z in off.items() if z > limit]
     return tuple(dict.fromkeys(over))
 
@@ -72,7 +67,7 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             # of a stiffness, it is the softness that is there or not: as many standard errors from none
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
-            if abs(off) < KNOWN * math.sqrt(max(float(spread[k, k]), 0.0)):
+            if abs(off) < math.sqrt(max(float(spread[k, k]), 0.0)):
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
@@ -93,7 +88,7 @@ def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     if len(alike) < 2:
         return ()
     bare = {name: fit(problem, f.hypothesis.without(name), 4, known=f) for name in alike}
-    found = tuple(name for name in alike if largest_rms_reduction(problem, bare[name], f) < FLOOR)
+    found = tuple(name for name in alike if largest_rms_reduction(problem, bare[name], f) < LEAST_SIZE)
     return found if len(found) > 1 else ()
 
 

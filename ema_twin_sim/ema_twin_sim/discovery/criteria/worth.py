@@ -10,29 +10,30 @@ import math
 
 import numpy as np
 
+from ...criteria import (
+    COST_EFFECT,
+    COST_OF_BASIS_COLUMN,
+    COST_PARAMETER,
+    DEPENDS,
+    FAR_OFF_ROW,
+    FEWEST_ROWS,
+    LARGEST_EFFECT,
+    LEAST_SIZE,
+    LEAST_SIZE_BESIDE_IMPACTS,
+    LEAST_SIZE_LIKE_FRICTION,
+    NEGLIGIBLE,
+    SHAKY,
+    SMALL,
+)
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 
-COST_EFFECT = 7.0
-COST_PARAMETER = 4.0
-COST_OF_BASIS_COLUMN = 6.0  # of each column
-SHAKY = 3.0  # times more is gained by chance beside an output that bounces
-CLIP = 30.0  # noise standard deviations at which a row is cut off where what is left over is judged
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
-FLOOR = 0.2  # of a recording's noise: the smallest share worth a name
-SHAKY_FLOOR = 0.7  # the same beside an output that bounces, which is never known as well as one that does not
-UNLOADED_FLOOR = 0.35  # the same of friction in proportion to a load where there is none: it looks like all friction
-SURE = 40.0  # gain from which on friction in proportion to a load may be half as small there
 VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
-SHARE = 0.1  # of the excess that an effect must remove
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
-PARTING_SHARE = 0.02  # of how far the encoders of a machine that is not known part, in power
-LARGEST = 2.0  # times the largest torque measured: what one effect may come to
-AT_BOUND = 0.99  # of a bound, from which on a number stands on it
-FEWEST = 20  # rows of a recording that tell anything
 
 
 def complexity_penalty(f: Fit) -> float:
@@ -74,10 +75,10 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
     best = 0.0
     for k, part in enumerate(problem.torque_parts):
         rows = fell[part][problem.observations[k].below_shock_limit] if by_torque else fell[part]
-        if len(rows) >= FEWEST:
+        if len(rows) >= FEWEST_ROWS:
             best = max(best, float(np.mean(rows)))
     for part in () if by_torque else problem.encoder_parts:
-        if part.stop - part.start >= FEWEST:
+        if part.stop - part.start >= FEWEST_ROWS:
             best = max(best, float(np.mean(fell[part])))
     return math.sqrt(best)
 
@@ -100,14 +101,14 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         misfit, remains = (float(problem.costs(f.raw)[:count].sum()) for f in (before, after))
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
-    floor = SHAKY_FLOOR if after.parted else FLOOR
+    floor = LEAST_SIZE_BESIDE_IMPACTS if after.parted else LEAST_SIZE
     if [*came.values()] == ["mesh_friction"]:
         if not VARYING_LOADS & after.hypothesis.held:
-            floor = max(floor, UNLOADED_FLOOR)
-        elif after.parted and penalised_gain(problem, before, after) > SURE:
+            floor = max(floor, LEAST_SIZE_LIKE_FRICTION)
+        elif after.parted and penalised_gain(problem, before, after) > DEPENDS:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size
             floor *= 0.5
-    return fall >= SHARE * excess and largest_rms_reduction(problem, before, after) >= floor * left
+    return fall >= SMALL * excess and largest_rms_reduction(problem, before, after) >= floor * left
 
 
 def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
@@ -118,10 +119,10 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
         z = f.raw[part][
             o.below_shock_limit & ~o.after_impact if parted else o.below_shock_limit
         ]  # of a standstill there are none
-        if len(z) < FEWEST:
+        if len(z) < FEWEST_ROWS:
             found.append(0.0)
             continue
-        sizes = np.sort(np.minimum(np.abs(z), CLIP))[: -max(STRAY_ROWS, len(z) // 100)]
+        sizes = np.sort(np.minimum(np.abs(z), FAR_OFF_ROW))[: -max(STRAY_ROWS, len(z) // 100)]
         excess = max(float(np.mean(sizes**2)) - 1.0, 0.0)
         found.append(math.sqrt(excess) * float(np.median(o.torque_noise)))
     return found
@@ -137,14 +138,14 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
         difference = problem.measured[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
-    return gone < PARTING_SHARE * parted
+    return gone < NEGLIGIBLE * parted
 
 
 def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether an effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
     instance = f.hypothesis.instance(name)
     size = catalogue()[instance.effect].parameters[0]
-    most = LARGEST * float(np.abs(problem.torque).max(initial=0.0))
+    most = LARGEST_EFFECT * float(np.abs(problem.torque).max(initial=0.0))
     return size.unit == "N m" and abs(instance.parameters[size.name]) > most
 
 
@@ -155,4 +156,4 @@ def _does_nothing(f: Fit, name: str) -> bool:
     if size.name != "stiffness" or size.neutral is not None:
         return False
     upper = next(free.upper for free in f.hypothesis.free if free.path == path)
-    return f.hypothesis.by_path[path] >= AT_BOUND * upper
+    return f.hypothesis.by_path[path] >= (1.0 - NEGLIGIBLE) * upper

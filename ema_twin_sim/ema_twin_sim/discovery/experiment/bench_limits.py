@@ -10,6 +10,7 @@ import numpy as np
 
 from ema_bench_replay.units import unit_in
 
+from ...criteria import LARGEST_EFFECT, MOSTLY, SMALL
 from ...measured.observation import Observation
 from ...model import Model
 from ...model.own_units import shown
@@ -17,10 +18,7 @@ from ...plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, 
 
 _SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation is not the bench to the last digit
 _SLACK_TRAVEL = 0.02  # of the range
-_BEYOND = 2.0  # times what was driven
 _LONG = 20.0  # s for which a shaft without end stops may turn one way
-_OF_THE_DRIVE = 0.7  # share of the drive's own limits that a plan may use
-_OF_THE_WAY = 0.9  # share of the way to an end stop
 _NONE = 1e-12  # in place of a limit of zero
 
 
@@ -127,12 +125,12 @@ def widened(limits: Limits, model: Model, origin: float) -> Limits:
         infinite if stop is None else stop.value - origin
         for stop, infinite in zip(stops, (-math.inf, math.inf), strict=True)
     )
-    speed = min(_BEYOND * limits.speed, _OF_THE_DRIVE * model.value("drive.speed_limit") / ratio)
+    speed = min(LARGEST_EFFECT * limits.speed, MOSTLY * model.value("drive.speed_limit") / ratio)
     travel = speed * _LONG
     return Limits(
         speed,
-        _BEYOND * limits.acceleration,
-        min(limits.lower, max(-travel, _OF_THE_WAY * lower)),
-        max(limits.upper, min(travel, _OF_THE_WAY * upper)),
-        min(_BEYOND * limits.current, _OF_THE_DRIVE * min(torque, model.value("drive.current_limit"))),
+        LARGEST_EFFECT * limits.acceleration,
+        min(limits.lower, max(-travel, (1.0 - SMALL) * lower)),
+        max(limits.upper, min(travel, (1.0 - SMALL) * upper)),
+        min(LARGEST_EFFECT * limits.current, MOSTLY * min(torque, model.value("drive.current_limit"))),
     )

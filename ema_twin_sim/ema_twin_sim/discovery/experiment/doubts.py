@@ -13,30 +13,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...criteria import FAR_OUT, LEAST_SIZE, LIKELY, SIGNIFICANT, STANDSTILL
 from ...effects import catalogue
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.screening import screen
-from ...measured.observation import STANDSTILL
 from ...model import EffectInstance
 from ...plant.measured_motion import SPEED
-from ..criteria.worth import ENCODER_ONLY, FLOOR, penalised_gain
+from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from ..search.rivals import Rivalry
 from ..search.search import entrants
 from ..search.trace import Search
 
-OPEN = 16.0
-"""Price paid, in units of noise (four standard deviations): a rival that loses by less is not yet beaten."""
 ALTERNATIVES = 3
 """Explanations that are held against a found effect."""
 NOTHING = "none"
 _SHOWN_BY_REVERSALS = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
-_NOTED = 0.5  # share of the smallest size worth a name from which on an effect is worth another look
-_SURE = 64.0  # squared standard errors above zero from which on nobody asks whether an effect is there at all
 _MOVING = 0.1  # s of motion that make a direction
-_AWAY = 2.0  # standard errors by which what one direction leaves open is taken to be away from zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +81,7 @@ def doubts(
             rivalry = standing[instance.effect]
             fits = tuple(f for f in rivalry.fits if name not in f.hypothesis.added)
             wanted = {*rivalry.group} - {instance.effect}
-            if rivalry.behind < OPEN:
+            if rivalry.behind < SIGNIFICANT**2:
                 wanted.add(rivalry.runner_up)
         if thorough and not best.parted:  # a gearbox takes too long to try everything on
             wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
@@ -141,7 +136,7 @@ def _about(
     rivals = [Rival(NOTHING, bare), *(Rival(id, f) for id, f in others.items())]
     rivals += [Rival(_in_full(_last(f)), f) for f in alike]
     behind = [(-penalised_gain(problem, best, rival.fit), rival) for rival in rivals]
-    near = sorted((entry for entry in behind if entry[0] < OPEN), key=lambda entry: entry[0])[:ALTERNATIVES]
+    near = sorted((entry for entry in behind if entry[0] < SIGNIFICANT**2), key=lambda entry: entry[0])[:ALTERNATIVES]
     if not near:
         return None
     own = _in_full(instance) if any(rival.fit in alike for _, rival in near) else instance.effect
@@ -183,7 +178,7 @@ def _may_be_nothing(problem: EquationErrorProblem, best: Fit, name: str) -> bool
     paths = [free.path for free in best.hypothesis.free]
     k = paths.index(f"effects.{name}.{size.name}")
     spread = np.linalg.pinv(information(problem, best), hermitian=True)[k, k]
-    return (best.hypothesis.values[k] - size.neutral) ** 2 < _SURE * float(spread)
+    return (best.hypothesis.values[k] - size.neutral) ** 2 < FAR_OUT**2 * float(spread)
 
 
 def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
@@ -194,7 +189,7 @@ def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
     best = found.fit
     if found.stopped is None or best.hypothesis.generic_bases or best.parted:
         return None
-    needed = _NOTED * FLOOR * math.sqrt(max(1.0, best.misfit / problem.judged))
+    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.misfit / problem.judged))
     for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:
@@ -222,6 +217,6 @@ def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fi
     free = fit(problem, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
     k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")
     spread = math.sqrt(float(np.linalg.pinv(information(problem, free), hermitian=True)[k, k]))
-    value = free.hypothesis.values[k] + math.copysign(_AWAY * spread, free.hypothesis.values[k])
+    value = free.hypothesis.values[k] + math.copysign(LIKELY * spread, free.hypothesis.values[k])
     base = best.hypothesis.base.with_effect(id, {size.name: min(max(value, size.lower), size.upper)})
     return fit(problem, replace(best.hypothesis, base=base), 4, known=best)

@@ -18,26 +18,19 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ...criteria import CLEARLY_MORE, DECIDED, MOSTLY, RIVAL_MARGIN, STANDSTILL
 from ...identification.equation import EquationErrorProblem
 from ...identification.hypothesis import Hypothesis
-from ...measured.observation import STANDSTILL, Observation, observe
+from ...measured.observation import Observation, observe
 from ...model.own_units import shown
 from ...plant.measured_motion import SPEED, TIME
 from ...simulation.command import parse_command
 from ...simulation.lumped_model import lumped_model
 from ...simulation.virtual_bench import virtual_bench
-from ..search.rivals import CLOSE
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Planned, command_grid
 from .doubts import NOTHING, Doubt, Rival, information, reverses
 
-DECIDED = 5.0
-"""Standard deviations by which rivals must come apart for a recording to decide between them."""
-PLENTY = 30.0
-"""Standard deviations beyond which more is no better."""
-_ALIKE = 0.8  # share of the best separation from which on commands count as equals, and the gentlest is taken
-_GENTLE = 0.5  # share of the limits below which less is no gentler
-_SLOWEST = 2.0  # times standstill: the top speed of a command that shows anything
 _TURNS = 8  # half periods in a recording that are liked best
 _FINALISTS = 8  # commands that are looked at again, without linearising
 _FEW_FINALISTS = 2
@@ -45,8 +38,6 @@ _STEP = 1.25e-4  # s of integration: a plan needs no more
 _STEPS = 3  # of a rival's fit to what another would show
 _RUNNERS_UP = 3
 _SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not that of side_by_side, which works for each of the commands
-_NOTED = 0.7  # share of a difference that one part of a recording must hold to be told
-_DENSE = 1.3  # times more difference there than in the recording as a whole
 
 Pair = tuple[str, str]
 
@@ -111,7 +102,7 @@ class _Field:
         for doubt in held:
             known = zip(doubt.rivals, doubt.behind, strict=True)
             for (one, _), (other, behind) in itertools.combinations(known, 2):
-                if one is not doubt.rivals[0] and behind > CLOSE:
+                if one is not doubt.rivals[0] and behind > RIVAL_MARGIN:
                     continue  # neither is likely
                 if _holds(other, one):  # the larger of nested ones first
                     one, other = other, one
@@ -138,7 +129,7 @@ class _Field:
         ratio = self.base.value("machine.gear_ratio")
         gain = self.base.value("drive.position_gain") / ratio
         second, radian = (shown(self.base, 1.0, unit)[0] for unit in ("s", "rad"))
-        return command_grid(limits, _SLOWEST * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
+        return command_grid(limits, 2.0 * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
 
     def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
         """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
@@ -245,7 +236,7 @@ def _place(o: Observation, rows: np.ndarray) -> str:
     power = rows**2
     count = len(o.rows)
     total = float(power.sum())
-    if float(power[count:].sum()) > _NOTED * total:
+    if float(power[count:].sum()) > MOSTLY * total:
         return "between the encoders"
     power = power[:count]
     speed, time = o.motion[o.rows, SPEED], o.motion[o.rows, TIME]
@@ -253,14 +244,14 @@ def _place(o: Observation, rows: np.ndarray) -> str:
     parts = {
         "while it moves backward": speed < 0.0,
         "while it moves forward": speed > 0.0,
-        "where it is slow": np.abs(speed) < 0.4 * top,
-        "where it is fast": np.abs(speed) > 0.8 * top,
-        "late in the run": time > 0.6 * time[-1],
-        "early in the run": time < 0.4 * time[-1],
+        "where it is slow": np.abs(speed) < 0.5 * top,
+        "where it is fast": np.abs(speed) > MOSTLY * top,
+        "late in the run": time > 0.5 * time[-1],
+        "early in the run": time < 0.5 * time[-1],
     }
     for name, part in parts.items():
         share = float(power[part].sum()) / total if total else 0.0
-        if share > _NOTED and share * len(part) > _DENSE * max(int(part.sum()), 1):
+        if share > MOSTLY and share * len(part) > CLEARLY_MORE * max(int(part.sum()), 1):
             return f"mostly {name}"
     return "all along"
 
@@ -354,19 +345,19 @@ def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:
     def rank(e: _Evaluated) -> tuple[int, bool, float]:
         decided = sum(value >= DECIDED for value in e.separation.values())
         smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
-        return decided, allowed.effort(e.done) <= 1.0, min(smallest, PLENTY)
+        return decided, allowed.effort(e.done) <= 1.0, min(smallest, DECIDED**2)
 
     left = sorted(found, key=rank, reverse=True)
     ordered: list[_Evaluated] = []
     while left:
         most, inside, best = rank(left[0])
-        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= _ALIKE * best]
+        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= MOSTLY * best]
         # half of what was driven is gentle, and some turns average over what drifts
         gentlest = min(
             alike,
             key=lambda e: (
                 e.trial.kind.startswith("speed-"),
-                max(_GENTLE, round(allowed.effort(e.done), 1)),
+                max(0.5, round(allowed.effort(e.done), 1)),
                 abs(e.trial.turns - _TURNS),
             ),
         )

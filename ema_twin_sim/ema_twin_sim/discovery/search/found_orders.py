@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from ...comparison.orders import find_order
+from ...criteria import NEARLY_ALL, NEGLIGIBLE
 from ...effects import catalogue
 from ...identification.candidates import Candidate
 from ...identification.equation import EquationErrorProblem
@@ -21,8 +22,6 @@ MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
 SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
 SAME = 1e-4  # rad, within which two points are of one angle
-WHOLE = 0.02  # of an order, within which it is a whole number
-LEAST_SHARE = 0.05  # of a residual's power that an order of the gears must explain
 
 
 def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
@@ -67,7 +66,7 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> float | None:
         if not o.of_points:
             parts.append((f.residual[part], angle, np.sign(speed)))
     strongest = find_order(parts)
-    if strongest is None or strongest.dissipative or strongest.share < LEAST_SHARE:
+    if strongest is None or strongest.dissipative or strongest.share < (1.0 - NEARLY_ALL):
         return None
     return None if _is_whole(strongest.order) else strongest.order
 
@@ -142,4 +141,4 @@ def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None
 
 
 def _is_whole(order: float) -> bool:
-    return round(order) > 0 and abs(order - round(order)) < WHOLE
+    return round(order) > 0 and abs(order - round(order)) < NEGLIGIBLE

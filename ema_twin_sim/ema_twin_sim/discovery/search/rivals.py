@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ...criteria import RIVAL_MARGIN
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
@@ -11,9 +12,6 @@ from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
 
-CLOSE = 8.0  # price paid, in units of noise: a rival that loses by less cannot be told from the effect
-BETTER = 1.0  # the same: a rival that gains more takes the effect's place
-NEAR = 0.5  # share of the winner's gain from which on what was tried in its round may be a rival
 SWAPS = 3
 
 
@@ -33,7 +31,7 @@ def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple
     rivals = rivalries(problem, found)
     for _ in range(SWAPS):
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
-        if better is None or better.behind > -BETTER:
+        if better is None or better.behind > -1.0:
             break
         other = swapped(problem, found, better.fits[0])
         if penalised_gain(problem, found.fit, other.fit) <= 0.0:
@@ -54,7 +52,7 @@ def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ..
         fits = sorted(substitutes(problem, best, name, turn), key=lambda f: -penalised_gain(problem, best, f))
         worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
-        close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
+        close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -RIVAL_MARGIN}
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
         group = tuple(sorted({instance.effect, *close}))
         judged.append(Rivalry(instance.effect, runner_up, behind, group, tuple(fits)))
@@ -68,7 +66,7 @@ def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round
     effect = best.hypothesis.added[name].effect
     found = []
     for trial in turn.tried:
-        if len(trial.names) != 1 or trial.gain < NEAR * winner:
+        if len(trial.names) != 1 or trial.gain < 0.5 * winner:
             continue
         other = trial.fit.hypothesis.added.get(trial.names[0])
         if other is None or other.effect == effect or other.effect in best.hypothesis.effects:

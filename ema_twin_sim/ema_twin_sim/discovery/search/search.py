@@ -8,39 +8,37 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...criteria import (
+    BESIDE_IMPACTS,
+    CLEARLY_MORE,
+    CORRELATION,
+    COST_OF_BASIS_COLUMN,
+    MISFIT_DOUBTED,
+    MISFIT_LEFT,
+    MOST_EFFECTS,
+    NEARLY_ALL,
+    USUAL_EFFECTS,
+)
 from ...effects import catalogue
 from ...identification.candidates import candidates
 from ...identification.compliance import structural_fits
-from ...identification.equation import CORRELATION, FAR, EquationErrorProblem
+from ...identification.equation import FAR, EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import add_generic_bases, dependence, order_bases
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
-from ...identification.local_minima import NARROW, cost, hopped
+from ...identification.local_minima import cost, hopped
 from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
-from ..criteria.explained import MISFIT_DOUBTED, MISFIT_LEFT
 from ..criteria.plausible import insignificant
-from ..criteria.worth import (
-    COST_OF_BASIS_COLUMN,
-    ENCODER_ONLY,
-    complexity_penalty,
-    has_effect_size,
-    largest_rms_reduction,
-    penalised_gain,
-)
+from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
 from .found_orders import order_candidates, resolved
 from .trace import NEEDLESS, Round, Search, Trial, new_names
 
-USUAL = 4  # effects that a machine may lack; where more seem missing, friction that wanders may be behind them
-BASIS_SHARE = 0.95  # of a generic basis's gain, from which on an effect goes before it
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
-PROMISING = 0.05  # of the largest gain by regression, from which on an effect is worth a fit
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
-ROUNDS = 7  # at most: what takes more effects than that is something else
 ROUNDS_WITH_BASES = 4  # the same, with generic bases: what an unknown depends on shows in the first rounds
-PARTED = 1.2  # noise standard deviations by which the encoders part where a gearbox is suspected
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
 
@@ -48,7 +46,7 @@ LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_fric
 def settle(problem: EquationErrorProblem, f: Fit) -> Fit:
     """Fit, take weight from outliers, fit again."""
     for _ in range(4):
-        moved = problem.reweigh(f.raw, NARROW if f.parted else math.inf)
+        moved = problem.reweigh(f.raw, BESIDE_IMPACTS if f.parted else math.inf)
         if not (problem.inflate(f.temperature) or moved):
             break
         f = fit(problem, f.hypothesis)
@@ -57,7 +55,9 @@ def settle(problem: EquationErrorProblem, f: Fit) -> Fit:
 
 def parted_encoders(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether the encoders part by more than their noise."""
-    return any(p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > PARTED for p in problem.encoder_parts)
+    return any(
+        p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > CLEARLY_MORE for p in problem.encoder_parts
+    )
 
 
 def search(
@@ -65,7 +65,7 @@ def search(
     null: Hypothesis,
     without: frozenset[str] = frozenset(),
     progress: Callable[[str], None] = lambda text: None,
-    most: int = ROUNDS,
+    most: int = MOST_EFFECTS,
     may_wander: bool = True,
 ) -> Search:
     """Add effects to ``null``, each worth its price, and drop what later ones make needless.
@@ -93,7 +93,7 @@ def search(
         current, rounds = _beside_wander(problem, null, current, rounds, by_torque, progress, most)
     if parts:
         problem.use_encoder = True
-        problem.weighting = problem.weighting.from_outliers(NARROW)
+        problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
         current = fit(problem, current.hypothesis)
         if parted_encoders(problem, current):
             progress("looking at the gearbox")
@@ -130,7 +130,7 @@ def _beside_wander(
 
     Asked where something is left, or where it took suspiciously many effects to leave nothing.
     """
-    many = len(current.hypothesis.added) > USUAL
+    many = len(current.hypothesis.added) > USUAL_EFFECTS
     if torque_left(problem, current) <= MISFIT_LEFT and not many:
         return current, rounds
     plain, wander = problem.weighting, wandering(problem, rounds[1].after if many else current)
@@ -212,7 +212,7 @@ def add_effects(
     without: frozenset[str],
     progress: Callable[[str], None] = lambda text: None,
     with_bases: bool = False,
-    most: int = ROUNDS,
+    most: int = MOST_EFFECTS,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
@@ -297,7 +297,7 @@ def _trial(problem: EquationErrorProblem, before: Fit, after: Fit) -> Trial:
 
 def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
     """Best first; a generic basis fits anything: an effect that does nearly as well goes before it."""
-    share = {True: BASIS_SHARE, False: 1.0}
+    share = {True: NEARLY_ALL, False: 1.0}
     return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.generic_bases})]))
 
 
@@ -314,7 +314,7 @@ def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
-        if alike < 2 and len(picked) < ENTRANTS and s.gain > PROMISING * ranked[0].gain:
+        if alike < 2 and len(picked) < ENTRANTS and s.gain > (1.0 - NEARLY_ALL) * ranked[0].gain:
             picked.append(s)
     return [_more(problem, current.hypothesis, s) for s in picked]
 

@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from ...criteria import USUAL_EFFECTS
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import Hypothesis
 from ..criteria.plausible import strained
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
-from .rivals import BETTER, swapped
+from .rivals import swapped
 from .search import add_effects, entrants, search, significant, with_one_more
 from .trace import Search
 
 MORE = 2  # effects that may join those that came in first
-SEVERAL = 4  # effects that another explanation may have
 THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
@@ -47,7 +47,7 @@ def in_another_order(
             other, _ = add_effects(problem, with_one_more(problem, start, h), others, most=MORE)
             problem.weighting = found.weighting  # misfits compare under one weighting only
             other = fit(problem, other.hypothesis)
-            if penalised_gain(problem, best, other) > BETTER:
+            if penalised_gain(problem, best, other) > 1.0:
                 best = other
     if best is not found.fit:
         better = significant(problem, swapped(problem, found, best))
@@ -72,7 +72,7 @@ def search_without_first(
     """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(problem, null, excluded | {effect}, progress, most=SEVERAL, may_wander=False)
+        other = search(problem, null, excluded | {effect}, progress, most=USUAL_EFFECTS, may_wander=False)
         if other.fit.parted:
             continue
         after, rounds = add_effects(problem, other.fit, excluded | ENCODER_ONLY, progress, most=MORE)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...identification.equation import CORRELATION, FAR, EquationErrorProblem
+from ...criteria import BESIDE_IMPACTS, CORRELATION
+from ...identification.equation import FAR, EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.local_minima import NARROW
 from ...identification.wandering import wandering
 from ..criteria.explained import explained
 from .search import add_effects, depends_on_more, settle, significant, torque_left
@@ -27,7 +27,7 @@ def wandering_after_all(
         return None
     progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
     plain = problem.weighting
-    problem.weighting = replace(plain.begun_anew(NARROW if found.fit.parted else FAR), wander=wander)
+    problem.weighting = replace(plain.begun_anew(BESIDE_IMPACTS if found.fit.parted else FAR), wander=wander)
     after, rounds = add_effects(problem, settle(problem, fit(problem, found.fit.hypothesis)), without, progress)
     beside = significant(
         problem, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)

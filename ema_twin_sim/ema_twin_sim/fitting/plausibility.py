@@ -1,0 +1,53 @@
+"""Plausibility: fitted values that no machine has, which tell of a missing effect and not of the one that carries them.
+
+What is implausible of an effect is in its file (``effects/``); here is what all of them are judged by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..effects import Circumstances, catalogue
+from ..model import Model
+from ..model.own_units import shown
+
+
+def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstances:
+    """Of these recordings and a fitted model."""
+    positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
+    travel = max((float(np.nanmax(position) - np.nanmin(position)) for position in positions), default=0.0)
+    held = [instance for instance in model.effects.values() if instance.enabled]
+    return Circumstances(
+        duration=max(recording.duration for recording in recordings),
+        sample_period=max(recording.sample_period for recording in recordings),
+        top_speed=max(float(np.nanmax(np.abs(_speed(recording)))) for recording in recordings),
+        travel=travel,
+        output_travel=travel / model.value("machine.gear_ratio"),
+        dry_level=sum(i.parameters["torque"] for i in held if i.effect == "coulomb_friction"),
+        viscous=sum(i.parameters["coefficient"] for i in held if i.effect == "viscous_friction"),
+        motor_inertia=model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia"),
+        output_inertia=model.value("machine.output_inertia"),
+        torque_limit=model.value("drive.torque_limit"),
+        limit_in_words="{:g} {}".format(*shown(model, model.value("drive.torque_limit"), "N m")),
+    )
+
+
+def _speed(recording: Recording) -> np.ndarray:
+    """Speed (n,) [rad/s]: measured, or of the motor's position."""
+    if recording.has("speed"):
+        return recording.signals["speed"]
+    return np.gradient(recording.signals["motor_position"], recording.time)
+
+
+def implausible(id: str, values: Mapping[str, float], c: Circumstances) -> list[tuple[str, str]]:
+    """(parameter, reason) of what no machine has in an effect's parameters."""
+    effect = catalogue()[id]
+    found = [(rule.parameter, rule.reason) for rule in effect.implausible if rule.when(values, c)]
+    for p in effect.parameters:
+        if p.unit == "N m" and abs(values[p.name]) > c.torque_limit:
+            found.append((p.name, f"more than the drive's limit of {c.limit_in_words}: it could not move"))
+    return found
