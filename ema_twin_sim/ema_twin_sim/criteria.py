@@ -131,7 +131,7 @@ CALIBRATION = 0.005
 SIDES_ERROR = 0.01
 """Of how friction is shared between two sides that part. Measured on the virtual bench, as is the next."""
 DAMPING_ERROR = 0.4
-"""Of a contact's damping."""
+"""Of a contact's damping, which a few impacts hardly tell."""
 
 # What a row counts, in standard deviations of its noise
 

@@ -19,9 +19,10 @@ from ..quantities import quantity
 from .orders import Periodicity, find_order
 
 _BINS = 16
+FEWEST = 10  # samples of a bin
 _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
 
-FEWEST_SAMPLES = 10 * _BINS
+FEWEST_SAMPLES = FEWEST * _BINS
 """With fewer samples there is no telling where a model fails."""
 
 
@@ -202,7 +203,7 @@ def _binned(
 ) -> Dependence | None:
     place = np.digitize(values, edges) - 1
     count = np.bincount(place, minlength=len(edges) - 1).astype(float)
-    used = count >= 10
+    used = count >= FEWEST
     if used.sum() < 2:
         return None
     mean = np.bincount(place, residual, len(count)) / np.maximum(count, 1.0)

@@ -12,6 +12,7 @@ from ema_bench_replay.errors import InputError
 
 from ..criteria import ANY_SIZE, NEGLIGIBLE, PART, SEARCHED_UP_TO, TOLERANCE, UNSEEN_SPREAD
 from ..effects import Parameter, catalogue
+from ..identification.candidates import WIDE
 from ..identification.hypothesis import COMPLIANT_EFFECTS, INERTIAS
 from ..identification.search_limits import Reached, search_limits
 from ..model import Model
@@ -21,7 +22,6 @@ from ..model.own_units import shown, told
 
 FRICTION = ("viscous_friction", "coulomb_friction")
 WEAK_ANGLE = 10.0  # rad
-WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
 SPAN = 0.1  # of its bounds that is typical of a number which may be anywhere in them

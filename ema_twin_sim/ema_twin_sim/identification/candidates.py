@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from ..effects import Effect, Parameter, catalogue
 from .hypothesis import Hypothesis
 
+WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
+
 
 @dataclass(frozen=True)
 class Candidate:
@@ -55,7 +57,7 @@ def _values(p: Parameter) -> tuple[float, ...]:
         return p.starts
     if p.periodic:
         return (0.0, 0.5 * math.pi)
-    if p.lower > 0.0 and p.upper / p.lower > 100.0:
+    if p.lower > 0.0 and p.upper / p.lower > WIDE:
         ratio = (p.upper / p.lower) ** (1.0 / 7.0)
         return tuple(p.lower * ratio**k for k in range(1, 7))
     return tuple(p.lower + (p.upper - p.lower) * share for share in (0.1, 0.3, 0.5, 0.7, 0.9))

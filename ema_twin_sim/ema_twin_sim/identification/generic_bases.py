@@ -62,7 +62,7 @@ def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
     for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
         found[f"output_position#{k}"] = at_rows(problem, [w * s for w, s in zip(waves, sense, strict=True)])
-        if order > 1.5:
+        if round(order) > 1:
             found[f"output_position#load{k}"] = at_rows(problem, waves)
     return found
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW
+from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
@@ -17,7 +17,6 @@ FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
 DAMPED = (0.25, 0.5, 1.0, 2.0, 4.0)
 HOPS = 3  # at most
-FALL = 0.97  # of the misfit: a hop that gains less is the last
 
 
 def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
@@ -53,7 +52,7 @@ def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> 
         )
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = min((fit(problem, h, 8) for h in starts), key=cost)
-        much = cost(better) < FALL * cost(best)
+        much = cost(better) < (1.0 - NEGLIGIBLE) * cost(best)
         best = min(best, better, key=cost)
         if not much:
             break

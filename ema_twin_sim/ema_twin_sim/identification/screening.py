@@ -15,7 +15,7 @@ from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 from .parallel import predictions
 
-SMALL = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
+STEP = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def _screened(
     """What a candidate gains at one start, its angle free; None where it changes nothing, or is no number."""
     effect = catalogue()[c.effect]
     size = effect.parameters[0]
-    per = 1.0 if size.neutral is None else SMALL * max(abs(size.default - size.neutral), 1e-9)
+    per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
 
     def column(parameters: dict[str, float]) -> np.ndarray:
         if size.neutral is not None:

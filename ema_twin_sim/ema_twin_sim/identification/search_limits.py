@@ -17,7 +17,6 @@ from ..effects import Effect, Parameter
 from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
-QUICKEST = 0.05  # of the longest recording: a change in time that is over sooner is a part of the start
 LATEST = 0.02  # s in own units, what a fieldbus of the reference bench may take: a later encoder is another machine's
 _POWERS = {
     "N m": (0, 0, 0),
@@ -66,7 +65,7 @@ def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[fl
         if parameter.unit == "rad/s":
             lower = max(lower, of.speed / ANY_SIZE)
         if parameter.unit == "s" and parameter.lower > 0.0:
-            lower = max(lower, QUICKEST * of.duration)
+            lower = max(lower, (1.0 - NEARLY_ALL) * of.duration)
     if math.isinf(lower):
         lower = -_largest(effect, parameter, of)
     return lower, max(lower, upper)

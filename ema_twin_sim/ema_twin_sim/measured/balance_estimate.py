@@ -20,7 +20,6 @@ from .smoothing import gaussian, smooth
 
 FIRST_WIDTH = 10.0  # sample periods: the kernel's standard deviation before a time scale is known
 LEAST_WIDTH = 2.5  # sample periods
-MOST_OF_A_RECORDING = 0.02  # of its duration that a kernel's standard deviation may be
 PASSES = 3  # estimates, each with the kernel that the one before suggests
 KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard deviation
 ROWS = 200  # rows below which no estimate is made
@@ -56,7 +55,7 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     period = recording.sample_period
     time = np.arange(int(recording.duration / period) + 1) * period
     width = FIRST_WIDTH * period if own_time is None else max(KERNEL * own_time, LEAST_WIDTH * period)
-    width = max(min(width, MOST_OF_A_RECORDING * recording.duration), LEAST_WIDTH * period)
+    width = max(min(width, NEGLIGIBLE * recording.duration), LEAST_WIDTH * period)
     signals = {}
     for name in ("current", "motor_position", "speed", "load_torque"):
         if recording.has(name):

@@ -310,7 +310,7 @@ def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
     signals = {name: np.interp(time, measured, values) for name, values in used.items()}
     after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
-    return period, time, signals, measured[after] - measured[after - 1] <= 1.5 * period
+    return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period) <= 1
 
 
 def _motion(

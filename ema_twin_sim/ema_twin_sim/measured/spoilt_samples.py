@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
-from ..criteria import SPIKE
+from ..criteria import PART, SPIKE
 
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 
@@ -17,7 +17,7 @@ def despiked(values: np.ndarray) -> np.ndarray:
     spread = 1.4826 * float(np.median(np.abs(out)))
     # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
     before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
-    wild = (np.abs(out) > SPIKE * spread) & (before * out < -0.25 * out**2) & (after * out < -0.25 * out**2)
+    wild = (np.abs(out) > SPIKE * spread) & (before * out < -PART * out**2) & (after * out < -PART * out**2)
     if spread == 0.0 or not wild.any():
         return values
     kept = values.copy()

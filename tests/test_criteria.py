@@ -1,0 +1,123 @@
+"""The numbers that decide: in one table, dimensionless, sixty at most, and none anywhere else."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import ema_twin_sim
+from ema_twin_sim import criteria
+
+PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
+ROOMS = ("measured", "identification", "comparison", "fitting", "discovery")
+MOST = 60
+PLAIN = {-1, 0, 0.5, 1, 2, 3, 4}  # no, all, half; a few: counts of things that are there
+ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic from failing
+METHOD = {
+    "measured/balance_estimate.py": "FIRST_WIDTH LEAST_WIDTH PASSES KERNEL ROWS",
+    "measured/bandwidth.py": "NARROWER",
+    "measured/consistency.py": "WINDOW FEWEST PIECE DEGREES RPM TURN SETPOINT",
+    "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
+    "measured/observation.py": (
+        "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS START JITTER FEWEST LEAST_NOISE LARGEST"
+    ),
+    "measured/smoothing.py": "REACH",
+    "measured/spoilt_samples.py": "NEIGHBOURS",
+    "measured/switching_ripple.py": "_FINER",
+    "identification/candidates.py": "WIDE",
+    "identification/compliance.py": (
+        "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
+    ),
+    "identification/equation.py": "NOWHERE FAR INFLATED",
+    "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
+    "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS",
+    "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
+    "identification/local_minima.py": "FINALISTS STIFFER DAMPED HOPS",
+    "identification/parallel.py": "_POOL _MANY",
+    "identification/screening.py": "STEP",
+    "identification/search_limits.py": "LATEST _POWERS",
+    "identification/sensors.py": "GEARBOX_COLUMNS STEPS",
+    "identification/uncertainty.py": "STEP_SHARES BLOCKS",
+    "identification/wandering.py": "SHARES",
+    "comparison/orders.py": "_ANGLE_BINS _STEP ORDERS _REFINED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH _LARGEST",
+    "comparison/torque_error.py": "BAND DECIMATED ENDS ORDER",
+    "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",
+    "fitting/equation_misfit.py": "LAG_NUMBER",
+    "fitting/fit.py": "MUCH",
+    "fitting/free_parameters.py": "WEAK_ANGLE STEP STRUCTURAL_STEP SPAN OFF_BOUND",
+    "fitting/simulation_misfit.py": "LINGER LEAP LEAPS COARSE MOST_ROWS FINE UNMEASURED",
+    "fitting/solver.py": "ITERATIONS TRIES ENOUGH FINAL ROUGH STEEPEST PASSES",
+    "fitting/starts.py": "FINALISTS STEPS TRIED",
+    "fitting/uncertainty.py": "RIDGE",
+    "fitting/unseen.py": "LAST",
+    "discovery/criteria/episodes.py": "SHORTEST HOLES",
+    "discovery/criteria/worth.py": "STRAY_ROWS",
+    "discovery/diagnose.py": "BLOCK DRAWS RANKED SIMULATED",
+    "discovery/evidence.py": "BINS FEWEST BANDS LEAST_SHOWN SHOWN NEAR",
+    "discovery/experiment/bench_limits.py": "_SLACK _SLACK_TRAVEL _LONG _NONE",
+    "discovery/experiment/command_grid.py": (
+        "LONGEST _SHORTEST _NICE _FEW_SPEEDS _SPEEDS _FEW_HALVES _HALVES _TIME_OF_SIZE"
+    ),
+    "discovery/experiment/doubts.py": "ALTERNATIVES _MOVING",
+    "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _STEP _STEPS _RUNNERS_UP _SIDE_BY_SIDE",
+    "discovery/left_over.py": "_BINS _FEWEST",
+    "discovery/search/found_orders.py": "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS SLOW SAME",
+    "discovery/search/rivals.py": "SWAPS",
+    "discovery/search/search.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING ROUNDS_WITH_BASES",
+    "discovery/search/search_order.py": "MORE THOUGHTS",
+}
+"""What says how finely or for how long something is computed: widths, grids, starts, steps, counts of tries and of what
+is shown. A number that is none of these belongs into the table."""
+
+
+def numbers(node):
+    """Every number within a piece of source."""
+    for part in ast.walk(node):
+        if isinstance(part, ast.Constant) and isinstance(part.value, int | float) and not isinstance(part.value, bool):
+            yield part.value
+
+
+def constants(file):
+    """Names of the module's own numbers."""
+    for node in ast.parse(file.read_text()).body:
+        if isinstance(node, ast.Assign) and any(True for _ in numbers(node.value)):
+            for target in node.targets:
+                yield from (part.id for part in ast.walk(target) if isinstance(part, ast.Name))
+
+
+def files():
+    return [file for room in ROOMS for file in sorted((PACKAGE / room).rglob("*.py"))]
+
+
+def table():
+    """(name, value, text below it) of each criterion."""
+    body = ast.parse(Path(criteria.__file__).read_text()).body
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if isinstance(node, ast.Assign):
+            text = after.value.value if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) else ""
+            yield node.targets[0].id, ast.literal_eval(node.value), text
+
+
+def test_sixty_numbers_decide_each_with_its_reason():
+    found = list(table())
+    assert 40 < len(found) <= MOST
+    for name, value, text in found:
+        assert value > 0.0 and len(text) > 30, name
+
+
+def test_every_criterion_is_asked_for_somewhere():
+    source = "\n".join(file.read_text() for file in files())
+    assert [name for name, *_ in table() if name not in source] == []
+
+
+@pytest.mark.parametrize("file", files(), ids=lambda file: str(file.relative_to(PACKAGE)))
+def test_no_number_decides_elsewhere(file):
+    compared = {
+        value
+        for node in ast.walk(ast.parse(file.read_text()))
+        if isinstance(node, ast.Compare)
+        for value in numbers(node)
+        if value not in PLAIN and ROUNDING < abs(value) < 1.0 / ROUNDING
+    }
+    assert compared == set()
+    assert [*constants(file)] == METHOD.get(str(file.relative_to(PACKAGE)), "").split()
