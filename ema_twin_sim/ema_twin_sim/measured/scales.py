@@ -15,7 +15,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, STANDSTILL
+from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SIGNIFICANT, STANDSTILL
 from ..effects import find_effect
 from ..effects.catalogue import own_files
 from ..model import Model, reference_bench
@@ -98,6 +98,8 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
         return OwnUnits(radius=radius)
     size = torque / reference_bench.TORQUE
     time = math.sqrt((inertia / reference_bench.INERTIA) / size)
+    if all(math.isinf(model.constants[path].tolerance) for path in INERTIAS if model.value(path) > 0.0):
+        time = _quick_enough(recordings, time, radius)
     constant = model.value("machine.torque_constant") * (radius or 1.0)
     return OwnUnits(time, size, size * reference_bench.TORQUE_CONSTANT / constant, radius)
 
@@ -111,6 +113,15 @@ def standstill(recordings: Sequence[Recording], model: Model, source: str) -> fl
         return 0.5 * HOLDING
     found = [matched(recording, model) for recording in recordings]
     return STANDSTILL / own_units(found, begun_near(found, model)).time
+
+
+def _quick_enough(recordings: Sequence[Recording], time: float, radius: float | None) -> float:
+    """A unit of time [s] in which a machine moves: where nobody knows its inertia, and it is moved so slowly that it
+    would stand still all along, its speed tells how quick it is. A torsion test is such a motion.
+    """
+    speeds = np.concatenate([np.zeros(0), *_speeds(recordings)]) / (radius or 1.0)
+    fastest = float(np.quantile(speeds, NEARLY_ALL)) if len(speeds) else 0.0
+    return max(time, SIGNIFICANT * STANDSTILL / fastest) if fastest > 0.0 else time
 
 
 def _with_output_held(model: Model, units: OwnUnits) -> Model:

@@ -14,6 +14,7 @@ from .model import Model
 
 BY_TORQUE = "driven_by"
 """The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
+_STILL = 100.0  # times the way of an output that a rigid train would have made it go
 _IMPOSSIBLE = 10.0  # times the drive's limit: no unit that was mistaken, but a sample that is spoilt
 
 
@@ -40,9 +41,35 @@ def matched(recording: Recording, model: Model) -> Recording:
     if "current" not in signals and "motor_torque" in signals:
         signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
         metadata[BY_TORQUE] = "torque"
-    if len(signals) == len(recording.signals) and metadata == recording.metadata:
+    warnings = recording.warnings
+    if clamped := _clamped(signals, model):
+        del signals["output_position"]
+        warnings = (*warnings, f"{recording.name}: {clamped}")
+    if signals.keys() == recording.signals.keys() and metadata == recording.metadata:
         return recording
-    return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata)
+    return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata, warnings=warnings)
+
+
+def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:
+    """What there is to say of an output that stands still while the motor turns; empty where it moves.
+
+    A torsion test clamps it: what gives way in between is then a spring that the motor winds up.
+    """
+    if not {"motor_position", "output_position", "current"} <= signals.keys():
+        return ""
+    motor, output = (signals[f"{side}_position"] for side in ("motor", "output"))
+    if not (np.isfinite(motor).any() and np.isfinite(output).any()):
+        return ""
+    travel, unit = float(np.nanmax(motor) - np.nanmin(motor)), model.unit("drive.speed_limit").partition("/")[0]
+    expected = travel / model.value("machine.gear_ratio")
+    counts = model.value("sensors.output_encoder_counts")
+    seen = max(float(np.nanmax(output) - np.nanmin(output)), model.turn / counts if counts > 0.0 else 0.0)
+    if not expected > _STILL * seen:
+        return ""
+    return (
+        f"the output stands still while the motor turns by {travel:.3g} {unit}: its position is left out. If it is "
+        "clamped, what gives way shows as spring_load at the motor; if it is not, check its encoder"
+    )
 
 
 def _refuse_impossible_speeds(recording: Recording, signals: Mapping[str, np.ndarray], model: Model) -> None:

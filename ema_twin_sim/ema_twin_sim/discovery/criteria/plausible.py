@@ -48,8 +48,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
-    free it must be known at least to its own size. Not asked of what constants off their file show: how far they are
-    off was that effect's worth.
+    free it must still be told from nothing: 49 ± 57 mN m is no number to give anybody. Not asked of what constants off
+    their file show: how far they are off was that effect's worth.
     """
     away = {}
     spread = covariance(problem, f)
@@ -67,7 +67,7 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             # of a stiffness, it is the softness that is there or not: as many standard errors from none
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
-            if abs(off) < math.sqrt(max(float(spread[k, k]), 0.0)):
+            if abs(off) < LIKELY * math.sqrt(max(float(spread[k, k]), 0.0)):
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None

@@ -103,15 +103,24 @@ def highest_order(o: Observation) -> float:
 
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
-    """The candidates less those of orders that no table of points resolves."""
-    if not all(o.of_points for o in problem.observations):
-        return list(options)
-    highest = max((highest_order(o) for o in problem.observations), default=np.inf)
-    return [
-        c
-        for c in options
-        if "order" not in c.options or motor_order(c.effect, float(c.options["order"]), gear_ratio) < highest
-    ]
+    """The candidates less those that repeat with turns that the motor did not make, and orders that no points resolve.
+
+    Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
+    """
+    turns = max((float(np.ptp(o.motion[:, MOTOR_ANGLE])) for o in problem.observations), default=0.0) / (2.0 * np.pi)
+    of_points = all(o.of_points for o in problem.observations)
+    highest = max((highest_order(o) for o in problem.observations), default=np.inf) if of_points else np.inf
+
+    def shows(c: Candidate) -> bool:
+        effect = catalogue()[c.effect]
+        by_turns = effect.depends_on not in ("output_position", "encoders") and any(
+            p.periodic for p in effect.parameters
+        )
+        if by_turns and turns < FEWEST_TURNS:
+            return False
+        return "order" not in c.options or motor_order(c.effect, float(c.options["order"]), gear_ratio) < highest
+
+    return [c for c in options if shows(c)]
 
 
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
