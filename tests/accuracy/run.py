@@ -23,6 +23,7 @@ from .cases import KINDS, Case, drawn_cases
 from .folders import save
 from .judge import Verdict
 from .other_machines import other_machine_cases
+from .planned import planned_and_not, planned_cases
 from .tables import by_kind, confusion, confusion_table, totals, totals_line
 from .work import WORKERS, Solvers
 
@@ -61,6 +62,8 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         sums = summed_up(found)
         print("", table(sums), sep="\n")
         return {"calibration": sums, "cases": [asdict(one) for one in found]}
+    if asked.planned:
+        return _planned(asked.seed, asked.planned, solve)
     if asked.null:
         cases = experiments.null_cases(asked.seed, asked.null)
     elif asked.other_machines:
@@ -89,6 +92,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
     parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
     parser.add_argument("--calibration", action="store_true", help="whether probabilities and intervals are right")
+    parser.add_argument(
+        "--planned", type=_count, metavar="N", help="N cases by one slow recording and two that plan asks for"
+    )
     parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
     parser.add_argument("--workers", type=_count, default=WORKERS)
     parser.add_argument("--json", type=Path, metavar="FILE")
@@ -143,6 +149,20 @@ def _left_out(verdicts: list[Verdict]) -> dict[str, Any]:
     wrong = (f"{v.kind} as {'+'.join(v.wrong)}" for v in verdicts if v.wrong)
     print(f"wrong names in {said['wrong']} ({said['wrong'] / max(len(verdicts), 1):.1%}): {', '.join(wrong)}")
     return {"left_out": said, "cases": [verdict.as_json() for verdict in verdicts]}
+
+
+def _planned(seed: int, count: int, solve: Solvers) -> dict[str, Any]:
+    """One slow recording and two that plan asks for, beside two that nobody planned."""
+    cases = planned_cases(seed, count)
+    pairs = []
+    for number, pair in enumerate(solve.each(planned_and_not, cases, [()] * len(cases)), 1):
+        print(f"{number:4d}/{count} {pair.line()}", flush=True)
+        pairs.append(pair)
+    right = {how: sum(getattr(pair, how).found for pair in pairs) for how in ("planned", "unplanned")}
+    wrong = {how: sum(bool(getattr(pair, how).wrong) for pair in pairs) for how in right}
+    for how in right:
+        print(f"{how}: {right[how]} of {count} right, {wrong[how]} confidently wrong")
+    return {"right": right, "wrong": wrong, "cases": [asdict(pair) for pair in pairs]}
 
 
 if __name__ == "__main__":
