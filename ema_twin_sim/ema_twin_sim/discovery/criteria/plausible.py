@@ -67,7 +67,9 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             # of a stiffness, it is the softness that is there or not: as many standard errors from none
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
-            if abs(off) < LIKELY * math.sqrt(max(float(spread[k, k]), 0.0)):
+            # over a part of a turn, an amplitude and its angle take each other's place
+            least = 1.0 if any(p.periodic for p in effect.parameters) else LIKELY
+            if abs(off) < least * math.sqrt(max(float(spread[k, k]), 0.0)):
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
