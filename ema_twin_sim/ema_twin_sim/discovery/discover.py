@@ -250,8 +250,8 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         if unseen.rmse[k] <= NOISY * unseen.noise_floor:
             continue
         removed = unseen.removed(k, len(unseen.rmse) - 1)
-        # a measured current drives no loop that would meet the teeth: there the encoders tell
-        followed = unseen.parting_removed(k, len(unseen.rmse) - 1) >= PART
+        # a measured current drives no loop that would meet the teeth, and one that hunts hides them: the output tells
+        followed = unseen.output_removed(k, len(unseen.rmse) - 1) >= PART
         if parting and not followed and removed is not None and removed < PART:
             return parting
         there = unseen.removed(k, k + 1)

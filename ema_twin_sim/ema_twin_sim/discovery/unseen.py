@@ -62,9 +62,12 @@ class Unseen:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
         return share_removed(self.rmse[before], self.rmse[after], self.noise_floor)
 
-    def parting_removed(self, before: int, after: int) -> float:
-        """Share, in power, of how far the encoders part that went away between two rounds; 0 where not judged."""
-        if not self.encoders or not self.output[before]:
+    def output_removed(self, before: int, after: int) -> float:
+        """Share, in power, of the output's error that went away between two rounds; 0 where it is not judged.
+
+        Where a measured current drives the twin, that is how far the encoders part.
+        """
+        if not self.output or not self.output[before]:
             return 0.0
         return 1.0 - (self.output[after] / self.output[before]) ** 2
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..criteria import ANY_SIZE, LAG_TOLERANCE, PART, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
+from ..criteria import ANY_SIZE, LAG_TOLERANCE, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
 from ..effects import catalogue
 from ..measured.scales import COMPLIANT_EFFECTS, INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
@@ -198,7 +198,7 @@ class Hypothesis:
         wanted: list[tuple[Free, float]] = []
         if held & set(COMPLIANT_EFFECTS) or self.base.kinds["transmission"] == "two_inertia":
             sides = {
-                "scale.coulomb_friction": Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, PART))
+                "scale.coulomb_friction": Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, 0.5))
             }
             if self.by_torque:  # else the inertia is what all torques are told in
                 sides["scale.inertia"] = Free(
