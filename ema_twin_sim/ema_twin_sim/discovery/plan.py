@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..criteria import DECIDED
+from ..measured.observability import not_shown as unobservable
 from ..model import Model
-from .discover import discover
+from .discover import discover, impossible
 from .experiment.bench_limits import Limits, driven_limits
 from .experiment.doubts import doubts
 from .experiment.next_command import Choice, Pair, Proposal, best_command, signals_of
+from .experiment.not_shown import not_shown
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",
@@ -105,9 +107,18 @@ def plan(
     limits = None if limits is None else limits.told(own)
     allowed = limits or driven_limits(problem.observations, own.value("machine.gear_ratio"))
     held = doubts(problem, found.search, found.rivalries, frozenset(without))
+    signals = signals_of(found.recordings)
     choice = Choice(None, (), ())
     if held:
-        choice = best_command(problem, held, signals_of(found.recordings), limits=limits, progress=progress)
+        choice = best_command(problem, held, signals, limits=limits, progress=progress)
+    if choice.best is None and found.verdict != "unknown":
+        progress("asking what would not show")
+        excluded = frozenset(without) | impossible(own) | unobservable(found.recordings)
+        hidden = not_shown(problem, found.search, excluded)
+        if hidden is not None:
+            wider = best_command(problem, [hidden], signals, limits=limits, few=True, progress=progress)
+            if wider.best is not None:
+                held, choice = (*held, hidden), replace(wider, inseparable=choice.inseparable)
     return Plan(
         found.verdict,
         found.added,

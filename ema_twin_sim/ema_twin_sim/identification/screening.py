@@ -103,17 +103,7 @@ def _screened(
     size = effect.parameters[0]
     per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
 
-    def column(parameters: dict[str, float]) -> np.ndarray:
-        if size.neutral is not None:
-            parameters = {**parameters, size.name: size.neutral + per}
-        instance = EffectInstance(c.effect, c.options, parameters)
-        rows = problem.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
-        if rows is None:
-            h = f.hypothesis.with_effect(c.effect, c.options, parameters)
-            rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
-        return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
-
-    columns = np.stack([column(s) for s in group], 1)
+    columns = _columns(problem, f, known, c, group, per)
     if not np.isfinite(columns).all():
         return None
     inside = known.basis.T @ columns
@@ -139,6 +129,55 @@ def _screened(
     taken = x * ((clipped - size.neutral) / (value - size.neutral) if clipped != value else 1.0)
     gained = float(2.0 * taken @ along - taken @ square @ taken)
     return Screened(c, start, gained, known.shift(columns @ taken))
+
+
+def _columns(
+    problem: EquationErrorProblem,
+    f: Fit,
+    known: _Known,
+    c: Candidate,
+    group: Sequence[dict[str, float]],
+    per: float,
+) -> np.ndarray:
+    """Rows (m, k) that a candidate adds to a fit at each start, per unit of its size; it is ``per`` beyond neutral."""
+    size = catalogue()[c.effect].parameters[0]
+
+    def column(parameters: dict[str, float]) -> np.ndarray:
+        if size.neutral is not None:
+            parameters = {**parameters, size.name: size.neutral + per}
+        instance = EffectInstance(c.effect, c.options, parameters)
+        rows = problem.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
+        if rows is None:
+            h = f.hypothesis.with_effect(c.effect, c.options, parameters)
+            rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
+        return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
+
+    return np.stack([column(s) for s in group], 1)
+
+
+def would_show(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[float]:
+    """By how many standard deviations each candidate of its typical size would show, whatever its angle is.
+
+    Beside what the free numbers of the fit make up for. Infinite for one that does not grow in proportion.
+    """
+    known = _Known.of(problem, f)
+    return list(predictions(problem.samples, lambda c: _shows(problem, f, known, c), options))
+
+
+def _shows(problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate) -> float:
+    effect = catalogue()[c.effect]
+    size, turning = effect.parameters[0], _turning(effect)
+    if size.neutral is None or not size.default - size.neutral:
+        return math.inf
+    typical = effect.default_parameters()
+    group = [typical] if turning is None else [{**typical, turning: angle} for angle in (0.0, 0.5 * math.pi)]
+    away = size.default - size.neutral
+    columns = away * _columns(problem, f, known, c, group, STEP * away)
+    if not np.isfinite(columns).all():
+        return math.inf
+    inside = known.basis.T @ columns
+    least = float(np.linalg.eigvalsh(columns.T @ columns - inside.T @ inside)[0])
+    return math.sqrt(max(least, 0.0))
 
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:

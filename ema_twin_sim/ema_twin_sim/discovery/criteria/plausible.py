@@ -68,8 +68,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
             # over a part of a turn, an amplitude and its angle take each other's place
-            least = 1.0 if any(p.periodic for p in effect.parameters) else LIKELY
-            if abs(off) < least * math.sqrt(max(float(spread[k, k]), 0.0)):
+            needed = 1.0 if any(p.periodic for p in effect.parameters) else LIKELY
+            if abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0)):
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
