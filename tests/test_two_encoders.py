@@ -175,3 +175,12 @@ def test_a_draft_without_any_gearbox_effect_cannot_be_fitted_to_two_encoders(tmp
     recording, model = drafted(tmp_path, "nothing", 1.0)
     with pytest.raises(InputError, match="has no play, spring, delay or angle error"):
         fit_model([recording], model)
+
+
+def test_no_more_angle_errors_are_tried_than_a_plant_takes(tmp_path):
+    recording, model = drafted(tmp_path, "off centre", 1.0)
+    for order in range(3, 11):
+        model = model.with_effect("encoder_eccentricity", {"amplitude": 1e-9}, {"order": str(order)})
+    found = discover([recording], model)
+    assert "encoder_eccentricity" not in found.added
+    assert sum(held.effect == "encoder_eccentricity" for held in found.model.active.values()) == 8
