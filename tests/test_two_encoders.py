@@ -57,11 +57,14 @@ def shown(kind, time, quicker):
         return behind_spring(angle, time[1], 60.0 * quicker, 0.1)
     if kind == "late":
         return moved(time - 3e-3 / quicker, quicker)
+    if kind == "play beside a larger angle error":
+        angle = behind_play(angle, 3e-4)
+        return angle + 3e-3 * np.sin(7.0 * angle + 0.7)
     orders = {"off centre": 1.0, "oval": 2.0, "resolver of the motor": 3.0 * RATIO}
     return angle + (4e-4 * np.sin(orders[kind] * angle + 0.7) if kind in orders else 0.0)
 
 
-def drafted(tmp_path, kind, quicker):
+def drafted(tmp_path, kind, quicker, gear_ratio=None):
     """Recording and ``init``'s draft of a machine that moves ``quicker`` than another."""
     noise = np.random.default_rng(1)
     time = np.arange(SAMPLES) * 2e-3 / quicker
@@ -73,7 +76,7 @@ def drafted(tmp_path, kind, quicker):
     trace = tmp_path / "run.csv"
     head = "time [s],motor position [rad],output position [rad]"
     np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
-    init(str(tmp_path / "machine"), trace)
+    init(str(tmp_path / "machine"), trace, gear_ratio)
     return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
 
 
@@ -184,3 +187,12 @@ def test_no_more_angle_errors_are_tried_than_a_plant_takes(tmp_path):
     found = discover([recording], model)
     assert "encoder_eccentricity" not in found.added
     assert sum(held.effect == "encoder_eccentricity" for held in found.model.active.values()) == 8
+
+
+def test_play_is_found_beside_a_larger_angle_error(tmp_path):
+    recording, model = drafted(tmp_path, "play beside a larger angle error", 1.0, RATIO)
+    found = discover([recording], model)
+    assert (found.verdict, {*found.added}) == ("explained", {"backlash", "encoder_eccentricity"})
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(3e-4, rel=0.1)
+    error = found.parameters["encoder_eccentricity"]
+    assert error["options"]["order"] == "7" and error["amplitude"]["value"] == pytest.approx(3e-3, rel=0.02)

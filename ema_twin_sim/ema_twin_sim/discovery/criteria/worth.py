@@ -13,6 +13,7 @@ import numpy as np
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
+from ...identification.hypothesis import COMPLIANT_EFFECTS
 
 COST_EFFECT = 7.0
 COST_PARAMETER = 4.0
@@ -132,9 +133,12 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
+    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    # an encoder's error may be far larger than the play beside it, which is judged by what that error leaves
+    beside_errors = not problem.size and not came.isdisjoint(COMPLIANT_EFFECTS)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
-        difference = problem.measured[part] * noise
+        difference = (before.raw if beside_errors else problem.measured)[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < PARTING_SHARE * parted

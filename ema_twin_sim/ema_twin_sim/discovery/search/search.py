@@ -110,11 +110,20 @@ def _by_encoders_alone(
     """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
     current = bare
     rounds: list[Round] = []
-    if parted_encoders(problem, bare):
+    # an encoder's error may be larger than the play beside it, which shows once that error is found
+    while len(rounds) < most and parted_encoders(problem, current) and not _gives_way(current):
         progress("looking at the gearbox")
-        current, rounds = _add_structure(problem, bare, without)
+        current, turns = _add_structure(problem, current, without)
+        rounds += turns
+        if not turns[-1].added:
+            break
     current, further = add_effects(problem, current, without, progress, most=most)
     return significant(problem, Search(current, (*rounds, *further), problem.weighting))
+
+
+def _gives_way(f: Fit) -> bool:
+    """Whether play or a spring was found."""
+    return not {*f.hypothesis.effects}.isdisjoint(COMPLIANT_EFFECTS)
 
 
 def _beside_wander(
