@@ -226,7 +226,10 @@ class Hypothesis:
         stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
         if not self.by_torque:
             held = {"stiffness": STIFFEST * stiffness, "damping": math.sqrt(STIFFEST) * damping}
-            return [(Free(f"contact.{name}", value, value, 0.02 * value), value) for name, value in held.items()]
+            return [  # held by a prior too, so that nothing is the less sure for them
+                (Free(f"contact.{name}", value, value, 0.02 * value, (value, EXACT * value)), value)
+                for name, value in held.items()
+            ]
         return [
             (Free("contact.stiffness", 0.3 * stiffness, STIFFEST * stiffness, 0.02 * stiffness), stiffness),
             (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),

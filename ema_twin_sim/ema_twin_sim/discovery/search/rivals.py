@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from ...identification.compliance import structural_fits
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ...identification.local_minima import hopped
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
@@ -49,9 +51,11 @@ def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ..
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
-        if turn is None or instance.effect in COMPLIANT_EFFECTS:
+        compliant = instance.effect in COMPLIANT_EFFECTS
+        if turn is None or (compliant and problem.size):
             continue
-        fits = sorted(substitutes(problem, best, name, turn), key=lambda f: -penalised_gain(problem, best, f))
+        others = other_structures(problem, best, name) if compliant else substitutes(problem, best, name, turn)
+        fits = sorted(others, key=lambda f: -penalised_gain(problem, best, f))
         worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
@@ -77,6 +81,26 @@ def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round
             continue
         start = trial.fit.hypothesis.instance(trial.names[0])
         found.append(fit(problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+    return found
+
+
+def other_structures(problem: EquationErrorProblem, best: Fit, name: str) -> list[Fit]:
+    """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
+
+    A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
+    motion does. None where both were found.
+    """
+    effect = best.hypothesis.added[name].effect
+    if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:
+        return []
+    weighting = problem.weighting
+    bare = fit(problem, best.hypothesis.without(name))
+    tried = structural_fits(problem, bare, frozenset({effect}))
+    problem.weighting = weighting  # that which the end of the search was fitted under
+    found = []
+    for f in tried:
+        other = fit(problem, f.hypothesis)
+        found.append(hopped(problem, other, [list(other.hypothesis.added)[-1]]))
     return found
 
 
