@@ -66,10 +66,15 @@ def shown(kind, time, quicker):
 
 def drafted(tmp_path, kind, quicker, gear_ratio=None):
     """Recording and ``init``'s draft of a machine that moves ``quicker`` than another."""
-    noise = np.random.default_rng(1)
     time = np.arange(SAMPLES) * 2e-3 / quicker
+    return recorded(tmp_path, time, moved(time, quicker), shown(kind, time, quicker), gear_ratio)
+
+
+def recorded(tmp_path, time, driven, seen, gear_ratio=None):
+    """Recording and draft of a machine whose motor goes as ``driven`` [rad, slow shaft], its output as ``seen``."""
+    noise = np.random.default_rng(1)
     columns = [time]
-    for angle, turns in ((moved(time, quicker), RATIO), (shown(kind, time, quicker), 1.0)):
+    for angle, turns in ((driven, RATIO), (seen, 1.0)):
         step = 2.0 * np.pi / COUNTS
         read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, SAMPLES)
         columns.append(np.round(read / step) * step)
@@ -187,6 +192,26 @@ def test_no_more_angle_errors_are_tried_than_a_plant_takes(tmp_path):
     found = discover([recording], model)
     assert "encoder_eccentricity" not in found.added
     assert sum(held.effect == "encoder_eccentricity" for held in found.model.active.values()) == 8
+
+
+def triangle(time):
+    """Angle [rad] of an output that goes to and fro at one speed, 0.12 rad/s."""
+    return 0.3 * (1.0 - 4.0 * np.abs(np.mod(0.1 * time, 1.0) - 0.5))
+
+
+def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_path):
+    time = np.arange(SAMPLES) * 2e-3
+    slow, fast = triangle(time), moved(time, 1.0)
+    groups = {}
+    for name, angle in (("slow", slow), ("fast", fast)):
+        folder = tmp_path / name
+        folder.mkdir()
+        recording, model = recorded(folder, time, angle, behind_play(angle, 2e-3), RATIO)
+        found = discover([recording], model)
+        assert (found.verdict, found.added) == ("explained", ("backlash",))
+        assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.02)
+        groups[name] = found.groups
+    assert groups == {"slow": (("backlash", "shaft_compliance"),), "fast": ()}
 
 
 def test_play_is_found_beside_a_larger_angle_error(tmp_path):

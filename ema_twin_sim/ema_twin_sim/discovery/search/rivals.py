@@ -8,7 +8,7 @@ from ...identification.compliance import structural_fits
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
-from ...identification.local_minima import hopped
+from ...identification.local_minima import DAMPED, cost, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
@@ -99,8 +99,12 @@ def other_structures(problem: EquationErrorProblem, best: Fit, name: str) -> lis
     problem.weighting = weighting  # that which the end of the search was fitted under
     found = []
     for f in tried:
-        other = fit(problem, f.hypothesis)
-        found.append(hopped(problem, other, [list(other.hypothesis.added)[-1]]))
+        came = list(f.hypothesis.added)[-1]
+        starts = [f.hypothesis]
+        if effect == "backlash":  # of a spring and the friction that winds it up, slow motion tells but the ratio
+            paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
+            starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
+        found.append(hopped(problem, min((fit(problem, h) for h in starts), key=cost), [came]))
     return found
 
 
