@@ -13,6 +13,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
+from ema_twin_sim.simulation.simulate import simulate
 
 COUNTS = 2**18
 RATIO = 50.0
@@ -221,3 +222,25 @@ def test_play_is_found_beside_a_larger_angle_error(tmp_path):
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(3e-4, rel=0.1)
     error = found.parameters["encoder_eccentricity"]
     assert error["options"]["order"] == "7" and error["amplitude"]["value"] == pytest.approx(3e-3, rel=0.02)
+
+
+def test_where_the_motor_is_not_known_nothing_is_judged(tmp_path):
+    recording, model = drafted(tmp_path, "late", 1.0)
+    late = model.with_effect("encoder_delay", {"delay": 3e-3})
+    motor = recording.signals["motor_position"].copy()
+    motor[3000:3200] = motor[:7] = motor[500::700] = np.nan
+    holed = replace(recording, signals={**recording.signals, "motor_position": motor})
+    output = simulate(late, holed).signals["output_position"]
+    assert (np.isnan(output) == np.isnan(motor)).all()
+    whole, beside_holes = (compare([r], late).overall["output_position"]["rmse"] for r in (recording, holed))
+    assert beside_holes < 1.5 * whole
+    found = discover([holed], model)
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(3e-3, rel=0.01)
+
+
+def test_a_motor_that_is_never_known_is_refused(tmp_path):
+    recording, model = drafted(tmp_path, "late", 1.0)
+    unknown = replace(recording, signals={**recording.signals, "motor_position": np.full(len(recording), np.nan)})
+    for asked in (lambda: compare([unknown], model), lambda: discover([unknown], model)):
+        with pytest.raises(InputError, match="its motor_position holds no number"):
+            asked()
