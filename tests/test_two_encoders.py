@@ -11,7 +11,7 @@ from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.model import load_model
+from ema_twin_sim.model import ConstantValue, load_model
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
 from ema_twin_sim.simulation.simulate import simulate
 
@@ -244,3 +244,34 @@ def test_a_motor_that_is_never_known_is_refused(tmp_path):
     for asked in (lambda: compare([unknown], model), lambda: discover([unknown], model)):
         with pytest.raises(InputError, match="its motor_position holds no number"):
             asked()
+
+
+@pytest.mark.parametrize("kind", ["late", "nothing"])
+def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, tmp_path):
+    recording, model = drafted(tmp_path, kind, 12.0)
+    found = discover([recording], model)
+    assert found.model.constants == model.constants
+    assert {name: found.model.effects[name] for name in model.effects} == model.effects
+
+
+def test_what_a_file_knows_stays_beside_play(tmp_path):
+    recording, model = drafted(tmp_path, "play", 1.0)
+    inertia = model.value("machine.output_inertia")
+    contact = {"stiffness": inertia * 1200.0**2, "damping": 2.0 * inertia * 1200.0}
+    known = {f"transmission.contact_{name}": ConstantValue(value, 0.0, "measured") for name, value in contact.items()}
+    closed = {name: replace(effect, open=False) for name, effect in model.effects.items()}
+    holding = {"torque": inertia * 1000.0, "static_ratio": 1.0}  # the motion asks for 240 rad/s2 at the motor
+    closed["coulomb_friction_2"] = closed["coulomb_friction_2"].at(holding)
+    file = replace(model, constants={**model.constants, **known}, effects=closed)
+    found = discover([recording], file)
+    assert found.added == ("backlash",)
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.1)
+    assert found.model.constants == file.constants
+    assert {name: found.model.effects[name] for name in file.effects} == file.effects
+
+
+def test_how_stiff_teeth_are_is_not_told_as_fitted(tmp_path):
+    recording, model = drafted(tmp_path, "play", 1.0)
+    found = discover([recording], model).model
+    moved = [held.source for path, held in found.constants.items() if held.value != model.value(path)]
+    assert moved and not any("fitted" in source for source in moved)

@@ -58,9 +58,6 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
 
     What is open has a value that somebody guessed: neither a scale nor an answer may hang on it.
     """
-    if recordings and all(map(of_encoders_alone, recordings)):
-        radius = drum_radius(recordings) if model.motion == "linear" else None
-        return _with_output_held(model, encoder_units(recordings, model, radius))
     paths = [path for path in INERTIAS if model.value(path) > 0.0]
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
         return model
@@ -102,19 +99,21 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     return OwnUnits(time, size, size * reference_bench.TORQUE_CONSTANT / constant, radius)
 
 
-def _with_output_held(model: Model, units: OwnUnits) -> Model:
-    """The model with so much open friction that its output comes to rest where nothing pushes it.
+def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model in own units with so much open friction that its output comes to rest where nothing pushes it.
 
-    One that has play or a spring already has the friction that these were found beside.
+    Where no torque was measured, that is: nobody knows it there, and behind play an output needs it. One that has play
+    or a spring already has the friction that these were found beside.
     """
-    if any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values()):
+    parted = any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values())
+    if parted or not (recordings and all(map(of_encoders_alone, recordings))):
         return model
     held = {
         name: effect
         for name, effect in model.active.items()
         if effect.effect == "coulomb_friction" and effect.open and effect.options.get("side") == "output"
     }
-    torque = reference_bench.OUTPUT_FRICTION * units.factor("N m") / max(len(held), 1)
+    torque = reference_bench.OUTPUT_FRICTION / max(len(held), 1)
     return replace(
         model,
         effects={
@@ -122,6 +121,25 @@ def _with_output_held(model: Model, units: OwnUnits) -> Model:
             **{name: effect.at({**effect.parameters, "torque": torque}) for name, effect in held.items()},
         },
     )
+
+
+def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Recording]) -> Model:
+    """A native model that was ``found``, what two encoders without a torque do not show as the ``given`` one has it.
+
+    Without play or a spring they show no friction; with one they show the output's, and of the constants nothing but
+    where teeth meet, which was taken for as stiff as they tell.
+    """
+    if not (recordings and all(map(of_encoders_alone, recordings))):
+        return found
+    if any(effect.effect in COMPLIANT_EFFECTS for effect in found.active.values()):
+        told = "not known; as stiff as the samples of two encoders tell"
+        constants = {
+            path: held if held.value == given.value(path) else replace(held, source=told)
+            for path, held in found.constants.items()
+        }
+        return replace(found, constants=constants)
+    hidden = {name: given.effects[name] for name in found.effects if name in given.effects}
+    return replace(found, constants=given.constants, effects={**found.effects, **hidden})
 
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
