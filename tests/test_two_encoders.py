@@ -275,3 +275,16 @@ def test_how_stiff_teeth_are_is_not_told_as_fitted(tmp_path):
     found = discover([recording], model).model
     moved = [held.source for path, held in found.constants.items() if held.value != model.value(path)]
     assert moved and not any("fitted" in source for source in moved)
+
+
+def test_an_order_that_samples_do_not_resolve_is_not_named(tmp_path):
+    time = np.arange(SAMPLES) * 10e-3
+    angle = 200.0 / RATIO * time  # a third of a turn of the motor from sample to sample: 1.57 orders are resolved
+    recording, model = recorded(tmp_path, time, angle, angle + 4e-4 * np.sin(2.0 * angle), RATIO)
+    named = [d.periodicity.order for d in compare([recording], model).where if d.periodicity is not None]
+    assert all(order < 1.57 for order in named)
+    resolver = angle + 4e-4 * np.sin(RATIO * angle)
+    (tmp_path / "resolver").mkdir()
+    recording, model = recorded(tmp_path / "resolver", time, angle, resolver, RATIO)
+    best = compare([recording], model).where[0]
+    assert best.variable == "order" and best.periodicity.order == pytest.approx(1.0, abs=0.01)
