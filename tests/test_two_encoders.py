@@ -288,3 +288,16 @@ def test_an_order_that_samples_do_not_resolve_is_not_named(tmp_path):
     recording, model = recorded(tmp_path / "resolver", time, angle, resolver, RATIO)
     best = compare([recording], model).where[0]
     assert best.variable == "order" and best.periodicity.order == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_path, capsys):
+    time = np.arange(SAMPLES) * 2e-3
+    rows = [f"{t:.6g},{RATIO * a:.9g},{a:.9g}" for t, a in zip(time, moved(time, 1.0), strict=True)]
+    rows[700:720] = [f"{row.rpartition(',')[0]}," for row in rows[700:720]]
+    trace = tmp_path / "run.csv"
+    trace.write_text("\n".join(["time [s],motor position [rad],output position [rad]", *rows]) + "\n")
+    init(str(tmp_path / "machine"), trace)
+    told = " ".join(capsys.readouterr().out.split())
+    assert "output position [rad]: 20 of 8000 cells hold no number: not used" in told
+    assert "Without output position [rad] nothing can be judged: write the numbers that it lacks into" in told
+    assert "name its column" not in told
