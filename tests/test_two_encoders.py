@@ -215,6 +215,21 @@ def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_
     assert groups == {"slow": (("backlash", "shaft_compliance"),), "fast": ()}
 
 
+def test_the_next_recording_is_of_the_motion_that_was_not_driven(tmp_path):
+    time = np.arange(SAMPLES) * 2e-3
+    asked = {
+        "slow": "reversals as fast as",
+        "fast": "a slow triangle",
+        "both": "the same motion with the drive's torque",
+    }
+    driven = {"slow": triangle(time), "fast": 0.05 * np.sin(20.0 * time), "both": moved(time, 1.0)}
+    for name, angle in driven.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        recording, model = recorded(folder, time, angle, angle, RATIO)
+        assert discover([recording], model).next_recording.startswith(asked[name])
+
+
 def test_play_is_found_beside_a_larger_angle_error(tmp_path):
     recording, model = drafted(tmp_path, "play beside a larger angle error", 1.0, RATIO)
     found = discover([recording], model)
