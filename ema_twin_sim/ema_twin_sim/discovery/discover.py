@@ -17,7 +17,7 @@ from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypo
 from ..identification.on_bound import on_bounds
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
-from ..measured.observability import at_rest, not_shown, restored
+from ..measured.observability import at_rest, not_shown, own_not_shown, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
 from ..measured.switching_ripple import with_switching_ripple
@@ -132,7 +132,7 @@ def discover(
         progress("something is left: looking for what it depends on")
         found, depends_on = beside_the_unknown(problem, found, progress)
     progress("looking for rivals")
-    found, rivals = judged_against_rivals(problem, found)
+    found, rivals = judged_against_rivals(problem, found, excluded)
     found = significant(problem, found)
     known = known and explained(problem, found.fit, start)
     found = with_best_split(problem, recordings, found)
@@ -182,6 +182,7 @@ def discover(
             *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
+            *own_not_shown(recordings, without),
         ),
         unseen,
         found,

@@ -35,7 +35,7 @@ SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its
 
 def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:
     """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
-    h = with_sensors(problem, current)
+    h = with_sensors(problem, current, frozenset() if problem.size else without)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
         # a rigid train takes an output that lags behind for a lighter one
         h = h.put({"scale.inertia": 1.0})

@@ -26,12 +26,15 @@ REACH = 10.0  # noise standard deviations from which on a row counts less: those
 STEPS = 20
 
 
-def with_sensors(problem: EquationErrorProblem, f: Fit) -> Hypothesis:
-    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it."""
+def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] = frozenset()) -> Hypothesis:
+    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it.
+
+    Not with what is ruled out (``without``).
+    """
     torque, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
     h = f.hypothesis
-    held = {*h.effects} | no_more_of(h)
+    held = {*h.effects} | no_more_of(h) | without
     _, bare = _regress(torque, wanted)
     for effect, columns in sensors.items():
         if effect in held:

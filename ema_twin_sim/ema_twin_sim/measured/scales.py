@@ -15,12 +15,12 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..effects import find_effect
-from ..effects.catalogue import own_files
+from ..effects import catalogue, find_effect
+from ..effects.catalogue import is_own, own_files
 from ..model import Model, reference_bench
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
-from ..simulation.behind_motor import encoder_units, of_encoders_alone
+from ..simulation.behind_motor import encoder_units, of_encoders_alone, typical_units
 from .balance_estimate import estimate_balance
 
 FASTEST = 0.95  # quantile of the speeds
@@ -89,7 +89,8 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     torque = rms_torque(recordings, model) * (radius or 1.0)
     inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
     if recordings and all(map(of_encoders_alone, recordings)):
-        return encoder_units(recordings, model, radius)
+        own = any(is_own(effect) and effect.depends_on == "encoders" for effect in catalogue().values())
+        return OwnUnits(radius=radius) if own else encoder_units(recordings, model, radius)
     fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
     if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)
@@ -113,7 +114,8 @@ def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
         for name, effect in model.active.items()
         if effect.effect == "coulomb_friction" and effect.open and effect.options.get("side") == "output"
     }
-    torque = reference_bench.OUTPUT_FRICTION / max(len(held), 1)
+    # where these units are SI, a machine's size is another
+    torque = reference_bench.OUTPUT_FRICTION * typical_units(recordings, model).factor("N m") / max(len(held), 1)
     return replace(
         model,
         effects={

@@ -15,6 +15,8 @@ from scipy.ndimage import gaussian_filter1d
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..effects import catalogue
+from ..effects.catalogue import is_own
 from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..plant.measured_motion import MOTION, REQUIRED, inverse_dynamics
@@ -45,7 +47,17 @@ def refuse_encoders_alone(recording: Recording) -> None:
 
 
 def encoder_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
-    """The units of a machine of which both encoders were recorded and no torque: its time by its speed.
+    """The units of a machine of which both encoders were recorded and no torque; ``radius`` [m] as in the next.
+
+    SI where its model holds a user's own effect, whose function may hold numbers in SI.
+    """
+    if any(is_own(catalogue()[instance.effect]) for instance in model.active.values()):
+        return OwnUnits(radius=radius)
+    return typical_units(recordings, model, radius)
+
+
+def typical_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
+    """The units in which a machine of which no torque was recorded has the reference's size: its time by its speed.
 
     That of torque is a mere name, by which the model's inertia becomes the reference's. ``radius`` [m] is that of the
     drum that a linear machine runs round.

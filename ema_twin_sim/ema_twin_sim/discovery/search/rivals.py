@@ -30,9 +30,14 @@ class Rivalry:
     fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
 
 
-def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
-    """The search with every effect that a rival beats replaced by it, and what still comes near."""
-    rivals = rivalries(problem, found)
+def judged_against_rivals(
+    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
+) -> tuple[Search, tuple[Rivalry, ...]]:
+    """The search with every effect that a rival beats replaced by it, and what still comes near.
+
+    Effects ``without`` which it was made are no rivals.
+    """
+    rivals = rivalries(problem, found, without)
     for _ in range(SWAPS):
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None or better.behind > -BETTER:
@@ -41,11 +46,13 @@ def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple
         if penalised_gain(problem, found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
         found = other
-        rivals = rivalries(problem, found)
+        rivals = rivalries(problem, found, without)
     return found, rivals
 
 
-def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ...]:
+def rivalries(
+    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
+) -> tuple[Rivalry, ...]:
     """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
     best = found.fit
     judged = []
@@ -54,8 +61,10 @@ def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ..
         compliant = instance.effect in COMPLIANT_EFFECTS
         if turn is None or (compliant and problem.size):
             continue
-        others = other_structures(problem, best, name) if compliant else substitutes(problem, best, name, turn)
-        fits = sorted(others, key=lambda f: -penalised_gain(problem, best, f))
+        stands_in = (
+            other_structures(problem, best, name, without) if compliant else substitutes(problem, best, name, turn)
+        )
+        fits = sorted(stands_in, key=lambda f: -penalised_gain(problem, best, f))
         worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -CLOSE}
@@ -84,18 +93,19 @@ def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round
     return found
 
 
-def other_structures(problem: EquationErrorProblem, best: Fit, name: str) -> list[Fit]:
+def other_structures(problem: EquationErrorProblem, best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
     """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
 
     A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
-    motion does. None where both were found.
+    motion does. None where both were found, or the other was not looked
+    for (``without``).
     """
     effect = best.hypothesis.added[name].effect
     if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:
         return []
     weighting = problem.weighting
     bare = fit(problem, best.hypothesis.without(name))
-    tried = structural_fits(problem, bare, frozenset({effect}))
+    tried = structural_fits(problem, bare, without | {effect})
     problem.weighting = weighting  # that which the end of the search was fitted under
     found = []
     for f in tried:
