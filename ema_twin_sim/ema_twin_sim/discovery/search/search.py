@@ -271,7 +271,9 @@ def with_one_more(problem: EquationErrorProblem, current: Fit, h: Hypothesis) ->
 def _add_structure(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
     tried = structural_fits(problem, current, without) if gearbox_shows(problem, current) else []
-    by_torque = frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
+    by_torque = frozenset(
+        c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
+    )
     tried += [fit(problem, h, 6) for h in entrants(problem, current, without | by_torque)]
     turn = _turn(problem, current, tried)
     return turn.after, [turn]
