@@ -11,8 +11,9 @@ from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.model import load_model
+from ema_twin_sim.model import ConstantValue, load_model
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone
+from ema_twin_sim.simulation.simulate import simulate
 
 COUNTS = 2**18
 RATIO = 50.0
@@ -57,23 +58,31 @@ def shown(kind, time, quicker):
         return behind_spring(angle, time[1], 60.0 * quicker, 0.1)
     if kind == "late":
         return moved(time - 3e-3 / quicker, quicker)
+    if kind == "play beside a larger angle error":
+        angle = behind_play(angle, 3e-4)
+        return angle + 3e-3 * np.sin(7.0 * angle + 0.7)
     orders = {"off centre": 1.0, "oval": 2.0, "resolver of the motor": 3.0 * RATIO}
     return angle + (4e-4 * np.sin(orders[kind] * angle + 0.7) if kind in orders else 0.0)
 
 
-def drafted(tmp_path, kind, quicker):
+def drafted(tmp_path, kind, quicker, gear_ratio=None):
     """Recording and ``init``'s draft of a machine that moves ``quicker`` than another."""
-    noise = np.random.default_rng(1)
     time = np.arange(SAMPLES) * 2e-3 / quicker
+    return recorded(tmp_path, time, moved(time, quicker), shown(kind, time, quicker), gear_ratio)
+
+
+def recorded(tmp_path, time, driven, seen, gear_ratio=None):
+    """Recording and draft of a machine whose motor goes as ``driven`` [rad, slow shaft], its output as ``seen``."""
+    noise = np.random.default_rng(1)
     columns = [time]
-    for angle, turns in ((moved(time, quicker), RATIO), (shown(kind, time, quicker), 1.0)):
+    for angle, turns in ((driven, RATIO), (seen, 1.0)):
         step = 2.0 * np.pi / COUNTS
         read = turns * (angle - angle[0]) + noise.normal(0.0, 0.3 * step, SAMPLES)
         columns.append(np.round(read / step) * step)
     trace = tmp_path / "run.csv"
     head = "time [s],motor position [rad],output position [rad]"
     np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
-    init(str(tmp_path / "machine"), trace)
+    init(str(tmp_path / "machine"), trace, gear_ratio)
     return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
 
 
@@ -175,3 +184,135 @@ def test_a_draft_without_any_gearbox_effect_cannot_be_fitted_to_two_encoders(tmp
     recording, model = drafted(tmp_path, "nothing", 1.0)
     with pytest.raises(InputError, match="has no play, spring, delay or angle error"):
         fit_model([recording], model)
+
+
+def test_no_more_angle_errors_are_tried_than_a_plant_takes(tmp_path):
+    recording, model = drafted(tmp_path, "off centre", 1.0)
+    for order in range(3, 11):
+        model = model.with_effect("encoder_eccentricity", {"amplitude": 1e-9}, {"order": str(order)})
+    found = discover([recording], model)
+    assert "encoder_eccentricity" not in found.added
+    assert sum(held.effect == "encoder_eccentricity" for held in found.model.active.values()) == 8
+
+
+def triangle(time):
+    """Angle [rad] of an output that goes to and fro at one speed, 0.12 rad/s."""
+    return 0.3 * (1.0 - 4.0 * np.abs(np.mod(0.1 * time, 1.0) - 0.5))
+
+
+def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_path):
+    time = np.arange(SAMPLES) * 2e-3
+    slow, fast = triangle(time), moved(time, 1.0)
+    groups = {}
+    for name, angle in (("slow", slow), ("fast", fast)):
+        folder = tmp_path / name
+        folder.mkdir()
+        recording, model = recorded(folder, time, angle, behind_play(angle, 2e-3), RATIO)
+        found = discover([recording], model)
+        assert (found.verdict, found.added) == ("explained", ("backlash",))
+        assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.02)
+        groups[name] = found.groups
+    assert groups == {"slow": (("backlash", "shaft_compliance"),), "fast": ()}
+
+
+def test_the_next_recording_is_of_the_motion_that_was_not_driven(tmp_path):
+    time = np.arange(SAMPLES) * 2e-3
+    asked = {
+        "slow": "reversals as fast as",
+        "fast": "a slow triangle",
+        "both": "the same motion with the drive's torque",
+    }
+    driven = {"slow": triangle(time), "fast": 0.05 * np.sin(20.0 * time), "both": moved(time, 1.0)}
+    for name, angle in driven.items():
+        folder = tmp_path / name
+        folder.mkdir()
+        recording, model = recorded(folder, time, angle, angle, RATIO)
+        assert discover([recording], model).next_recording.startswith(asked[name])
+
+
+def test_play_is_found_beside_a_larger_angle_error(tmp_path):
+    recording, model = drafted(tmp_path, "play beside a larger angle error", 1.0, RATIO)
+    found = discover([recording], model)
+    assert (found.verdict, {*found.added}) == ("explained", {"backlash", "encoder_eccentricity"})
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(3e-4, rel=0.1)
+    error = found.parameters["encoder_eccentricity"]
+    assert error["options"]["order"] == "7" and error["amplitude"]["value"] == pytest.approx(3e-3, rel=0.02)
+
+
+def test_where_the_motor_is_not_known_nothing_is_judged(tmp_path):
+    recording, model = drafted(tmp_path, "late", 1.0)
+    late = model.with_effect("encoder_delay", {"delay": 3e-3})
+    motor = recording.signals["motor_position"].copy()
+    motor[3000:3200] = motor[:7] = motor[500::700] = np.nan
+    holed = replace(recording, signals={**recording.signals, "motor_position": motor})
+    output = simulate(late, holed).signals["output_position"]
+    assert (np.isnan(output) == np.isnan(motor)).all()
+    whole, beside_holes = (compare([r], late).overall["output_position"]["rmse"] for r in (recording, holed))
+    assert beside_holes < 1.5 * whole
+    found = discover([holed], model)
+    assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(3e-3, rel=0.01)
+
+
+def test_a_motor_that_is_never_known_is_refused(tmp_path):
+    recording, model = drafted(tmp_path, "late", 1.0)
+    unknown = replace(recording, signals={**recording.signals, "motor_position": np.full(len(recording), np.nan)})
+    for asked in (lambda: compare([unknown], model), lambda: discover([unknown], model)):
+        with pytest.raises(InputError, match="its motor_position holds no number"):
+            asked()
+
+
+@pytest.mark.parametrize("kind", ["late", "nothing"])
+def test_without_play_or_a_spring_friction_stays_as_it_was_given(kind, tmp_path):
+    recording, model = drafted(tmp_path, kind, 12.0)
+    found = discover([recording], model)
+    assert found.model.constants == model.constants
+    assert {name: found.model.effects[name] for name in model.effects} == model.effects
+
+
+def test_what_a_file_knows_stays_beside_play(tmp_path):
+    recording, model = drafted(tmp_path, "play", 1.0)
+    inertia = model.value("machine.output_inertia")
+    contact = {"stiffness": inertia * 1200.0**2, "damping": 2.0 * inertia * 1200.0}
+    known = {f"transmission.contact_{name}": ConstantValue(value, 0.0, "measured") for name, value in contact.items()}
+    closed = {name: replace(effect, open=False) for name, effect in model.effects.items()}
+    holding = {"torque": inertia * 1000.0, "static_ratio": 1.0}  # the motion asks for 240 rad/s2 at the motor
+    closed["coulomb_friction_2"] = closed["coulomb_friction_2"].at(holding)
+    file = replace(model, constants={**model.constants, **known}, effects=closed)
+    found = discover([recording], file)
+    assert found.added == ("backlash",)
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(2e-3, rel=0.1)
+    assert found.model.constants == file.constants
+    assert {name: found.model.effects[name] for name in file.effects} == file.effects
+
+
+def test_how_stiff_teeth_are_is_not_told_as_fitted(tmp_path):
+    recording, model = drafted(tmp_path, "play", 1.0)
+    found = discover([recording], model).model
+    moved = [held.source for path, held in found.constants.items() if held.value != model.value(path)]
+    assert moved and not any("fitted" in source for source in moved)
+
+
+def test_an_order_that_samples_do_not_resolve_is_not_named(tmp_path):
+    time = np.arange(SAMPLES) * 10e-3
+    angle = 200.0 / RATIO * time  # a third of a turn of the motor from sample to sample: 1.57 orders are resolved
+    recording, model = recorded(tmp_path, time, angle, angle + 4e-4 * np.sin(2.0 * angle), RATIO)
+    named = [d.periodicity.order for d in compare([recording], model).where if d.periodicity is not None]
+    assert all(order < 1.57 for order in named)
+    resolver = angle + 4e-4 * np.sin(RATIO * angle)
+    (tmp_path / "resolver").mkdir()
+    recording, model = recorded(tmp_path / "resolver", time, angle, resolver, RATIO)
+    best = compare([recording], model).where[0]
+    assert best.variable == "order" and best.periodicity.order == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_path, capsys):
+    time = np.arange(SAMPLES) * 2e-3
+    rows = [f"{t:.6g},{RATIO * a:.9g},{a:.9g}" for t, a in zip(time, moved(time, 1.0), strict=True)]
+    rows[700:720] = [f"{row.rpartition(',')[0]}," for row in rows[700:720]]
+    trace = tmp_path / "run.csv"
+    trace.write_text("\n".join(["time [s],motor position [rad],output position [rad]", *rows]) + "\n")
+    init(str(tmp_path / "machine"), trace)
+    told = " ".join(capsys.readouterr().out.split())
+    assert "output position [rad]: 20 of 8000 cells hold no number: not used" in told
+    assert "Without output position [rad] nothing can be judged: write the numbers that it lacks into" in told
+    assert "name its column" not in told

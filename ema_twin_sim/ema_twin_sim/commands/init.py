@@ -15,7 +15,7 @@ from . import options
 from .output import say
 
 if TYPE_CHECKING:
-    from ..new_machine.columns import Guesses
+    from ..new_machine.columns import Guess, Guesses
     from ..new_machine.drafts import Given
 
 EXAMPLES = """Examples:
@@ -68,22 +68,26 @@ def run(
         if path.exists() and not force:
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
     given = Given(place.name, gear_ratio, torque_constant)
+    holed: tuple[Guess, ...] = ()
     if trace is None:
         guesses, given = _asked(given)
         drafts = checked_drafts(guesses, given, None)
     else:
-        guesses = _guessed(trace)
+        guesses, holed = _guessed(trace)
         drafts = checked_drafts(guesses, given, trace)
     for path, text in zip(files, drafts, strict=True):
         _write(path, text, force)
     if trace is not None:
         for guess in guesses.signals:
             say(f"{guess.column} → {guess.signal}{f' in {guess.unit}' if guess.unit else ', unit unknown'}")
-    _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)))
+    _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)), holed)
 
 
-def _guessed(trace: Path) -> Guesses:
-    """What the columns of a trace seem to be. Raises InputError where nothing can be told of them."""
+def _guessed(trace: Path) -> tuple[Guesses, tuple[Guess, ...]]:
+    """What the columns of a trace seem to be, and what those would be that are left out because of a few cells.
+
+    Raises InputError where nothing can be told of them.
+    """
     import numpy as np
 
     from ema_bench_replay.traces.trace_table import read_table
@@ -97,14 +101,17 @@ def _guessed(trace: Path) -> Guesses:
         if np.isnan(column).any()
     }
     guesses = guess_columns(table.header, frozenset(no_numbers))
+    rows = len(table.columns[0])
+    empty = frozenset(name for name, count in no_numbers.items() if count == rows)
+    holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
     for name, count in no_numbers.items():
-        say(f"{name}: {count} of {len(table.columns[0])} cells hold no number: not used")
+        say(f"{name}: {count} of {rows} cells hold no number: not used")
     if not guesses.signals:
         raise InputError(
             f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; name its columns in a copy of "
             "a shipped map (--map siemens reads a Siemens drive's trace as it is)"
         )
-    return guesses
+    return guesses, holed
 
 
 def _asked(given: Given) -> tuple[Guesses, Given]:
@@ -142,7 +149,10 @@ def _write(path: Path, text: str, force: bool) -> None:
         file.write(text.encode())
 
 
-def _say_next(files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesses, trace: str) -> None:
+def _say_next(
+    files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
+) -> None:
+    """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
     from ..new_machine.drafts import CHECK
 
     for path, text in zip(files, drafts, strict=True):
@@ -157,5 +167,13 @@ def _say_next(files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesse
         say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
     if guesses.drives or guesses.both_encoders:
         say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o better.yaml")
+        return
+    mended = replace(guesses, signals=(*guesses.signals, *holed))
+    if mended.drives or mended.both_encoders:
+        names = " and ".join(guess.column for guess in holed)
+        say(
+            f"  Without {names} nothing can be judged: write the numbers that it lacks into {trace}, or remove these "
+            "rows, and run init again."
+        )
     else:
         say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")

@@ -120,7 +120,7 @@ def compare(
         dependence
         for name, parts in stretches.items()
         if parts
-        for dependence in _dependences(model, name, parts, torques.get(name), slow)
+        for dependence in _dependences(model, name, parts, torques.get(name), slow, together == BY_MOTOR)
     ]
     return Comparison(
         model.name,
@@ -157,11 +157,14 @@ def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
 
 
 def _dependences(
-    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float
+    model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float, resolved: bool
 ) -> list[Dependence]:
-    """Where a signal's residual is large, in the units of the machine's file; below ``slow`` [rad/s], no direction."""
+    """Where a signal's residual is large, in the units of the machine's file; below ``slow`` [rad/s], no direction.
+
+    Where ``resolved``, no order is named that the samples do not resolve.
+    """
     if model.units is None:
-        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow)
+        return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, resolved=resolved)
     (_, unit), (way, _) = shown(model, 1.0, _UNITS[name]), shown(model, 1.0, "rad")
     native = [in_native_units(model, name, part) for part in parts]
     return find_dependences(name, unit, native, torque, motion="linear", standstill=slow * way)

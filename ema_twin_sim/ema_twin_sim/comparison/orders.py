@@ -36,16 +36,21 @@ class Periodicity:
     spectrum: np.ndarray
 
 
-def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Periodicity | None:
+def find_order(
+    parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]], *, resolved: bool = False
+) -> Periodicity | None:
     """The strongest order in parts of (residual, motor angle [rad], direction -1 or 1), each (n,) and moving.
 
-    None where no part turns far enough.
+    Where only what is ``resolved`` counts, orders of which a part has fewer than two samples a cycle at its usual top
+    speed are left out of it: a lower one, of the output's turns, looks like any of them. None where no part turns far
+    enough.
     """
     plain, flipped = np.zeros_like(ORDERS), np.zeros_like(ORDERS)
     used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
     for residual, angle, direction in used:
-        plain += _power(ORDERS, residual, angle)
-        flipped += _power(ORDERS, residual * direction, angle)
+        counts = highest_resolved(angle) > ORDERS if resolved else True
+        plain += _power(ORDERS, residual, angle) * counts
+        flipped += _power(ORDERS, residual * direction, angle) * counts
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
@@ -67,6 +72,12 @@ def find_order(parts: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Pe
         dissipative if clear else None,
         np.sqrt(2.0 * power / sum(len(part[0]) for part in used)),
     )
+
+
+def highest_resolved(angle: np.ndarray) -> float:
+    """The order of which an angle (n,) [rad] has two samples a cycle at its usual top speed; infinite at rest."""
+    step = float(np.quantile(np.abs(np.diff(angle)), 0.95))
+    return math.pi / step if step > 0.0 else math.inf
 
 
 def _fit(order: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float, float, float]:

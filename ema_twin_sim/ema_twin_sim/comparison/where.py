@@ -140,12 +140,14 @@ def find_dependences(
     *,
     motion: str = "rotary",
     standstill: float = STANDSTILL,
+    resolved: bool = False,
 ) -> list[Dependence]:
     """The residual of ``signal`` against each variable, what it depends on first; empty where there is too little.
 
     Of variables that explain nearly alike, the simplest comes first: an error that a direction explains is also a
     function of speed. ``torque`` is the N m that one unit of the signal stands for, if it does. Of a linear machine,
-    ``motion`` says so; ``standstill`` [rad/s or m/s] is the speed below which a direction means little.
+    ``motion`` says so; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. Where
+    ``resolved``, only orders are named of which there are two samples a cycle.
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = np.concatenate([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
@@ -162,7 +164,8 @@ def find_dependences(
     found = [_constant(signal, unit, residual)]
     found += [d for v in variables if (d := _binned(signal, unit, residual, *v)) is not None]
     # a carriage has no revolutions
-    periodic = _periodic(signal, unit, residual, stretches, torque, standstill) if motion == "rotary" else None
+    turns = motion == "rotary"
+    periodic = _periodic(signal, unit, residual, stretches, torque, standstill, resolved) if turns else None
     if periodic is not None:
         found.insert(1, periodic)
     best = max(dependence.share for dependence in found)
@@ -255,6 +258,7 @@ def _periodic(
     stretches: Sequence[Stretch],
     torque: float | None,
     standstill: float,
+    resolved: bool,
 ) -> Dependence | None:
     """The order (cycles per motor revolution) that carries most of the residual's power."""
     parts = []
@@ -262,7 +266,7 @@ def _periodic(
         # at standstill one angle would gather all samples, which looks like every order at once
         moving = np.abs(stretch.speed) > standstill
         parts.append((stretch.residual[moving], stretch.motor_angle[moving], np.sign(stretch.speed[moving])))
-    found = find_order(parts)
+    found = find_order(parts, resolved=resolved)
     if found is None:
         return None
     power = found.amplitude**2 / 2.0

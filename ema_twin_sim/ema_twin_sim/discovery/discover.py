@@ -18,9 +18,9 @@ from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypo
 from ..identification.on_bound import on_bounds
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
-from ..measured.observability import at_rest, not_shown, restored
+from ..measured.observability import at_rest, not_shown, own_not_shown, restored
 from ..measured.observation import observe_all
-from ..measured.scales import to_own_units, to_rotary_equivalent
+from ..measured.scales import to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
 from ..measured.switching_ripple import with_switching_ripple
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
@@ -117,7 +117,7 @@ def discover(
     given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
-    model = at_rest(model, recordings)
+    model = with_output_held(at_rest(model, recordings), recordings)
     refuse_inconsistent(recordings, model)
     problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
     null = null_hypothesis(model, by_torque=problem.size > 0)
@@ -132,7 +132,7 @@ def discover(
         progress("something is left: looking for what it depends on")
         found, depends_on = beside_the_unknown(problem, found, progress)
     progress("looking for rivals")
-    found, rivals = judged_against_rivals(problem, found)
+    found, rivals = judged_against_rivals(problem, found, excluded)
     found = significant(problem, found)
     known = known and explained(problem, found.fit, start)
     found = with_best_split(problem, recordings, found)
@@ -161,10 +161,11 @@ def discover(
     errors = standard_errors(problem, best)
     steps = _steps(found, unseen)
     added = _most_telling_first(best.hypothesis.effects, steps)
+    better = native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given)
     return Discovery(
         verdict,
         added,
-        given if as_given else native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given),
+        given if as_given else with_hidden_as_given(better, given, recordings),
         steps,
         MappingProxyType(parameters(best, errors)),
         MappingProxyType({} if as_given or not problem.size else constants(best, errors, given)),
@@ -181,6 +182,7 @@ def discover(
             *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
+            *own_not_shown(recordings, without),
         ),
         unseen,
         found,

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..effects import Effect, Parameter, catalogue
+from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
 
 WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
@@ -30,6 +31,7 @@ class Candidate:
 def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Candidate]:
     """The effects that may be added to a hypothesis."""
     found = []
+    without = without | no_more_of(h)
     for id, effect in catalogue().items():
         if id in without or not effect.searched or (not effect.repeatable and id in h.held):
             continue
@@ -42,6 +44,12 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
             if options not in added and (h.parted or options.get("side", "motor") == "motor"):
                 found.append(Candidate(id, options))
     return found
+
+
+def no_more_of(h: Hypothesis) -> frozenset[str]:
+    """The effects of which a hypothesis holds as many as a plant can take."""
+    held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
+    return frozenset({"encoder_eccentricity"} if held.count("encoder_eccentricity") >= ANGLE_ERRORS else ())
 
 
 def starts(effect: Effect) -> Iterator[dict[str, float]]:

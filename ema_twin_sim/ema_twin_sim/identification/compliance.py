@@ -36,7 +36,7 @@ SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its
 
 def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:
     """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
-    h = with_sensors(problem, current)
+    h = with_sensors(problem, current, frozenset() if problem.size else without)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
         # a rigid train takes an output that lags behind for a lighter one
         h = h.put({"scale.inertia": 1.0})
@@ -49,7 +49,9 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     if "shaft_compliance" not in held:
         wound = [h.with_effect("shaft_compliance", {}, s) for s in springs]
         if not h.by_torque:  # nor does any tell how much friction winds it up
+            held_back = [_wound_by(spring, hysteresis(problem, current)) for spring in wound]
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
+            wound += [spring for spring in held_back if spring is not None]
         families.append(ranked(part, wound))
     if "backlash" not in held and spread > 0.0:
         families.append(
@@ -109,6 +111,24 @@ def _held_in_gaps(h: Hypothesis, hysteresis: float) -> list[Hypothesis]:
     """A hypothesis with play of about the encoders' ``hysteresis`` [rad], in which some friction holds the output."""
     gaps = [h.with_effect("backlash", {}, {"width": hysteresis * share}) for share in ABOUT]
     return [starting(gap, {"scale.output_coulomb": held}) for gap, held in itertools.product(gaps, HOLDING)]
+
+
+def _wound_by(spring: Hypothesis, hysteresis: float) -> Hypothesis | None:
+    """A hypothesis with a spring that its output's friction winds up by the encoders' ``hysteresis`` [rad].
+
+    None where the model has no friction at its output.
+    """
+    model = spring.model()
+    friction = sum(
+        instance.parameters["torque"]
+        for instance in model.active.values()
+        if instance.effect == "coulomb_friction" and instance.options["side"] == "output"
+    )
+    if not friction > 0.0:
+        return None
+    stiffness = spring.instance(list(spring.added)[-1]).parameters["stiffness"]
+    torque = 0.5 * hysteresis * model.value("machine.gear_ratio") * stiffness  # one way and the other
+    return starting(spring, {"scale.output_coulomb": torque / friction})
 
 
 def _is_contact(f: Fit) -> bool:

@@ -23,6 +23,10 @@ def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
         if len(o.encoder_rows):
             length = min(len(o.motion) - 1, round(EXCERPT / o.period))
             first, count = _most_reversals(o, length)
+            # own seconds of a machine whose torque nobody measured are no more than a typical speed's
+            while not problem.size and count < MOST_TURNS // 2 and length < len(o.motion) - 1:
+                length = min(len(o.motion) - 1, 2 * length)
+                first, count = _most_reversals(o, length)
             found.append((count, o.window(first, first + length)))
     found.sort(key=lambda entry: -entry[0])
     part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])

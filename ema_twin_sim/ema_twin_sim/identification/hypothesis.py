@@ -12,6 +12,7 @@ from ..criteria import ANY_SIZE, LAG_TOLERANCE, SEARCHED_BEYOND_STARTS, STIFFEST
 from ..effects import catalogue
 from ..measured.scales import COMPLIANT_EFFECTS, INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
+from ..model.model_file import ABSENT
 from ..plant.driven_output import RESOLVED
 
 FRICTION = ("viscous_friction", "coulomb_friction")
@@ -227,7 +228,12 @@ class Hypothesis:
         stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
         if not self.by_torque:
             held = {"stiffness": STIFFEST * stiffness, "damping": math.sqrt(STIFFEST) * damping}
-            return [(Free(f"contact.{name}", value, value, 0.02 * value), value) for name, value in held.items()]
+            own = {name: self.base.constants[f"transmission.contact_{name}"] for name in held}
+            held |= {name: constant.value for name, constant in own.items() if constant.source != ABSENT}
+            return [  # held by a prior too, so that nothing is the less sure for them
+                (Free(f"contact.{name}", value, value, 0.02 * value, (value, EXACT * value)), value)
+                for name, value in held.items()
+            ]
         return [
             (Free("contact.stiffness", 0.3 * stiffness, STIFFEST * stiffness, 0.02 * stiffness), stiffness),
             (Free("contact.damping", 0.0, 9.0 * damping, 0.02 * damping), damping),
@@ -236,6 +242,8 @@ class Hypothesis:
     def _as_open_as(self, path: str, side: Free) -> Free:
         """A scale of the output's side: as free as that of the whole, at ``path``, where this is open."""
         whole = next((free for free in self.free if free.path == path), None)
+        if whole is not None and not self.by_torque and whole.lower == whole.upper:
+            return replace(whole, path=side.path)
         if whole is None or whole.prior is not None:
             return side
         return replace(side, lower=whole.lower, upper=whole.upper, prior=None)
@@ -328,11 +336,11 @@ class Hypothesis:
 def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
     """The model as given, its constants free within their tolerances, and what is open in it free altogether.
 
-    Where it is not judged ``by_torque``, only the friction is, which an output behind play comes to rest by.
+    Where it is not judged ``by_torque``, only the friction is that is open: an output behind play comes to rest by it.
     """
     if not by_torque:
         rubbing = [instance for instance in model.active.values() if instance.effect == "coulomb_friction"]
-        friction = Free("scale.coulomb_friction", 0.0, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, TOLERANCE))
+        friction = Free("scale.coulomb_friction", 1.0, 1.0, 1e-3, (1.0, EXACT))
         if any(instance.open for instance in rubbing):
             friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
         return Hypothesis(model, {}, (friction,), np.ones(1))._sides()

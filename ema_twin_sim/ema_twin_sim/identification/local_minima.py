@@ -20,8 +20,11 @@ HOPS = 3  # at most
 
 
 def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
-    """A hypothesis some of whose numbers, by path, are multiplied."""
-    return h.put({path: value * factors[path] for path, value in h.by_path.items() if path in factors})
+    """A hypothesis some of whose numbers, by path, are multiplied, unless they are held."""
+    moving = {free.path for free in h.free if free.lower < free.upper}
+    return h.put(
+        {path: value * factors[path] for path, value in h.by_path.items() if path in factors and path in moving}
+    )
 
 
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:

@@ -13,6 +13,7 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
+from .candidates import no_more_of
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
@@ -21,13 +22,19 @@ GEARBOX_COLUMNS = 3  # the tooth touched, the torque, the direction
 STEPS = 20
 
 
-def with_sensors(problem: EquationErrorProblem, f: Fit) -> Hypothesis:
-    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it."""
+def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] = frozenset()) -> Hypothesis:
+    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it.
+
+    Not with what is ruled out (``without``).
+    """
     torque, sensors = _columns(problem, f)
-    wanted = problem.measured[problem.size :]
+    wanted = _unexplained(problem, f)
     h = f.hypothesis
+    held = {*h.effects} | no_more_of(h) | without
     _, bare = _regress(torque, wanted)
     for effect, columns in sensors.items():
+        if effect in held:
+            continue
         coefficients, cost = _regress(np.concatenate([torque, columns], axis=1), wanted)
         if cost > (1.0 - PART) * bare:
             continue
@@ -63,8 +70,14 @@ def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
     """How far [rad, slow shaft] the encoders part from one direction to the other, beside their sensors' errors."""
     gearbox, sensors = _columns(problem, f)
     by_direction = gearbox[:, GEARBOX_COLUMNS - 1 :]
-    coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), problem.measured[problem.size :])
+    coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), _unexplained(problem, f))
     return 2.0 * abs(float(coefficients[0]))
+
+
+def _unexplained(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
+    """How far (k,) the encoders part, in units of noise; where no torque was measured, beside what a fit has for it."""
+    apart = problem.measured[problem.size :]
+    return apart if problem.size else apart - f.predicted.rows
 
 
 def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:

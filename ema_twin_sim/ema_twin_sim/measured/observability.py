@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..effects import catalogue
+from ..effects.catalogue import is_own
 from ..model import Model
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import HOLDING
@@ -29,6 +30,18 @@ def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
     if all(map(of_encoders_alone, recordings)):
         return frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
     return _not_at_points(recordings)
+
+
+def own_not_shown(recordings: Sequence[Recording], without: Collection[str]) -> tuple[str, ...]:
+    """One sentence where users' own effects, but those ``without``, were not looked for since no torque shows them."""
+    hidden = not_shown(recordings) - {*without} if all(map(of_encoders_alone, recordings)) else frozenset()
+    own = sorted(id for id in hidden if is_own(catalogue()[id]))
+    if not own:
+        return ()
+    return (
+        f"{', '.join(own)}: your own effects on the torque do not show between two encoders alone, and were not looked "
+        "for; record the drive's torque or current as well",
+    )
 
 
 def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:

@@ -16,12 +16,12 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SIGNIFICANT, STANDSTILL
-from ..effects import find_effect
-from ..effects.catalogue import own_files
+from ..effects import catalogue, find_effect
+from ..effects.catalogue import is_own, own_files
 from ..model import Model, reference_bench
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
-from ..simulation.behind_motor import encoder_units, of_encoders_alone
+from ..simulation.behind_motor import encoder_units, of_encoders_alone, typical_units
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE
 from .balance_estimate import estimate_balance
@@ -58,9 +58,6 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
 
     What is open has a value that somebody guessed: neither a scale nor an answer may hang on it.
     """
-    if recordings and all(map(of_encoders_alone, recordings)):
-        radius = drum_radius(recordings) if model.motion == "linear" else None
-        return _with_output_held(model, encoder_units(recordings, model, radius))
     paths = [path for path in INERTIAS if model.value(path) > 0.0]
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
         return model
@@ -92,7 +89,8 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
     torque = rms_torque(recordings, model) * (radius or 1.0)
     inertia = sum(model.value(path) for path in INERTIAS) * (radius or 1.0) ** 2
     if recordings and all(map(of_encoders_alone, recordings)):
-        return encoder_units(recordings, model, radius)
+        own = any(is_own(effect) and effect.depends_on == "encoders" for effect in catalogue().values())
+        return OwnUnits(radius=radius) if own else encoder_units(recordings, model, radius)
     fine = model.kinds["drive"] == "switching" or model.kinds["transmission"] == "planetary"
     if fine or own_files() or not (torque > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)
@@ -124,19 +122,22 @@ def _quick_enough(recordings: Sequence[Recording], time: float, radius: float | 
     return max(time, SIGNIFICANT * STANDSTILL / fastest) if fastest > 0.0 else time
 
 
-def _with_output_held(model: Model, units: OwnUnits) -> Model:
-    """The model with so much open friction that its output comes to rest where nothing pushes it.
+def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
+    """A model in own units with so much open friction that its output comes to rest where nothing pushes it.
 
-    One that has play or a spring already has the friction that these were found beside.
+    Where no torque was measured, that is: nobody knows it there, and behind play an output needs it. One that has play
+    or a spring already has the friction that these were found beside.
     """
-    if any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values()):
+    parted = any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values())
+    if parted or not (recordings and all(map(of_encoders_alone, recordings))):
         return model
     held = {
         name: effect
         for name, effect in model.active.items()
         if effect.effect == "coulomb_friction" and effect.open and effect.options.get("side") == "output"
     }
-    torque = reference_bench.OUTPUT_FRICTION * units.factor("N m") / max(len(held), 1)
+    # where these units are SI, a machine's size is another
+    torque = reference_bench.OUTPUT_FRICTION * typical_units(recordings, model).factor("N m") / max(len(held), 1)
     return replace(
         model,
         effects={
@@ -144,6 +145,25 @@ def _with_output_held(model: Model, units: OwnUnits) -> Model:
             **{name: effect.at({**effect.parameters, "torque": torque}) for name, effect in held.items()},
         },
     )
+
+
+def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Recording]) -> Model:
+    """A native model that was ``found``, what two encoders without a torque do not show as the ``given`` one has it.
+
+    Without play or a spring they show no friction; with one they show the output's, and of the constants nothing but
+    where teeth meet, which was taken for as stiff as they tell.
+    """
+    if not (recordings and all(map(of_encoders_alone, recordings))):
+        return found
+    if any(effect.effect in COMPLIANT_EFFECTS for effect in found.active.values()):
+        told = "not known; as stiff as the samples of two encoders tell"
+        constants = {
+            path: held if held.value == given.value(path) else replace(held, source=told)
+            for path, held in found.constants.items()
+        }
+        return replace(found, constants=constants)
+    hidden = {name: given.effects[name] for name in found.effects if name in given.effects}
+    return replace(found, constants=given.constants, effects={**found.effects, **hidden})
 
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:

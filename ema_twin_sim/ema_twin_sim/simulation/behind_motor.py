@@ -15,6 +15,8 @@ from scipy.ndimage import gaussian_filter1d
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..effects import catalogue
+from ..effects.catalogue import is_own
 from ..model import Model, reference_bench
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..plant.measured_motion import MOTION, REQUIRED, inverse_dynamics
@@ -45,7 +47,17 @@ def refuse_encoders_alone(recording: Recording) -> None:
 
 
 def encoder_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
-    """The units of a machine of which both encoders were recorded and no torque: its time by its speed.
+    """The units of a machine of which both encoders were recorded and no torque; ``radius`` [m] as in the next.
+
+    SI where its model holds a user's own effect, whose function may hold numbers in SI.
+    """
+    if any(is_own(catalogue()[instance.effect]) for instance in model.active.values()):
+        return OwnUnits(radius=radius)
+    return typical_units(recordings, model, radius)
+
+
+def typical_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
+    """The units in which a machine of which no torque was recorded has the reference's size: its time by its speed.
 
     That of torque is a mere name, by which the model's inertia becomes the reference's. ``radius`` [m] is that of the
     drum that a linear machine runs round.
@@ -63,7 +75,8 @@ def encoder_units(recordings: Sequence[Recording], model: Model, radius: float |
 def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     """What both encoders show of the model behind the motor's measured motion, at the recording's stamps.
 
-    The output counts from where it was on average: where in its play it stood at the first sample, nobody knows.
+    The output counts from where it was on average: where in its play it stood at the first sample, nobody knows. Where
+    the motor's position is missing, so is the output's. Raises InputError where no sample holds both positions.
     """
     units = encoder_units([recording], model)  # in which what samples resolve is known
     told, model = recording_in(recording, units), model_in(model, units)
@@ -91,6 +104,12 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
     output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)
     output = np.interp(told.time, time, output)
+    output[np.isnan(recording.signals["motor_position"])] = np.nan  # a line bridged it, which is no motion to judge by
+    if np.isnan(output - recording.signals["output_position"]).all():
+        raise InputError(
+            f"{recording.name}: has no sample that holds motor_position and output_position together; record both at "
+            "the same instants"
+        )
     output -= np.nanmean(output - recording.signals["output_position"])
     return Recording(
         name=recording.name,
@@ -108,8 +127,16 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
 
 
 def _even(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """(time [s] on an even grid, the motor's position [rad] there); gaps are bridged by straight lines."""
+    """(time [s] on an even grid, the motor's position [rad] there); gaps are bridged by straight lines.
+
+    Raises InputError where no position is known.
+    """
     position = recording.signals["motor_position"]
     known = np.isfinite(position)
+    if not known.any():
+        raise InputError(
+            f"{recording.name}: its motor_position holds no number; is the encoder connected, and is that the right "
+            "column of the trace?"
+        )
     time = np.arange(int(recording.duration / recording.sample_period + 1e-6) + 1) * recording.sample_period
     return time, np.interp(time, recording.time[known], position[known])

@@ -28,6 +28,7 @@ from ...criteria import (
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
+from ...identification.hypothesis import COMPLIANT_EFFECTS
 
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
 VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
@@ -133,9 +134,12 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
+    came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
+    # an encoder's error may be far larger than the play beside it, which is judged by what that error leaves
+    beside_errors = not problem.size and not came.isdisjoint(COMPLIANT_EFFECTS)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
-        difference = problem.measured[part] * noise
+        difference = (before.raw if beside_errors else problem.measured)[part] * noise
         parted += float(np.sum((difference - np.mean(difference)) ** 2)) if len(difference) else 0.0
         gone += float(np.sum((before.raw[part] ** 2 - after.raw[part] ** 2) * noise**2))
     return gone < NEGLIGIBLE * parted

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ...criteria import STANDSTILL
 from ...identification.equation import EquationErrorProblem
+from ...measured.observation import Observation
+from ...plant.measured_motion import SPEED
 from ..search.rivals import Rivalry
 from ..search.trace import Search
 from .doubts import NOTHING, doubts
 from .next_command import best_command, signals_of
+
+SLOW, FAST = 1000, 250  # samples from one reversal to the next, which were chosen for what the machine does
 
 
 def suggest(
@@ -22,7 +30,7 @@ def suggest(
 ) -> str:
     """What to record next, in a line that begins with the command; empty where nothing is in doubt."""
     if not problem.size:
-        return "the same motion with the drive's torque or current: it tells of loads and friction"
+        return _of_encoders(problem, rivals)
     held = doubts(problem, found, rivals, without, thorough=False)
     if not held:
         return ""
@@ -36,3 +44,20 @@ def suggest(
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
     return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"
+
+
+def _of_encoders(problem: EquationErrorProblem, rivals: Sequence[Rivalry]) -> str:
+    """The next recording beside two encoders without a torque: the motion that was not driven, else the torque."""
+    between = [_between_reversals(o) for o in problem.observations]
+    if any(len(rivalry.group) > 1 for rivalry in rivals) or min(between) > SLOW:
+        return "reversals as fast as the machine allows: in slow motion a shaft that friction winds up looks like play"
+    if max(between) < FAST:
+        return "a slow triangle, to and fro at one low speed: there play shows by itself, and nothing swings or is late"
+    return "the same motion with the drive's torque or current: it tells of loads and friction"
+
+
+def _between_reversals(o: Observation) -> float:
+    """Samples that a recording takes from one reversal to the next, on average; infinite where it has none."""
+    speed = o.motion[:, SPEED]
+    count = int(np.count_nonzero(np.diff(np.sign(speed[np.abs(speed) > STANDSTILL]))))
+    return len(speed) / count if count else math.inf

@@ -9,7 +9,7 @@ import numpy as np
 from ...comparison.orders import find_order
 from ...criteria import NEARLY_ALL, NEGLIGIBLE
 from ...effects import catalogue
-from ...identification.candidates import Candidate
+from ...identification.candidates import Candidate, no_more_of
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
@@ -44,10 +44,11 @@ def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
     if (order := of_the_gears(problem, f)) is not None:
         found.append(("cogging" if ratio == 1.0 else "mesh_ripple", f"{order:.5g}"))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
+    full = no_more_of(f.hypothesis)
     return [
         Candidate(id, {**effect.default_options(), "order": order})
         for id, order in found
-        if (effect := catalogue()[id]) and (id, order) not in held
+        if (effect := catalogue()[id]) and (id, order) not in held and id not in full
         if not (effect.searched and order in effect.options["order"])
     ]
 

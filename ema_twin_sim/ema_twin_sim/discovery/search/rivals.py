@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...criteria import RIVAL_MARGIN
+from ...identification.compliance import structural_fits
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ...identification.local_minima import DAMPED, cost, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
@@ -26,9 +28,14 @@ class Rivalry:
     fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
 
 
-def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple[Search, tuple[Rivalry, ...]]:
-    """The search with every effect that a rival beats replaced by it, and what still comes near."""
-    rivals = rivalries(problem, found)
+def judged_against_rivals(
+    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
+) -> tuple[Search, tuple[Rivalry, ...]]:
+    """The search with every effect that a rival beats replaced by it, and what still comes near.
+
+    Effects ``without`` which it was made are no rivals.
+    """
+    rivals = rivalries(problem, found, without)
     for _ in range(SWAPS):
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None or better.behind > -1.0:
@@ -37,19 +44,25 @@ def judged_against_rivals(problem: EquationErrorProblem, found: Search) -> tuple
         if penalised_gain(problem, found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
         found = other
-        rivals = rivalries(problem, found)
+        rivals = rivalries(problem, found, without)
     return found, rivals
 
 
-def rivalries(problem: EquationErrorProblem, found: Search) -> tuple[Rivalry, ...]:
+def rivalries(
+    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
+) -> tuple[Rivalry, ...]:
     """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
     best = found.fit
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
-        if turn is None or instance.effect in COMPLIANT_EFFECTS:
+        compliant = instance.effect in COMPLIANT_EFFECTS
+        if turn is None or (compliant and problem.size):
             continue
-        fits = sorted(substitutes(problem, best, name, turn), key=lambda f: -penalised_gain(problem, best, f))
+        stands_in = (
+            other_structures(problem, best, name, without) if compliant else substitutes(problem, best, name, turn)
+        )
+        fits = sorted(stands_in, key=lambda f: -penalised_gain(problem, best, f))
         worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -RIVAL_MARGIN}
@@ -75,6 +88,31 @@ def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round
             continue
         start = trial.fit.hypothesis.instance(trial.names[0])
         found.append(fit(problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+    return found
+
+
+def other_structures(problem: EquationErrorProblem, best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
+    """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
+
+    A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
+    motion does. None where both were found, or the other was not looked
+    for (``without``).
+    """
+    effect = best.hypothesis.added[name].effect
+    if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:
+        return []
+    weighting = problem.weighting
+    bare = fit(problem, best.hypothesis.without(name))
+    tried = structural_fits(problem, bare, without | {effect})
+    problem.weighting = weighting  # that which the end of the search was fitted under
+    found = []
+    for f in tried:
+        came = list(f.hypothesis.added)[-1]
+        starts = [f.hypothesis]
+        if effect == "backlash":  # of a spring and the friction that winds it up, slow motion tells but the ratio
+            paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
+            starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
+        found.append(hopped(problem, min((fit(problem, h) for h in starts), key=cost), [came]))
     return found
 
 

@@ -110,11 +110,20 @@ def _by_encoders_alone(
     """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
     current = bare
     rounds: list[Round] = []
-    if parted_encoders(problem, bare):
+    # an encoder's error may be larger than the play beside it, which shows once that error is found
+    while len(rounds) < most and parted_encoders(problem, current) and not _gives_way(current):
         progress("looking at the gearbox")
-        current, rounds = _add_structure(problem, bare, without)
+        current, turns = _add_structure(problem, current, without)
+        rounds += turns
+        if not turns[-1].added:
+            break
     current, further = add_effects(problem, current, without, progress, most=most)
     return significant(problem, Search(current, (*rounds, *further), problem.weighting))
+
+
+def _gives_way(f: Fit) -> bool:
+    """Whether play or a spring was found."""
+    return not {*f.hypothesis.effects}.isdisjoint(COMPLIANT_EFFECTS)
 
 
 def _beside_wander(
@@ -262,8 +271,10 @@ def with_one_more(problem: EquationErrorProblem, current: Fit, h: Hypothesis) ->
 def _add_structure(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
     tried = structural_fits(problem, current, without) if gearbox_shows(problem, current) else []
-    sensors = frozenset(c.effect for c in candidates(current.hypothesis) if c.effect not in ENCODER_ONLY)
-    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | sensors)]
+    by_torque = frozenset(
+        c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
+    )
+    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | by_torque)]
     turn = _turn(problem, current, tried)
     return turn.after, [turn]
 
