@@ -10,10 +10,12 @@ from itertools import pairwise
 import numpy as np
 
 from ..effects import catalogue
+from ..effects.catalogue import is_own
+from ..effects.effect import Effect
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
-from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
 from ..plant.measured_motion import (
     MOTOR_ANGLE,
     OUTPUT_ANGLE,
@@ -38,6 +40,9 @@ OUTLIER = 4.0  # robust standard deviations from which on a row counts less and 
 INFLATED = 0.2  # share by which a variance moves before all is fitted again
 FASTEST = 0.95  # of all moving rows are no faster than what counts as driven
 CORRELATION = 2.0  # neighbouring rows share half their smoothing: what one row is worth less
+OF_THE_MODEL = {"transmitted_torque", "dry_level", "viscous_coefficient"}
+"""What of an operating point is not measured, but the model's."""
+KEPT = 200_000_000  # bytes at most of torques that are the same beside every hypothesis
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +102,7 @@ class EquationErrorProblem:
         self.generic_bases: dict[str, np.ndarray] = {}
         self.use_encoder = True
         self.reached = reached(self.observations)
+        self._kept: dict[tuple[object, ...], np.ndarray] = {}
 
     @property
     def weighting(self) -> Weighting:
@@ -176,8 +182,11 @@ class EquationErrorProblem:
         by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
         return Prediction(rows, assembly.plant, tuple(every), by_load)
 
-    def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
-        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
+    def alone(self, beside: Prediction, instance: EffectInstance, *, again: bool = False) -> np.ndarray | None:
+        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so.
+
+        What will be asked for ``again``, beside another prediction, is kept as far as it will be the same there.
+        """
         effect = catalogue()[instance.effect]
         plant = beside.plant[0]
         if effect.settle is not None:
@@ -187,23 +196,31 @@ class EquationErrorProblem:
             return None
         if place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load):
             return None
-        address, slots = effect_address(effect), np.array(effect_slots(effect, instance))
+        address, slots = effect_address(effect), effect_slots(effect, instance)
+        constants = (plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant"))
+        key = (address, place, *slots, *constants)
+        smoothed = self._kept.get(key) if again else None
+        if smoothed is None:
+            smoothed = np.zeros(self.size)
+            for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
+                torque = np.empty(len(o.motion))
+                of = (o.motion, o.motor_origin, o.output_origin, required, torque)
+                inverse_dynamics_of(beside.plant, address, place, np.array(slots), *of)
+                smooth_at(torque, o.kernel, o.rows, smoothed[t])
+            if again and follows_measured_motion(effect, place) and len(self._kept) * smoothed.nbytes < KEPT:
+                self._kept[key] = smoothed
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
-        for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
-            torque = np.empty(len(o.motion))
-            inverse_dynamics_of(
-                beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque
-            )
-            smooth_at(torque, o.kernel, o.rows, rows[t])
-        rows[: self.size] /= scale * self.noise
+        rows[: self.size] = smoothed / (scale * self.noise)
         return self.whitened(rows)
 
-    def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
+    def beside(
+        self, h: Hypothesis, predicted: Prediction, instance: EffectInstance, *, again: bool = False
+    ) -> np.ndarray | None:
         """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
-        moves otherwise.
+        moves otherwise. Of ``again``, see ``alone``.
         """
-        rows = self.alone(predicted, instance)
+        rows = self.alone(predicted, instance, again=again)
         if rows is None and predicted.plant["two_inertia"][0] != 0.0 and _at_the_motor(instance):
             more = h.with_effect(instance.effect, instance.options, instance.parameters)
             rows = EquationErrorProblem.predict(self, more, beside=predicted).rows - predicted.rows
@@ -321,6 +338,13 @@ class EquationErrorProblem:
             return self.centred((there - predicted.rows) / step, weights) * weights
 
         return np.stack(list(predictions(self.samples, column, range(len(h.free)))), 1)
+
+
+def follows_measured_motion(effect: Effect, place: int) -> bool:
+    """Whether an effect asks for the same torque beside every model of one machine: it follows what was measured."""
+    if effect.act is None or is_own(effect) or place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
+        return False
+    return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects ask for values by their names
 
 
 def _at_the_motor(instance: EffectInstance) -> bool:

@@ -107,7 +107,9 @@ def _screened(
         if size.neutral is not None:
             parameters = {**parameters, size.name: size.neutral + per}
         instance = EffectInstance(c.effect, c.options, parameters)
-        rows = problem.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
+        rows = None
+        if size.neutral is not None:
+            rows = problem.beside(f.hypothesis, f.predicted, instance, again=True)
         if rows is None:
             h = f.hypothesis.with_effect(c.effect, c.options, parameters)
             rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
