@@ -27,7 +27,7 @@ from ..plant.measured_motion import (
 )
 from ..plant.sensors import angle_error, as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
-from .hypothesis import LAG, Hypothesis
+from .hypothesis import LAG, Free, Hypothesis
 from .parallel import predictions
 from .search_limits import reached, search_limits
 from .weighting import Weighting
@@ -55,7 +55,7 @@ class Prediction:
     by_load: bool  # whether something of it follows the load
 
 
-def _seen(o: Observation, plant: np.void) -> np.ndarray:
+def seen_output(o: Observation, plant: np.void) -> np.ndarray:
     """Where the output was (n,) [rad], from what its encoder shows, late and off its centre as a plant has it."""
     time, shown = o.motion[:, TIME], o.motion[:, OUTPUT_ANGLE]
     if plant["angle_errors"]:  # which are small, so that it is no matter at which of both angles they are taken
@@ -148,14 +148,12 @@ class EquationErrorProblem:
         assembly = assemble(h.model())
         plant = assembly.plant[0]
         rigid = plant["two_inertia"] == 0.0
-        inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
-        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
 
         def one(o: Observation, t: slice, e: slice, known: np.ndarray | None) -> np.ndarray:
             of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
             required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
-            seen = _seen(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
+            seen = seen_output(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
             inverse_dynamics(*of, seen, known is not None, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
@@ -170,6 +168,14 @@ class EquationErrorProblem:
         known = [None] * len(self.observations) if beside is None else beside.required
         parts = (self.observations, self.torque_parts, self.encoder_parts, known)
         every = list(predictions(self.samples if side_by_side else 0, one, *parts))
+        rows = self._in_noise(h, plant, rows)
+        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
+        return Prediction(rows, assembly.plant, tuple(every), by_load)
+
+    def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
+        """Rows (m,) in units of noise, from what a motion requires [N m], and the encoders' difference [rad]."""
+        inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
+        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
@@ -179,8 +185,26 @@ class EquationErrorProblem:
             rows += self.generic_bases[name] @ [
                 v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)
             ]
-        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
-        return Prediction(rows, assembly.plant, tuple(every), by_load)
+        return rows
+
+    def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
+        """The rows (m,) that each of several hypotheses predicts; those with play or spring are simulated together."""
+        from .side_by_side import groups, simulate  # machines without play need not wait for it to load
+
+        assemblies = [assemble(h.model()) for h in several]
+        together = groups(assemblies)
+        rows = {k: np.zeros(self.rows) for group in together for k in group}
+        jobs = [
+            ([(assemblies[k], rows[k]) for k in group], *of)
+            for group in together
+            for of in zip(self.observations, self.torque_parts, self.encoder_parts, strict=True)
+        ]
+        for _ in predictions(self.samples, lambda job: simulate(*job), jobs):
+            pass
+        return [
+            self._in_noise(h, assemblies[k].plant[0], rows[k]) if k in rows else self.predict(h).rows
+            for k, h in enumerate(several)
+        ]
 
     def alone(self, beside: Prediction, instance: EffectInstance, *, again: bool = False) -> np.ndarray | None:
         """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so.
@@ -232,7 +256,11 @@ class EquationErrorProblem:
 
     def residual(self, predicted: Prediction) -> np.ndarray:
         """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
-        rows = self.measured - predicted.rows
+        return self.unexplained(predicted.rows)
+
+    def unexplained(self, predicted: np.ndarray) -> np.ndarray:
+        """The same of predicted rows (m,)."""
+        rows = self.measured - predicted
         if not self.use_encoder:
             rows[self.size :] = 0.0
             return rows
@@ -308,6 +336,22 @@ class EquationErrorProblem:
         )
         now = {name: h.instance(name) for name in sought}
         torques = {name: self.alone(predicted, instance) for name, instance in now.items()}
+        steps = [f.step if v + f.step <= f.upper else -f.step for f, v in zip(h.free, h.values, strict=True)]
+        moved = [h.put({free.path: h.values[k] + steps[k]}) for k, free in enumerate(h.free)]
+        parted = predicted.plant["two_inertia"][0] != 0.0
+
+        def at_the_motor(free: Free) -> bool:
+            kind, name, *_ = free.path.split(".")
+            return _at_the_motor(now[name]) if kind == "effects" else free.path in AT_THE_MOTOR
+
+        def moves_output(free: Free) -> bool:
+            kind, *rest = free.path.split(".")
+            if free.path in known or free.path == LAG or kind == "basis":
+                return False
+            return not at_the_motor(free) and (kind != "effects" or torques[rest[0]] is None)
+
+        moving = [k for k, free in enumerate(h.free) if parted and moves_output(free)]
+        simulated = dict(zip(moving, self.rows_of([moved[k] for k in moving]), strict=True)) if moving else {}
 
         def column(k: int) -> np.ndarray:
             free = h.free[k]
@@ -320,22 +364,20 @@ class EquationErrorProblem:
                 rows = np.zeros(self.rows)
                 rows[: self.size] = self.rate / self.noise
                 return self.whitened(rows) * weights
-            step = free.step if h.values[k] + free.step <= free.upper else -free.step
             kind, _, rest = free.path.partition(".")
             if kind == "effects":
                 name, _, parameter = rest.partition(".")
                 held, here = now[name], torques[name]
                 if here is not None:
-                    moved = {**held.parameters, parameter: held.parameters[parameter] + step}
-                    there = self.alone(predicted, EffectInstance(held.effect, held.options, moved))
+                    values = {**held.parameters, parameter: held.parameters[parameter] + steps[k]}
+                    there = self.alone(predicted, EffectInstance(held.effect, held.options, values))
                     assert there is not None  # what acts alone does so with all its numbers
-                    return (there - here) / step * weights
-                motor = _at_the_motor(held)
+                    return (there - here) / steps[k] * weights
+            if k in simulated:
+                there = simulated[k]
             else:
-                motor = free.path in AT_THE_MOTOR
-            beside = predicted if motor and predicted.plant["two_inertia"][0] != 0.0 else None
-            there = self.predict(h.put({free.path: h.values[k] + step}), beside=beside).rows
-            return self.centred((there - predicted.rows) / step, weights) * weights
+                there = self.predict(moved[k], beside=predicted if parted and at_the_motor(free) else None).rows
+            return self.centred((there - predicted.rows) / steps[k], weights) * weights
 
         return np.stack(list(predictions(self.samples, column, range(len(h.free)))), 1)
 

@@ -10,7 +10,6 @@ import numpy as np
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
-from .parallel import predictions
 
 WIDE = 30.0  # noise standard deviations from which on a row counts less while starts are compared
 NARROW = 10.0  # the same once the starts are left behind
@@ -29,7 +28,7 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
     problem.weighting = problem.weighting.from_outliers(WIDE)
-    costs = list(predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), family))
+    costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(family)]
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
@@ -49,9 +48,7 @@ def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> 
     """
     for _ in range(HOPS):
         beside = [starting(best.hypothesis, hop) for hop in _hops(best.hypothesis, names)]
-        costs = list(
-            predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), beside)
-        )
+        costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = min((fit(problem, h, 8) for h in starts), key=cost)
         much = cost(better) < FALL * cost(best)
