@@ -8,6 +8,7 @@ import numpy as np
 
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_many_at
+from ..plant.layout import PLANT
 from ..plant.measured_motion import MOTOR_ANGLE, TIME
 from ..plant.measured_motion_many import LANE, inverse_dynamics_many
 from ..plant.sensors import as_encoder_shows
@@ -32,9 +33,13 @@ def groups(assemblies: Sequence[Assembly]) -> list[list[int]]:
 def simulate(models: Sequence[tuple[Assembly, np.ndarray]], o: Observation, t: slice, e: slice) -> None:
     """What a motion requires of each model [N m], and the encoders' difference [rad], into its rows ``t`` and ``e``."""
     lanes = [assembly for assembly, _ in (*models, *[models[0]] * (LANE - len(models)))]
-    plants = np.concatenate([assembly.plant for assembly in lanes])
-    drawn = plants["gap"][0] > 0.0 and len(o.encoder_rows)
-    seen = np.stack([seen_output(o, plant) for plant in plants], 1) if drawn else np.empty((0, LANE))
+    plants = np.empty(LANE, PLANT)
+    for m, assembly in enumerate(lanes):
+        plants[m] = assembly.plant[0]
+    seen = np.empty((len(o.motion) if plants["gap"][0] > 0.0 and len(o.encoder_rows) else 0, LANE))
+    if len(seen):
+        for m, plant in enumerate(plants):
+            seen[:, m] = seen_output(o, plant)
     torque, output = np.empty((len(o.motion), LANE)), np.empty((len(o.motion), LANE))
     inverse_dynamics_many(
         plants,
@@ -53,9 +58,9 @@ def simulate(models: Sequence[tuple[Assembly, np.ndarray]], o: Observation, t: s
         rows[t] = smoothed[:, m]
     if not len(o.encoder_rows):
         return
+    alone = o.motion[:, MOTOR_ANGLE] / plants["gear_ratio"][0]
     for m, plant in enumerate(plants):
-        shown = as_encoder_shows(plant, o.motion[:, TIME], output[:, m], o.output_origin)
-        output[:, m] = shown - o.motion[:, MOTOR_ANGLE] / plant["gear_ratio"]
+        output[:, m] = as_encoder_shows(plant, o.motion[:, TIME], output[:, m], o.output_origin) - alone
     smoothed = np.empty((len(o.encoder_rows), LANE))
     smooth_many_at(output, o.kernel, o.encoder_rows, smoothed)
     for m, (_, rows) in enumerate(models):
