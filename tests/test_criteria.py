@@ -28,7 +28,7 @@ METHOD = {
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),
-    "identification/equation.py": "NOWHERE FAR INFLATED",
+    "identification/equation.py": "NOWHERE FAR INFLATED KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS",
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
@@ -37,6 +37,7 @@ METHOD = {
     "identification/screening.py": "STEP",
     "identification/search_limits.py": "LATEST _POWERS",
     "identification/sensors.py": "GEARBOX_COLUMNS STEPS",
+    "identification/side_by_side.py": "LEAST",
     "identification/uncertainty.py": "STEP_SHARES BLOCKS",
     "identification/wandering.py": "SHARES",
     "comparison/orders.py": "_ANGLE_BINS _STEP ORDERS _REFINED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH _LARGEST",

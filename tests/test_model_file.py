@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from ema_bench_replay.checked_yaml import parse_yaml
 from ema_bench_replay.configuration import configuration_names, find_configuration
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.model import load_model, save_model
@@ -108,6 +109,25 @@ def test_yaml_cannot_make_objects(tmp_path):
     made = tmp_path / "made"
     refused(tmp_path, f"version: !!python/object/apply:os.mkdir ['{made}']")
     assert not made.exists()
+
+
+def test_yaml_is_read_alike_with_and_without_libyaml(monkeypatch):
+    texts = [file.read_text() for file in sorted((Path(__file__).parents[1] / "config").rglob("*.yaml"))]
+    texts += ["{a:\t1}", "a: {b? c}", "a: !", "a: |# b", "a: 1\n\ufeff", "a: &x {b: 1_0}\nc: *x\n<<: *x"]
+
+    def read():
+        return [_outcome(text) for text in texts]
+
+    quick = read()
+    monkeypatch.setattr("ema_bench_replay.checked_yaml.yaml.__with_libyaml__", False)
+    assert quick == read()
+
+
+def _outcome(text):
+    try:
+        return parse_yaml(text)
+    except yaml.YAMLError as error:
+        return str(error)
 
 
 def test_a_key_given_twice_is_refused_with_its_line(tmp_path):

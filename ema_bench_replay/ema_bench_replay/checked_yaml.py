@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -12,6 +14,7 @@ import yaml
 
 from ema_bench_replay.errors import InputError
 
+_READ_OTHERWISE = re.compile(r"[\t?!\ufeff]|[|>][-+0-9]*#")  # by libyaml than by PyYAML, in places
 _LARGEST = 1 << 20  # bytes; the files that are written by hand have a few thousand
 
 
@@ -33,7 +36,7 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
     if len(data) > _LARGEST:
         raise InputError(f"{path}: is larger than 1 MiB; {remedy}")
     try:
-        return _Loader(text).get_single_data(), text
+        return parse_yaml(text), text
     except yaml.YAMLError as error:
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark else ""
@@ -43,6 +46,14 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
         raise InputError(f"{path}: is nested too deeply; correct it") from None
     except ValueError as error:  # a date or a number that only looks like one
         raise InputError(f"{path}: holds a value that cannot be read ({error}); correct it") from None
+
+
+def parse_yaml(text: str) -> Any:
+    """The content of a YAML text. What libyaml refuses goes through PyYAML's own parser, whose words are told."""
+    if yaml.__with_libyaml__ and not _READ_OTHERWISE.search(text):
+        with suppress(yaml.YAMLError, RecursionError, ValueError):
+            return _QuickLoader(text).get_single_data()
+    return _Loader(text).get_single_data()
 
 
 class _Loader(yaml.SafeLoader):
@@ -70,6 +81,17 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
+
+if yaml.__with_libyaml__:
+
+    class _QuickLoader(yaml.CSafeLoader, _Loader):
+        """The same over libyaml's parser: some six times as quick."""
+
+        get_single_node = _Loader.get_single_node  # libyaml's own would not see equal keys
+
+        def __init__(self, text: str) -> None:
+            _Loader.__init__(self, "")
+            yaml.CSafeLoader.__init__(self, text)
 
 
 class Checker:

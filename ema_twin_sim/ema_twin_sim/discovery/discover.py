@@ -37,7 +37,7 @@ from .search.search_order import in_another_order, search_without_first
 from .search.trace import Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import wandering_after_all
-from .split import with_best_split
+from .split import ClosedLoop, with_best_split
 from .unmoved import with_unmoved_constants
 from .unseen import Unseen, judge_unseen
 
@@ -135,8 +135,9 @@ def discover(
     found, rivals = judged_against_rivals(problem, found, excluded)
     found = significant(problem, found)
     known = known and explained(problem, found.fit, start)
-    found = with_best_split(problem, recordings, found)
-    found = with_unmoved_constants(problem, recordings, found) if known else found
+    loop = ClosedLoop(recordings)
+    found = with_best_split(problem, loop, found)
+    found = with_unmoved_constants(problem, loop, found) if known else found
     progress("judging on recordings that were not fitted to")
     unseen = judge_unseen(problem, as_measured, found)
     if known and (idle := _idle(found, unseen)):

@@ -8,7 +8,7 @@ teeth, are held against the fitted ones in the closed loop, and those that follo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,17 +26,36 @@ from .search.trace import Search
 from .unseen import squares
 
 
-def with_best_split(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
+class ClosedLoop:
+    """The simulated loop beside recordings; what it missed with a model that was simulated before is known."""
+
+    def __init__(self, recordings: Sequence[Recording]) -> None:
+        self.recordings = recordings
+        self.inputs = [choose_input(recording) for recording in recordings]
+        self._known: list[tuple[Model, float]] = []
+
+    def errors(self, hypotheses: Iterable[Hypothesis]) -> list[float]:
+        """``loop_error`` of each hypothesis."""
+        return [self._error(h.model()) for h in hypotheses]
+
+    def _error(self, model: Model) -> float:
+        for known, error in self._known:
+            if known == model:
+                return error
+        self._known.append((model, loop_error(model, self.recordings, self.inputs)))
+        return self._known[-1][1]
+
+
+def with_best_split(problem: EquationErrorProblem, loop: ClosedLoop, found: Search) -> Search:
     """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
     best = found.fit
-    inputs = [choose_input(recording) for recording in recordings]
-    if not best.parted or not found.taken or {*inputs} != {"setpoint"}:
+    if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
     shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(problem, shared).hypothesis.values)  # all numbers free again, where they are
     teeth = shared.teeth_of_the_file()
     others = [shared, *([held_at(shared, teeth)] if teeth else [])]
-    fitted, *errors = (loop_error(h.model(), recordings, inputs) for h in (best.hypothesis, *others))
+    fitted, *errors = loop.errors((best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < (1.0 - NEGLIGIBLE) * fitted:
         return found

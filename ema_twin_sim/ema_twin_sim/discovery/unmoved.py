@@ -9,28 +9,24 @@ follows the recordings as well.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-
-from ema_bench_replay.recording import Recording
+from collections.abc import Mapping
 
 from ..criteria import LIKELY, NEGLIGIBLE
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import standard_errors
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import LAG, Hypothesis
-from ..simulation.simulate import choose_input
 from .search.trace import Search
-from .split import held_at, loop_error
+from .split import ClosedLoop, held_at
 
 
-def with_unmoved_constants(problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search) -> Search:
+def with_unmoved_constants(problem: EquationErrorProblem, loop: ClosedLoop, found: Search) -> Search:
     """The search, at its end the constants that did not surely move back at their file's values."""
     best = found.fit
-    inputs = [choose_input(recording) for recording in recordings]
-    if best.hypothesis.base.is_open or not found.taken or {*inputs} != {"setpoint"}:
+    if best.hypothesis.base.is_open or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
     simpler = [rest for rest in (_as_filed(problem, best), _put_back(problem, best)) if rest is not None]
-    fitted, *errors = (loop_error(f.hypothesis.model(), recordings, inputs) for f in (best, *simpler))
+    fitted, *errors = loop.errors(f.hypothesis for f in (best, *simpler))
     least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
         if math.isfinite(error) and error <= (1.0 + NEGLIGIBLE) * least:

@@ -17,12 +17,12 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.recording import Recording
 
 from ..criteria import CHAOTIC, HARD, OUTLIER, SHAKEN, SMALL, STANDSTILL, THROWN
 from ..measured.observation import WIDTH, Observation, hardest
+from ..measured.sliding import moving_maximum
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
@@ -270,7 +270,8 @@ def _observed(
     bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
     if not bristled:
         still = np.abs(motion[:, SPEED]) < STANDSTILL
-        counts[maximum_filter1d(still.astype(np.int8), 2 * round(LINGER / period) + 1) > 0] = 0.0
+        linger = round(LINGER / period)
+        counts[moving_maximum(still, linger, linger)] = 0.0
     settled = (after_impact <= CHAOTIC).astype(float)
     # an observation is on an even grid; a recording may not be
     speed, counts, settled = (

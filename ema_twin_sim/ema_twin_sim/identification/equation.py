@@ -11,10 +11,12 @@ import numpy as np
 
 from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER, SMALL
 from ..effects import catalogue
+from ..effects.catalogue import is_own
+from ..effects.effect import Effect
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
-from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
+from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT
 from ..plant.measured_motion import (
     MOTOR_ANGLE,
     OUTPUT_ANGLE,
@@ -26,7 +28,7 @@ from ..plant.measured_motion import (
 )
 from ..plant.sensors import angle_error, as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
-from .hypothesis import LAG, Hypothesis
+from .hypothesis import LAG, Free, Hypothesis
 from .parallel import predictions
 from .search_limits import reached, search_limits
 from .weighting import Weighting
@@ -35,6 +37,9 @@ NOWHERE = np.empty(0)
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
 FAR = 1e9  # noise standard deviations that no row is away: least squares
 INFLATED = 0.2  # share by which a variance moves before all is fitted again
+OF_THE_MODEL = {"transmitted_torque", "dry_level", "viscous_coefficient"}
+"""What of an operating point is not measured, but the model's."""
+KEPT = 200_000_000  # bytes at most of torques that are the same beside every hypothesis
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +52,7 @@ class Prediction:
     by_load: bool  # whether something of it follows the load
 
 
-def _seen(o: Observation, plant: np.void) -> np.ndarray:
+def seen_output(o: Observation, plant: np.void) -> np.ndarray:
     """Where the output was (n,) [rad], from what its encoder shows, late and off its centre as a plant has it."""
     time, shown = o.motion[:, TIME], o.motion[:, OUTPUT_ANGLE]
     if plant["angle_errors"]:  # which are small, so that it is no matter at which of both angles they are taken
@@ -94,6 +99,7 @@ class EquationErrorProblem:
         self.generic_bases: dict[str, np.ndarray] = {}
         self.use_encoder = True
         self.reached = reached(self.observations)
+        self._kept: dict[tuple[object, ...], np.ndarray] = {}
 
     @property
     def weighting(self) -> Weighting:
@@ -139,14 +145,12 @@ class EquationErrorProblem:
         assembly = assemble(h.model())
         plant = assembly.plant[0]
         rigid = plant["two_inertia"] == 0.0
-        inertia = plant["motor_inertia"] + (plant["output_inertia"] if rigid else 0.0)
-        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
 
         def one(o: Observation, t: slice, e: slice, known: np.ndarray | None) -> np.ndarray:
             of = (assembly.plant, assembly.effects, o.motion, o.motor_origin, o.output_origin)
             required = np.empty((len(o.motion), len(REQUIRED))) if known is None else known.copy()
-            seen = _seen(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
+            seen = seen_output(o, plant) if plant["gap"] > 0.0 and len(o.encoder_rows) else NOWHERE
             inverse_dynamics(*of, seen, known is not None, required)
             smooth_at(np.ascontiguousarray(required[:, 0]), o.kernel, o.rows, rows[t])
             if len(o.encoder_rows):
@@ -161,6 +165,14 @@ class EquationErrorProblem:
         known = [None] * len(self.observations) if beside is None else beside.required
         parts = (self.observations, self.torque_parts, self.encoder_parts, known)
         every = list(predictions(self.samples if side_by_side else 0, one, *parts))
+        rows = self._in_noise(h, plant, rows)
+        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
+        return Prediction(rows, assembly.plant, tuple(every), by_load)
+
+    def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
+        """Rows (m,) in units of noise, from what a motion requires [N m], and the encoders' difference [rad]."""
+        inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
+        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
@@ -170,11 +182,32 @@ class EquationErrorProblem:
             rows += self.generic_bases[name] @ [
                 v for f, v in zip(h.free, h.values, strict=True) if f.path.startswith(start)
             ]
-        by_load = any(catalogue()[id].depends_on == "load" for id in h.held)
-        return Prediction(rows, assembly.plant, tuple(every), by_load)
+        return rows
 
-    def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
-        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
+    def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
+        """The rows (m,) that each of several hypotheses predicts; those with play or spring are simulated together."""
+        from .side_by_side import groups, simulate  # machines without play need not wait for it to load
+
+        assemblies = [assemble(h.model()) for h in several]
+        together = groups(assemblies)
+        rows = {k: np.zeros(self.rows) for group in together for k in group}
+        jobs = [
+            ([(assemblies[k], rows[k]) for k in group], *of)
+            for group in together
+            for of in zip(self.observations, self.torque_parts, self.encoder_parts, strict=True)
+        ]
+        for _ in predictions(self.samples, lambda job: simulate(*job), jobs):
+            pass
+        return [
+            self._in_noise(h, assemblies[k].plant[0], rows[k]) if k in rows else self.predict(h).rows
+            for k, h in enumerate(several)
+        ]
+
+    def alone(self, beside: Prediction, instance: EffectInstance, *, again: bool = False) -> np.ndarray | None:
+        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so.
+
+        What will be asked for ``again``, beside another prediction, is kept as far as it will be the same there.
+        """
         effect = catalogue()[instance.effect]
         plant = beside.plant[0]
         if effect.settle is not None:
@@ -184,23 +217,31 @@ class EquationErrorProblem:
             return None
         if place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load):
             return None
-        address, slots = effect_address(effect), np.array(effect_slots(effect, instance))
+        address, slots = effect_address(effect), effect_slots(effect, instance)
+        constants = (plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant"))
+        key = (address, place, *slots, *constants)
+        smoothed = self._kept.get(key) if again else None
+        if smoothed is None:
+            smoothed = np.zeros(self.size)
+            for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
+                torque = np.empty(len(o.motion))
+                of = (o.motion, o.motor_origin, o.output_origin, required, torque)
+                inverse_dynamics_of(beside.plant, address, place, np.array(slots), *of)
+                smooth_at(torque, o.kernel, o.rows, smoothed[t])
+            if again and follows_measured_motion(effect, place) and len(self._kept) * smoothed.nbytes < KEPT:
+                self._kept[key] = smoothed
         scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
-        for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
-            torque = np.empty(len(o.motion))
-            inverse_dynamics_of(
-                beside.plant, address, place, slots, o.motion, o.motor_origin, o.output_origin, required, torque
-            )
-            smooth_at(torque, o.kernel, o.rows, rows[t])
-        rows[: self.size] /= scale * self.noise
+        rows[: self.size] = smoothed / (scale * self.noise)
         return self.whitened(rows)
 
-    def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
+    def beside(
+        self, h: Hypothesis, predicted: Prediction, instance: EffectInstance, *, again: bool = False
+    ) -> np.ndarray | None:
         """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
-        moves otherwise.
+        moves otherwise. Of ``again``, see ``alone``.
         """
-        rows = self.alone(predicted, instance)
+        rows = self.alone(predicted, instance, again=again)
         if rows is None and predicted.plant["two_inertia"][0] != 0.0 and _at_the_motor(instance):
             more = h.with_effect(instance.effect, instance.options, instance.parameters)
             rows = EquationErrorProblem.predict(self, more, beside=predicted).rows - predicted.rows
@@ -212,7 +253,11 @@ class EquationErrorProblem:
 
     def residual(self, predicted: Prediction) -> np.ndarray:
         """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
-        rows = self.measured - predicted.rows
+        return self.unexplained(predicted.rows)
+
+    def unexplained(self, predicted: np.ndarray) -> np.ndarray:
+        """The same of predicted rows (m,)."""
+        rows = self.measured - predicted
         if not self.use_encoder:
             rows[self.size :] = 0.0
             return rows
@@ -288,6 +333,22 @@ class EquationErrorProblem:
         )
         now = {name: h.instance(name) for name in sought}
         torques = {name: self.alone(predicted, instance) for name, instance in now.items()}
+        steps = [f.step if v + f.step <= f.upper else -f.step for f, v in zip(h.free, h.values, strict=True)]
+        moved = [h.put({free.path: h.values[k] + steps[k]}) for k, free in enumerate(h.free)]
+        parted = predicted.plant["two_inertia"][0] != 0.0
+
+        def at_the_motor(free: Free) -> bool:
+            kind, name, *_ = free.path.split(".")
+            return _at_the_motor(now[name]) if kind == "effects" else free.path in AT_THE_MOTOR
+
+        def moves_output(free: Free) -> bool:
+            kind, *rest = free.path.split(".")
+            if free.path in known or free.path == LAG or kind == "basis":
+                return False
+            return not at_the_motor(free) and (kind != "effects" or torques[rest[0]] is None)
+
+        moving = [k for k, free in enumerate(h.free) if parted and moves_output(free)]
+        simulated = dict(zip(moving, self.rows_of([moved[k] for k in moving]), strict=True)) if moving else {}
 
         def column(k: int) -> np.ndarray:
             free = h.free[k]
@@ -300,24 +361,29 @@ class EquationErrorProblem:
                 rows = np.zeros(self.rows)
                 rows[: self.size] = self.rate / self.noise
                 return self.whitened(rows) * weights
-            step = free.step if h.values[k] + free.step <= free.upper else -free.step
             kind, _, rest = free.path.partition(".")
             if kind == "effects":
                 name, _, parameter = rest.partition(".")
                 held, here = now[name], torques[name]
                 if here is not None:
-                    moved = {**held.parameters, parameter: held.parameters[parameter] + step}
-                    there = self.alone(predicted, EffectInstance(held.effect, held.options, moved))
+                    values = {**held.parameters, parameter: held.parameters[parameter] + steps[k]}
+                    there = self.alone(predicted, EffectInstance(held.effect, held.options, values))
                     assert there is not None  # what acts alone does so with all its numbers
-                    return (there - here) / step * weights
-                motor = _at_the_motor(held)
+                    return (there - here) / steps[k] * weights
+            if k in simulated:
+                there = simulated[k]
             else:
-                motor = free.path in AT_THE_MOTOR
-            beside = predicted if motor and predicted.plant["two_inertia"][0] != 0.0 else None
-            there = self.predict(h.put({free.path: h.values[k] + step}), beside=beside).rows
-            return self.centred((there - predicted.rows) / step, weights) * weights
+                there = self.predict(moved[k], beside=predicted if parted and at_the_motor(free) else None).rows
+            return self.centred((there - predicted.rows) / steps[k], weights) * weights
 
         return np.stack(list(predictions(self.samples, column, range(len(h.free)))), 1)
+
+
+def follows_measured_motion(effect: Effect, place: int) -> bool:
+    """Whether an effect asks for the same torque beside every model of one machine: it follows what was measured."""
+    if effect.act is None or is_own(effect) or place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
+        return False
+    return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects ask for values by their names
 
 
 def _at_the_motor(instance: EffectInstance) -> bool:

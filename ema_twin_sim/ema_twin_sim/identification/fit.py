@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -103,6 +103,10 @@ class _Beside(EquationErrorProblem):
                 _, name, place = path.split(".")
                 rows += self.generic_bases[name][:, int(place)] * value
         return Prediction(rows, known.predicted.plant, known.predicted.required, known.predicted.by_load)
+
+    def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
+        """The rows (m,) that each of several hypotheses predicts."""
+        return [self.predict(h).rows for h in several]
 
     def _changes(self, h: Hypothesis) -> np.ndarray | None:
         """Rows (m,) of the effects that came, less those of the effects that went."""

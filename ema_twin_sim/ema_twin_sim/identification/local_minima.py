@@ -11,7 +11,6 @@ from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import Hypothesis
-from .parallel import predictions
 
 FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
@@ -30,7 +29,7 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
     problem.weighting = problem.weighting.from_outliers(FAR_OFF_ROW)
-    costs = list(predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), family))
+    costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(family)]
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
@@ -50,9 +49,7 @@ def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> 
     """
     for _ in range(HOPS):
         beside = [starting(best.hypothesis, hop) for hop in _hops(best.hypothesis, names)]
-        costs = list(
-            predictions(problem.samples, lambda h: problem.misfit(problem.residual(problem.predict(h))), beside)
-        )
+        costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = min((fit(problem, h, 8) for h in starts), key=cost)
         much = cost(better) < (1.0 - NEGLIGIBLE) * cost(best)

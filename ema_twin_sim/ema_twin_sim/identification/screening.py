@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ class Screened:
     candidate: Candidate
     start: dict[str, float]
     gain: float
-    shift: np.ndarray  # (k,) by how much the numbers that were free before give way to it
+    give_way: Callable[[], np.ndarray]  # by how much (k,) the numbers that were free before do, once it is asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +47,10 @@ class _Known:
         residual = np.concatenate([f.residual / heat, pr])
         return cls(basis, upper * size, residual - basis @ (basis.T @ residual), heat)
 
-    def shift(self, rows: np.ndarray) -> np.ndarray:
+    def shift(self, rows: np.ndarray) -> Callable[[], np.ndarray]:
         """By how much (k,) the free numbers give way where ``rows`` (m,) more are predicted."""
-        return -np.linalg.lstsq(self.upper, self.basis.T @ rows, rcond=1e-9)[0]
+        within = self.basis.T @ rows
+        return lambda: -np.linalg.lstsq(self.upper, within, rcond=1e-9)[0]
 
 
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
@@ -78,7 +79,7 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
     scale = min(max(h.factor_to_file(), size.lower), size.upper)
     moved = h.with_torques_times(scale)
     pr, _ = prior_rows(moved)
-    return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), moved.values - h.values)
+    return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), lambda: moved.values - h.values)
 
 
 def _start_groups(effect: Effect) -> list[list[dict[str, float]]]:
@@ -114,7 +115,7 @@ def _screened(
         whole, norm = float(2.0 * along[0] - square[0, 0]), float(square[0, 0])
         # a share of it may fit better than all of it
         share = 0.5 * float(along[0]) ** 2 / norm if along[0] > 0.0 and norm > 0.0 else -math.inf
-        return Screened(c, start, max(whole, share), np.zeros(len(known.upper)))
+        return Screened(c, start, max(whole, share), lambda: np.zeros(len(known.upper)))
     if math.sqrt(max(np.diag(square).max(), 0.0)) < 1e-9:
         return None
     x = np.linalg.lstsq(square, along, rcond=1e-9)[0]
@@ -146,7 +147,9 @@ def _columns(
         if size.neutral is not None:
             parameters = {**parameters, size.name: size.neutral + per}
         instance = EffectInstance(c.effect, c.options, parameters)
-        rows = problem.beside(f.hypothesis, f.predicted, instance) if size.neutral is not None else None
+        rows = None
+        if size.neutral is not None:
+            rows = problem.beside(f.hypothesis, f.predicted, instance, again=True)
         if rows is None:
             h = f.hypothesis.with_effect(c.effect, c.options, parameters)
             rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
@@ -167,7 +170,7 @@ def would_show(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidat
 def _shows(problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate) -> float:
     effect = catalogue()[c.effect]
     size, turning = effect.parameters[0], _turning(effect)
-    if size.neutral is None or not size.default - size.neutral:
+    if size.neutral is None or size.default == size.neutral:
         return math.inf
     typical = effect.default_parameters()
     group = [typical] if turning is None else [{**typical, turning: angle} for angle in (0.0, 0.5 * math.pi)]

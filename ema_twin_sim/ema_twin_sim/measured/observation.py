@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -29,6 +28,7 @@ from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate import LONGEST_GAP
 from ..simulation.twin import hold
 from .bandwidth import narrowest, narrowest_for_speed
+from .sliding import moving_maximum
 from .smoothing import gaussian, smooth, smooth_at, smooth_way
 from .spoilt_samples import counter_jumps, despiked
 
@@ -365,8 +365,7 @@ def _spread(where: np.ndarray, reach: int) -> np.ndarray:
 
 def hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
-    left, right = round(before / period), round(after / period)
-    return maximum_filter1d(np.abs(acceleration), left + right + 1, origin=(left - right) // 2)
+    return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
 
 
 def _held(load: np.ndarray) -> np.ndarray:

@@ -43,6 +43,18 @@ def smooth_way(way: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     return np.convolve(np.pad(way, half, mode="reflect", reflect_type="odd"), kernel, mode="valid")
 
 
+@njit(void(float64[:, ::1], float64[::1], int64[::1], float64[:, ::1]), cache=True, nogil=True, error_model="numpy")
+def smooth_many_at(values, kernel, centres, smoothed):
+    """As ``smooth_at`` for several ``values`` (n, k) side by side: ``smoothed`` (m, k)."""
+    half = kernel.shape[0] // 2
+    for row in range(centres.shape[0]):
+        first = centres[row] - half
+        smoothed[row] = 0.0
+        for k in range(kernel.shape[0]):
+            for m in range(values.shape[1]):
+                smoothed[row, m] += kernel[k] * values[first + k, m]
+
+
 @njit(void(float64[::1], float64[::1], int64[::1], float64[::1]), cache=True, nogil=True, error_model="numpy")
 def smooth_at(values, kernel, centres, smoothed):
     """``smoothed`` (m,): the values (n,) through a symmetric kernel, at the samples ``centres`` (m,) only."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
 
 from ..criteria import PART, SPIKE
+from .sliding import moving_maximum, moving_median
 
 NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
 
@@ -32,7 +32,7 @@ def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) ->
     of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
     """
     step = np.diff(difference, prepend=difference[:1])
-    out = step - median_filter(step, NEIGHBOURS)
+    out = step - moving_median(step, NEIGHBOURS)
     spread = 1.4826 * float(np.median(np.abs(out)))
-    most = SPIKE * spread + maximum_filter1d(np.abs(travel), NEIGHBOURS) + counted
+    most = SPIKE * spread + moving_maximum(np.abs(travel), NEIGHBOURS // 2, NEIGHBOURS // 2) + counted
     return np.where(np.abs(out) > most, out, 0.0)

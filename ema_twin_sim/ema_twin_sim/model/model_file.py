@@ -19,7 +19,7 @@ from pathlib import Path
 
 import yaml
 
-from ema_bench_replay.checked_yaml import Checker, read_yaml
+from ema_bench_replay.checked_yaml import Checker, parse_yaml, read_yaml
 from ema_bench_replay.configuration import find_configuration
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
@@ -55,7 +55,7 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
     check_model_name(path)
     text = _text(model)
     try:
-        _model(path, yaml.safe_load(text))
+        _model(path, parse_yaml(text))
     except InputError as error:  # whoever made it made what no model can be
         raise RuntimeError(f"a model is not written that would not load again: {error}") from error
     with new_file(path, force=force) as file:

@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -78,6 +77,8 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     The output counts from where it was on average: where in its play it stood at the first sample, nobody knows. Where
     the motor's position is missing, so is the output's. Raises InputError where no sample holds both positions.
     """
+    from scipy.ndimage import gaussian_filter1d  # takes 0.2 s to import, and few recordings come here
+
     units = encoder_units([recording], model)  # in which what samples resolve is known
     told, model = recording_in(recording, units), model_in(model, units)
     time, position = _even(told)

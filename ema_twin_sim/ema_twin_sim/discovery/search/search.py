@@ -333,7 +333,7 @@ def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str
 def _more(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
     """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
     lower, upper = problem.bounds(h)
-    room = h.at(np.clip(h.values + s.shift, lower, upper))
+    room = h.at(np.clip(h.values + s.give_way(), lower, upper))
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 

@@ -1,0 +1,263 @@
+"""The equation error of several models side by side, whose output moves behind play or a spring.
+
+As ``inverse_dynamics`` (``measured_motion.py``) by its own steps, with the model's number innermost: what is simulated
+of one model waits for the step before, and a processor's wide registers take several models together.
+"""
+
+import math
+
+import numpy as np
+from numba import float64, from_dtype, int64, njit, void
+
+from .evaluate import evaluate
+from .friction import bristle_share
+from .layout import PLANT
+from .measured_motion import (
+    LOAD,
+    MEETINGS,
+    MOTOR_ANGLE,
+    SPEED,
+    TIME,
+    OutputSide,
+    longest_substep,
+    operating_point,
+    output_side,
+    output_step,
+    with_friction,
+    with_load,
+)
+from .transmission import response
+
+LANE = 8
+"""Models that go side by side: a search asks for some ten at a time."""
+
+_ROWS = (
+    *(name.upper() for name in OutputSide._fields),
+    "SUBSTEP",
+    # the motor's side
+    "RATIO",
+    "VISCOUS_OF_MOTOR",
+    "TOTAL_DRY",
+    "STIFFNESS_OF_BRISTLE",
+    "DAMPING_OF_BRISTLE",
+    # of an interval
+    "STEPS",
+    "H",
+    "GAIN",
+    "DRAG",
+    "COMPLIANCE",
+    "SLOPE",
+    "DRIFT",
+    "SEEN",
+    "SEEN_SPEED",
+    # of a sample
+    "TORQUE",
+    "AGAINST",
+    "DRY_NOW",
+    "THINNED",
+    "CONTACT",
+    "PASSED",
+    # state
+    "ANGLE",
+    "OUTPUT_ANGLE",
+    "OUTPUT_SPEED",
+    "OUTPUT_BRISTLE",
+    "BRISTLE",
+    "ZERO",
+    "MET",
+)
+_AT = {name: LANE * k for k, name in enumerate(_ROWS)}
+LANES = LANE * len(_ROWS)
+INERTIA, VISCOUS, DRY, GAP, ASYMMETRY = (_AT[name] for name in ("INERTIA", "VISCOUS", "DRY", "GAP", "ASYMMETRY"))
+STIFFNESS, DAMPING, PULL, BRAKE = (_AT[name] for name in ("STIFFNESS", "DAMPING", "PULL", "BRAKE"))
+BRISTLE_STIFFNESS, BRISTLE_DAMPING = _AT["BRISTLE_STIFFNESS"], _AT["BRISTLE_DAMPING"]
+SUBSTEP, RATIO, VISCOUS_OF_MOTOR, TOTAL_DRY = (
+    _AT[name] for name in ("SUBSTEP", "RATIO", "VISCOUS_OF_MOTOR", "TOTAL_DRY")
+)
+STIFFNESS_OF_BRISTLE, DAMPING_OF_BRISTLE = _AT["STIFFNESS_OF_BRISTLE"], _AT["DAMPING_OF_BRISTLE"]
+STEPS, H, GAIN, DRAG, COMPLIANCE = (_AT[name] for name in ("STEPS", "H", "GAIN", "DRAG", "COMPLIANCE"))
+SLOPE, DRIFT, SEEN, SEEN_SPEED = (_AT[name] for name in ("SLOPE", "DRIFT", "SEEN", "SEEN_SPEED"))
+TORQUE, AGAINST, DRY_NOW, THINNED = (_AT[name] for name in ("TORQUE", "AGAINST", "DRY_NOW", "THINNED"))
+CONTACT, PASSED, ANGLE = (_AT[name] for name in ("CONTACT", "PASSED", "ANGLE"))
+OUTPUT_ANGLE, OUTPUT_SPEED, OUTPUT_BRISTLE = (_AT[name] for name in ("OUTPUT_ANGLE", "OUTPUT_SPEED", "OUTPUT_BRISTLE"))
+BRISTLE, ZERO, MET = (_AT[name] for name in ("BRISTLE", "ZERO", "MET"))
+
+
+@njit(error_model="numpy")
+def _load_lanes(plants, motion, lanes):
+    """Constants and first states of all models into their lanes."""
+    for m in range(LANE):
+        plant = plants[m]
+        side = output_side(plant)
+        lanes[INERTIA + m] = side.inertia
+        lanes[VISCOUS + m] = side.viscous
+        lanes[DRY + m] = side.dry
+        lanes[GAP + m] = side.gap
+        lanes[ASYMMETRY + m] = side.asymmetry
+        lanes[STIFFNESS + m] = side.stiffness
+        lanes[DAMPING + m] = side.damping
+        lanes[BRISTLE_STIFFNESS + m] = side.bristle_stiffness
+        lanes[BRISTLE_DAMPING + m] = side.bristle_damping
+        lanes[PULL + m] = side.pull
+        lanes[BRAKE + m] = side.brake
+        lanes[SUBSTEP + m] = longest_substep(side)
+        lanes[RATIO + m] = plant.gear_ratio
+        lanes[VISCOUS_OF_MOTOR + m] = plant.motor_viscous
+        lanes[TOTAL_DRY + m] = plant.motor_dry + plant.output_dry
+        share = bristle_share(plant)
+        lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
+        lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
+        lanes[OUTPUT_ANGLE + m] = motion[0, MOTOR_ANGLE]
+        lanes[OUTPUT_SPEED + m] = motion[0, SPEED]
+
+
+@njit(error_model="numpy")
+def _settle(lanes, interval):
+    """What depends on the length of an interval [s]; the most steps that a model takes over it."""
+    most = 1.0
+    for m in range(LANE):
+        steps = max(1.0, math.ceil(interval / lanes[SUBSTEP + m] - 1e-9))
+        h = interval / steps
+        lanes[STEPS + m] = steps
+        lanes[H + m] = h
+        lanes[GAIN + m], lanes[DRAG + m] = response(h, lanes[INERTIA + m], lanes[VISCOUS + m])
+        lanes[COMPLIANCE + m] = 0.5 * h / lanes[INERTIA + m]
+        most = max(most, steps)
+    return int64(most)
+
+
+@njit(error_model="numpy")
+def _output_steps(lanes, k, speed_before):
+    """A step of every output whose interval has so many."""
+    for m in range(LANE):
+        side = OutputSide(
+            lanes[INERTIA + m],
+            lanes[VISCOUS + m],
+            lanes[DRY + m],
+            lanes[GAP + m],
+            lanes[ASYMMETRY + m],
+            lanes[STIFFNESS + m],
+            lanes[DAMPING + m],
+            lanes[BRISTLE_STIFFNESS + m],
+            lanes[BRISTLE_DAMPING + m],
+            lanes[PULL + m],
+            lanes[BRAKE + m],
+        )
+        h = lanes[H + m]
+        motor_speed = speed_before + lanes[SLOPE + m] * (k + 0.5)
+        seen = lanes[SEEN + m] - lanes[ZERO + m] + (k + 0.5) * h * lanes[SEEN_SPEED + m]
+        contact, angle, speed, bristle = output_step(
+            side, h, lanes[GAIN + m], lanes[DRAG + m], lanes[COMPLIANCE + m], lanes[ANGLE + m], motor_speed,
+            lanes[OUTPUT_ANGLE + m], lanes[OUTPUT_SPEED + m], lanes[OUTPUT_BRISTLE + m], lanes[AGAINST + m],
+            lanes[MET + m] > 0.0, seen, lanes[SEEN_SPEED + m],
+        )  # fmt: skip
+        going = k < lanes[STEPS + m]
+        lanes[OUTPUT_ANGLE + m] = angle if going else lanes[OUTPUT_ANGLE + m]
+        lanes[OUTPUT_SPEED + m] = speed if going else lanes[OUTPUT_SPEED + m]
+        lanes[OUTPUT_BRISTLE + m] = bristle if going else lanes[OUTPUT_BRISTLE + m]
+        lanes[ANGLE + m] += h * motor_speed + lanes[DRIFT + m]
+        lanes[CONTACT + m] = contact if going else lanes[CONTACT + m]
+        lanes[PASSED + m] += contact if going else 0.0
+
+
+@njit(error_model="numpy")
+def _drive(lanes, speed, bristled, interval, torque):
+    """The ``torque`` (LANE,) of every drive beside what its output takes."""
+    for m in range(LANE):
+        dry = lanes[DRY_NOW + m] - lanes[DRY + m]
+        torque[m], lanes[BRISTLE + m] = with_friction(
+            lanes[TORQUE + m], 0.0, speed, lanes[VISCOUS_OF_MOTOR + m], lanes[THINNED + m], lanes[ASYMMETRY + m],
+            dry if dry > 0.0 else 0.0, bristled, lanes[BRISTLE + m], lanes[STIFFNESS_OF_BRISTLE + m],
+            lanes[DAMPING_OF_BRISTLE + m], interval,
+        )  # fmt: skip
+
+
+@njit(
+    void(
+        from_dtype(PLANT)[::1],
+        int64[::1],
+        int64[::1],
+        float64[:, :, ::1],
+        float64[:, ::1],
+        float64,
+        float64,
+        float64[:, ::1],
+        float64[:, ::1],
+        float64[:, ::1],
+    ),
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def inverse_dynamics_many(
+    plants, addresses, places, parameters, motion, motor_origin, output_origin, seen, torque, output
+):
+    """As ``inverse_dynamics`` for ``plants`` (LANE,) whose effects differ in their ``parameters`` (LANE, k, 4) only.
+
+    Fills ``torque`` (n, LANE) and ``output`` (n, LANE), the first two of ``REQUIRED``. ``seen`` is (n, LANE), or (0,
+    LANE) where nobody saw the output.
+    """
+    lanes = np.zeros(LANES)
+    passed = np.zeros((motion.shape[0], LANE))
+    _load_lanes(plants, motion, lanes)
+    drawn = seen.shape[0] == motion.shape[0]
+    bristled = plants[0].bristle_stiffness > 0.0
+    plain = addresses.shape[0] == 0  # then nothing but a measured load asks for anything
+    for m in range(LANE):
+        plain = plain and math.isinf(plants[m].end_stop_lower) and math.isinf(plants[m].end_stop_upper)
+        lanes[DRY_NOW + m] = lanes[TOTAL_DRY + m]
+    interval_before = -1.0
+    most = 0
+    for row in range(motion.shape[0]):
+        speed = motion[row, SPEED]
+        before = max(row - 1, 0)
+        interval = motion[row, TIME] - motion[before, TIME]
+        if plain:
+            for m in range(LANE):
+                lanes[AGAINST + m] = motion[row, LOAD]
+        else:
+            for m in range(LANE):
+                plant = plants[m]
+                at = operating_point(
+                    plant, motion[row], motor_origin, output_origin, passed[before, m], lanes[TOTAL_DRY + m]
+                )
+                lanes[TORQUE + m], lanes[DRY_NOW + m], load, lanes[THINNED + m] = evaluate(
+                    (addresses, places, parameters[m]), at
+                )
+                lanes[AGAINST + m] = with_load(load, plant, motion[row], output_origin)
+        if row > 0:
+            if interval != interval_before:
+                interval_before = interval
+                most = _settle(lanes, interval)
+            angle = motion[before, MOTOR_ANGLE]
+            speed_before = motion[before, SPEED]
+            drift = motion[row, MOTOR_ANGLE] - angle - 0.5 * (speed + speed_before) * interval
+            for m in range(LANE):
+                lanes[ANGLE + m] = angle
+                lanes[SLOPE + m] = (speed - speed_before) / lanes[STEPS + m]
+                lanes[DRIFT + m] = drift / lanes[STEPS + m]
+                lanes[PASSED + m] = 0.0
+            if drawn:
+                for m in range(LANE):
+                    lanes[SEEN + m] = seen[before, m] * lanes[RATIO + m]
+                    lanes[SEEN_SPEED + m] = (seen[row, m] - seen[before, m]) * lanes[RATIO + m] / interval
+            for k in range(most):
+                _output_steps(lanes, k, speed_before)
+            for m in range(LANE):
+                passed[row, m] = lanes[PASSED + m] / lanes[STEPS + m]
+            if drawn:
+                for m in range(LANE):
+                    met = lanes[MET + m] + (1.0 if lanes[CONTACT + m] != 0.0 else 0.0)
+                    away = seen[row, m] * lanes[RATIO + m] - lanes[OUTPUT_ANGLE + m] - lanes[ZERO + m]
+                    lanes[ZERO + m] += away / min(met, MEETINGS) if lanes[CONTACT + m] != 0.0 else 0.0
+                    lanes[MET + m] = met
+        if bristled:
+            _drive(lanes, speed, True, interval, torque[row])
+        else:
+            _drive(lanes, speed, False, interval, torque[row])
+        for m in range(LANE):
+            output[row, m] = lanes[OUTPUT_ANGLE + m] / lanes[RATIO + m]
+    last = motion.shape[0] - 1
+    for row in range(last + 1):
+        for m in range(LANE):
+            torque[row, m] += 0.5 * (passed[row, m] + passed[min(row + 1, last), m])
