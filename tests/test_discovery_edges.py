@@ -55,7 +55,7 @@ def test_no_row_stands_on_samples_at_rest(period):
 
 
 def test_constants_that_all_moved_for_sure_stay_where_they_are(stock, monkeypatch):
-    monkeypatch.setattr(unmoved, "MOVED", 0.0)  # standard errors: whatever is not exactly at its file's value
+    monkeypatch.setattr(unmoved, "LIKELY", 0.0)  # standard errors: whatever is not exactly at its file's value
     found = discover(record(stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})), stock)
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
     assert {"inertia", "motor inertia", "motor_inertia"} & {*found.constants["machine"]}

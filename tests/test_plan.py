@@ -11,7 +11,7 @@ import pytest
 
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import DECIDED
+from ema_twin_sim.criteria import DECIDED, MOSTLY
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.experiment.bench_limits import Limits, driven_limits, reached, widened
 from ema_twin_sim.discovery.experiment.command_grid import command_grid, round_number
@@ -171,6 +171,20 @@ def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
     assert done.lower > driven.lower - 0.02 and done.upper < 1.03 * driven.upper
 
 
+def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
+    """Nothing of it is in doubt: an encoder that is off its centre does not show while the output hardly turns."""
+    bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65}, {})
+    slow = bench.record("triangle:0.015:2", 20.0)
+    assert discover([slow], stock).added == ()
+    asked = plan([slow], stock)
+    (doubt,) = asked.in_doubt
+    assert "would not show" in doubt.reason and "encoder_eccentricity" in doubt.rivals
+    assert asked.proposal.separation["encoder_eccentricity", "none"] >= DECIDED
+    assert discover([slow, bench.record(asked.proposal.command, asked.proposal.seconds)], stock).added == (
+        "encoder_eccentricity",
+    )
+
+
 def test_what_goes_beyond_is_told_and_a_limit_forbids_it(stock):
     effect, parameters, options, runs, _ = AMBIGUOUS["spring or gravity over a short way"]
     bench = VirtualBench(stock, effect, parameters, options)
@@ -244,8 +258,8 @@ def test_wider_limits_stop_before_the_stops_and_the_drive(stock):
     driven = replace(LIMITS, lower=-0.24)
     assert widened(driven, stopped, 0.2).lower == driven.lower
     weak = stock.with_value("drive.speed_limit", 0.15 * RATIO).with_value("drive.current_limit", 0.8)
-    assert widened(LIMITS, weak, 0.0).speed == pytest.approx(0.7 * 0.15)
-    assert widened(LIMITS, weak, 0.0).current == pytest.approx(0.7 * 0.8)
+    assert widened(LIMITS, weak, 0.0).speed == pytest.approx(MOSTLY * 0.15)
+    assert widened(LIMITS, weak, 0.0).current == pytest.approx(MOSTLY * 0.8)
 
 
 @pytest.mark.parametrize("text", ["ramp:-0.05", "triangle:0.025:2.5", "sine:0.02:0.2", "speed-sine:0.1:0.1"])
@@ -309,7 +323,8 @@ def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
     assert f"{proposal['seconds']:.2f} s" in made.stdout
     again = _ema_twin("plan", "ramp.mcap", "next.CSV", "--model", "polito_bench", "-o", "more.yaml", cwd=tmp_path)
     assert again.returncode == 0, again.stderr
-    assert "Nothing is in doubt" in again.stdout and not (tmp_path / "more.yaml").exists()
+    assert "These recordings would not show" in again.stdout and "Stribeck" not in again.stdout
+    assert (tmp_path / "more.yaml").exists()
     refusals = {
         ("-o", "next.yaml"): "--force",
         ("-o", "next.txt"): ".yaml",

@@ -62,6 +62,8 @@ def run(
     from ..new_machine.drafts import Given, checked_drafts
 
     place = Path(output)
+    if place.suffix.lower() in (".yaml", ".yml"):  # the name of the model, as other commands take it
+        place = place.with_suffix("")
     files = place.with_name(f"{place.name}_map.yaml"), place.with_name(f"{place.name}.yaml")
     check_model_name(files[1])
     for path in files:

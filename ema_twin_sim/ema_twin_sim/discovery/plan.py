@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
@@ -111,21 +111,21 @@ def plan(
     choice = Choice(None, (), ())
     if held:
         choice = best_command(problem, held, signals, limits=limits, progress=progress)
-    if choice.best is None and found.verdict != "unknown":
+    elif found.verdict != "unknown":
         progress("asking what would not show")
         excluded = frozenset(without) | impossible(own) | unobservable(found.recordings)
         hidden = not_shown(problem, found.search, excluded)
         if hidden is not None:
-            wider = best_command(problem, [hidden], signals, limits=limits, few=True, progress=progress)
-            if wider.best is not None:
-                held, choice = (*held, hidden), replace(wider, inseparable=choice.inseparable)
+            choice = best_command(problem, [hidden], signals, limits=limits, few=True, progress=progress)
+            if choice.best is not None:  # what no command would show is in no doubt either
+                held = (hidden,)
     return Plan(
         found.verdict,
         found.added,
         tuple(InDoubt(d.names, d.behind, d.reason) for d in held),
         choice.best,
         choice.runners_up,
-        choice.inseparable,
+        choice.inseparable if choice.best is not None or held else (),
         allowed.shown(own),
         found.depends_on,
         found.warnings,
