@@ -18,9 +18,8 @@ METHOD = {
     "measured/bandwidth.py": "NARROWER",
     "measured/consistency.py": "WINDOW FEWEST PIECE DEGREES RPM TURN SETPOINT",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
-    "measured/observation.py": (
-        "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS START JITTER FEWEST LEAST_NOISE LARGEST"
-    ),
+    "measured/observation.py": "START JITTER LEAST_NOISE LARGEST",
+    "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
     "measured/smoothing.py": "REACH",
     "measured/spoilt_samples.py": "NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",

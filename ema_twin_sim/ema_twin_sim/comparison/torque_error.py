@@ -14,7 +14,7 @@ from scipy.signal import butter, sosfiltfilt
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..measured.observation import full_rate
+from ..measured.smoothed_motion import full_rate
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT
 from ..simulation.assembly import assemble

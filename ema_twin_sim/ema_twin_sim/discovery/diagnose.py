@@ -34,7 +34,7 @@ from .discover import Discovery, discover
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
 
-BLOCK = 2.0  # s: stretches further apart than this are taken to be independent
+BLOCK = 2.0  # own s: stretches further apart than this are taken to be independent
 DRAWS = 400
 RANKED = 8  # entries of a ranking, at most
 SIMULATED = 4  # of them, whose error on unseen data is worked out

@@ -121,7 +121,7 @@ def discover(
     refuse_inconsistent(recordings, model)
     problem = EquationErrorProblem([with_switching_ripple(o, model) for o in observe_all(list(recordings), model)])
     null = null_hypothesis(model, by_torque=problem.size > 0)
-    excluded = frozenset(without) | impossible(model) | not_shown(recordings)
+    excluded = excluded_effects(recordings, model, without)
     found, known = _searched(problem, null, excluded, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
@@ -194,7 +194,12 @@ def discover(
     )
 
 
-def impossible(model: Model) -> frozenset[str]:
+def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:
+    """Effects that are not looked for: those ``without``, and what such recordings or such a machine never show."""
+    return frozenset(without) | _impossible(model) | not_shown(recordings)
+
+
+def _impossible(model: Model) -> frozenset[str]:
     """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder.
 
     Where the motor turns as its output does, there are no teeth that would pass at an order of their own.

@@ -9,13 +9,12 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..criteria import DECIDED
-from ..measured.observability import not_shown as unobservable
 from ..model import Model
-from .discover import discover, impossible
+from .discover import discover, excluded_effects
 from .experiment.bench_limits import Limits, driven_limits
 from .experiment.doubts import doubts
 from .experiment.next_command import Choice, Pair, Proposal, best_command, signals_of
-from .experiment.not_shown import not_shown
+from .experiment.too_faint import too_faint
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",
@@ -113,19 +112,18 @@ def plan(
         choice = best_command(problem, held, signals, limits=limits, progress=progress)
     elif found.verdict != "unknown":
         progress("asking what would not show")
-        excluded = frozenset(without) | impossible(own) | unobservable(found.recordings)
-        hidden = not_shown(problem, found.search, excluded)
-        if hidden is not None:
-            choice = best_command(problem, [hidden], signals, limits=limits, few=True, progress=progress)
-            if choice.best is not None:  # what no command would show is in no doubt either
-                held = (hidden,)
+        faint = too_faint(problem, found.search, excluded_effects(found.recordings, own, without))
+        if faint is not None:
+            wider = best_command(problem, [faint], signals, limits=limits, few=True, progress=progress)
+            if wider.best is not None:  # what no command would show is in no doubt either
+                held, choice = (faint,), wider
     return Plan(
         found.verdict,
         found.added,
         tuple(InDoubt(d.names, d.behind, d.reason) for d in held),
         choice.best,
         choice.runners_up,
-        choice.inseparable if choice.best is not None or held else (),
+        choice.inseparable,
         allowed.shown(own),
         found.depends_on,
         found.warnings,

@@ -21,7 +21,7 @@ from ..model.model import nearest
 from ..model.own_units import shown, told
 
 FRICTION = ("viscous_friction", "coulomb_friction")
-WEAK_ANGLE = 10.0  # rad
+WEAK_ANGLE = 10.0  # rad, more than a turn and a half: any angle
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
 SPAN = 0.1  # of its bounds that is typical of a number which may be anywhere in them

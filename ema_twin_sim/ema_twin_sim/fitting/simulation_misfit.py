@@ -21,8 +21,9 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import CHAOTIC, HARD, OUTLIER, SHAKEN, SMALL, STANDSTILL, THROWN
-from ..measured.observation import WIDTH, Observation, hardest
+from ..measured.observation import Observation, hardest
 from ..measured.sliding import moving_maximum
+from ..measured.smoothed_motion import WIDTH
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
@@ -31,7 +32,7 @@ from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
 
 POOL = ThreadPoolExecutor(os.cpu_count())
-LINGER = 0.06  # s around standstill in which rows do not count
+LINGER = 0.06  # own s around standstill in which rows do not count
 LEAP = 5.0  # steps of a finite difference over which leaps are looked for
 LEAPS = 3  # times that they are looked for
 COARSE = 2.0  # times the usual step of a lumped model, where only differences count

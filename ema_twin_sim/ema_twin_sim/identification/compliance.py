@@ -31,7 +31,7 @@ SOFTER = 30  # steps of STIFFNESS further down where own units are no more than 
 HARDLY = 0.01  # times the friction that an output begins with: it swings on its spring
 HOPELESS = 4.0  # times the least misfit of a start, from which on a family is left out
 RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
-SPRINGY = 2.0 * math.pi * 55.0  # rad/s: an output that rings faster against its play rings on its teeth
+SPRINGY = 2.0 * math.pi * 55.0  # own rad/s: what rings faster against its play rings on its teeth
 
 
 def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:

@@ -11,7 +11,7 @@ from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
 from .equation import EquationErrorProblem
 
-EXCERPT = 4.0  # s
+EXCERPT = 4.0  # own s
 EXCERPTS = 4
 MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
 

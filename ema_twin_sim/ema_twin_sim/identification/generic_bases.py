@@ -14,7 +14,7 @@ from .equation import EquationErrorProblem
 from .fit import Fit
 
 KNOTS = 9  # of a dependence on speed or position
-KNOT = 2.5  # s between the knots of a dependence on time
+KNOT = 2.5  # own s between the knots of a dependence on time
 MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
 

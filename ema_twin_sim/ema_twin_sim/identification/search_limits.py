@@ -17,7 +17,7 @@ from ..effects import Effect, Parameter
 from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
-LATEST = 0.02  # s in own units, what a fieldbus of the reference bench may take: a later encoder is another machine's
+LATEST = 0.02  # own s, what a fieldbus of the reference bench may take: a later encoder is another machine's
 _POWERS = {
     "N m": (0, 0, 0),
     "N m s/rad": (1, 0, 0),

@@ -26,21 +26,14 @@ from ..simulation.operating_points import FEWEST as FEWEST_POINTS
 from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate import LONGEST_GAP
-from ..simulation.twin import hold
-from .bandwidth import narrowest, narrowest_for_speed
+from .bandwidth import narrowest
 from .sliding import moving_maximum
-from .smoothing import gaussian, smooth, smooth_at, smooth_way
-from .spoilt_samples import counter_jumps, despiked
+from .smoothed_motion import COUNTER_WIDTH, FEWEST, LEAST_PERIODS, NEEDED, WIDTH, even, smoothed_motion
+from .smoothing import gaussian, smooth, smooth_at
+from .spoilt_samples import counter_jumps
 
-NEEDED = ("motor_position",)
-WIDTH = 0.005  # s, standard deviation of the kernel: some 30 Hz
-COUNTER_WIDTH = 0.012  # s, where the acceleration is a counter's second difference
-COUNTER_SPEED_WIDTH = 0.004  # s, for the speed that friction depends on there
-COUNTER_PULL = 0.06  # s, the width over which the integrated speed follows the counter
-LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
-START = 0.03  # s at the ends that are not judged
-JITTER = 2e-4  # s by which the two counters' samples, or an impact, may be apart
-FEWEST = 10  # samples
+START = 0.03  # own s at the ends that are not judged
+JITTER = 2e-4  # own s by which the two counters' samples, or an impact, may be apart
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
 LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
 
@@ -128,7 +121,7 @@ def observe(recording: Recording, model: Model) -> Observation:
             f"{recording.name}: {second * longest.duration:.4g} s are missing at {second * longest.time:.4g} s; "
             "cut it there (--to, --from)"
         )
-    period, time, signals, whole = _even(recording)
+    period, time, signals, whole = even(recording)
     by_torque = "current" in signals
     if not by_torque:
         if np.ptp(signals["output_position"]) == 0.0:
@@ -152,7 +145,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     if len(time) < 4 * len(kernel):
         raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
     ratio = model.value("machine.gear_ratio")
-    motion, motion_noise = _motion(signals, time, period, width, model, reading, geared)
+    motion, motion_noise = smoothed_motion(signals, time, period, width, model, reading, geared)
     acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
     hit = geared * hardest(acceleration, SHAKEN, 2.0 * width, period)
@@ -251,20 +244,6 @@ def _missing(recording: Recording) -> list[str]:
     return missing if recording.has("current") or of_encoders_alone(recording) else ["current", *missing]
 
 
-def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
-    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
-    if missing := [name for name in ("current", *NEEDED) if not recording.has(name)]:
-        raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
-    period, time, signals, _ = _even(recording)
-    if len(time) < FEWEST:
-        raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
-    reading = max(counter_noise(model, "motor"), reading_noise(signals["motor_position"]))
-    least = period
-    width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)
-    motion, _ = _motion(signals, time, period, max(width, least), model, reading, False)
-    return motion, period
-
-
 def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     """All recordings. Raises InputError where together they hold too little motion to judge anything."""
     if not recordings:
@@ -287,69 +266,6 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     return found
 
 
-def _even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
-    period = recording.sample_period
-    steps = np.diff(recording.stamps) * 1e-9
-    used = {
-        name: recording.signals[name]
-        for name in (*NEEDED, "current", "speed", "output_position")
-        if recording.has(name)
-    }
-    whole = np.ones(len(recording), bool)
-    for values in used.values():
-        whole &= np.isfinite(values)
-    if whole.sum() < 2:
-        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
-    measured = recording.time[whole]
-    used = {name: despiked(values[whole]) for name, values in used.items()}
-    if recording.has("load_torque"):
-        used["load_torque"] = _held(recording.signals["load_torque"])[whole]
-    if whole.all() and np.abs(steps - period).max() < NEGLIGIBLE * period:
-        return period, recording.time, used, whole
-    time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
-    signals = {name: np.interp(time, measured, values) for name, values in used.items()}
-    after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
-    return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period) <= 1
-
-
-def _motion(
-    signals: dict[str, np.ndarray],
-    time: np.ndarray,
-    period: float,
-    width: float,
-    model: Model,
-    reading: float,
-    geared: bool,
-) -> tuple[np.ndarray, float]:
-    """(motion (n, 7) with the columns MOTION, noise of the acceleration [rad/s2]).
-
-    ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
-    """
-    position = signals["motor_position"]
-    if "speed" in signals:
-        smoothing = model.value("sensors.speed_smoothing")
-        sharp = gaussian(period, period) + smoothing * gaussian(period, period, 1)
-        speed = smooth(signals["speed"], sharp)
-        exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
-        acceleration = smooth(signals["speed"], exact)
-        travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
-        angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
-        noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
-    else:
-        speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
-        if not geared:
-            speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
-        speed = smooth_way(position, gaussian(speed_width, period, 1))
-        angle = smooth_way(position, gaussian(speed_width, period))
-        bend = gaussian(width, period, 2)
-        acceleration = smooth_way(position, bend)
-        noise = reading * float(np.linalg.norm(bend))
-    output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
-    load = signals.get("load_torque", np.zeros(len(time)))
-    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
-
-
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
     """Samples (n,) that are neither near an end nor near a gap."""
     margin = len(kernel) // 2 + round(START / period)
@@ -366,13 +282,6 @@ def _spread(where: np.ndarray, reach: int) -> np.ndarray:
 def hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
-
-
-def _held(load: np.ndarray) -> np.ndarray:
-    """A measured load (n,) as a twin takes it where it has no value."""
-    held = load.copy()
-    hold(held)
-    return held
 
 
 def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model: Model) -> float:

@@ -12,8 +12,8 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...plant.measured_motion import SPEED, TIME
 
-SHORTEST = 0.1  # s
-HOLES = 0.2  # s within an episode in which rows may be near again, or not judged
+SHORTEST = 0.1  # own s
+HOLES = 0.2  # own s within an episode in which rows may be near again, or not judged
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from ...plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, 
 
 _SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation is not the bench to the last digit
 _SLACK_TRAVEL = 0.02  # of the range
-_LONG = 20.0  # s for which a shaft without end stops may turn one way
+_LONG = 20.0  # own s for which a shaft without end stops may turn one way
 _NONE = 1e-12  # in place of a limit of zero
 
 

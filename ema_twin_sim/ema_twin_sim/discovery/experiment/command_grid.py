@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from .bench_limits import Limits
 
 LONGEST = 20.0
-"""s: what a recording lasts, as long as travel allows."""
-_SHORTEST = 4.0  # s of a ramp worth recording
+"""Own s: what a recording lasts, as long as travel allows."""
+_SHORTEST = 4.0  # own s of a ramp worth recording
 _NICE = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _FEW_SPEEDS = (1.0, 0.3)
 _SPEEDS = (1.0, 0.5, 0.25, 0.1)
-_FEW_HALVES = (0.5, 2.5, 5.0)  # s
-_HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # s
+_FEW_HALVES = (0.5, 2.5, 5.0)  # own s
+_HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # own s
 _TIME_OF_SIZE = {"ramp": -1, "triangle": -1, "sine": 0, "step": 0, "speed-triangle": -2, "speed-sine": -1}
 """Of each kind of command, the power of time in the unit of its size: rad, rad/s or rad/s²."""
 

@@ -31,7 +31,7 @@ ALTERNATIVES = 3
 """Explanations that are held against a found effect."""
 NOTHING = "none"
 _SHOWN_BY_REVERSALS = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
-_MOVING = 0.1  # s of motion that make a direction
+_MOVING = 0.1  # own s of motion that make a direction
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ from .doubts import NOTHING, Doubt, Rival, information, reverses
 _TURNS = 8  # half periods in a recording that are liked best
 _FINALISTS = 8  # commands that are looked at again, without linearising
 _FEW_FINALISTS = 2
-_STEP = 1.25e-4  # s of integration: a plan needs no more
+_STEP = 1.25e-4  # own s of integration: a plan needs no more
 _STEPS = 3  # of a rival's fit to what another would show
 _RUNNERS_UP = 3
 _SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not that of side_by_side, which works for each of the commands

@@ -104,7 +104,8 @@ def highest_order(o: Observation) -> float:
 
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
-    """The candidates less those that repeat with turns that the motor did not make, and orders that no points resolve.
+    """The candidates without those that repeat with each turn where the motor made too little of one, and without the
+    orders that points do not resolve.
 
     Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
     """

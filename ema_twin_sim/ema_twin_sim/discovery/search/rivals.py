@@ -95,8 +95,7 @@ def other_structures(problem: EquationErrorProblem, best: Fit, name: str, withou
     """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
 
     A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
-    motion does. None where both were found, or the other was not looked
-    for (``without``).
+    motion does. None where both were found, or the other was not looked for (``without``).
     """
     effect = best.hypothesis.added[name].effect
     if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:

@@ -20,7 +20,7 @@ from ..search.trace import Search
 from .doubts import NOTHING, Doubt, Rival
 
 
-def not_shown(problem: EquationErrorProblem, found: Search, without: frozenset[str]) -> Doubt | None:
+def too_faint(problem: EquationErrorProblem, found: Search, without: frozenset[str]) -> Doubt | None:
     """The doubt about effects that would not show by as much as it takes to name them; None where all would."""
     best = found.fit
     if best.hypothesis.generic_bases:

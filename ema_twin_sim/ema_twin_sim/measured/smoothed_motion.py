@@ -1,0 +1,109 @@
+"""A recording's motion on an even grid: positions, speed and acceleration, smoothed as little as the sensors allow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..criteria import NEGLIGIBLE, STANDSTILL
+from ..model import Model
+from ..reading_noise import reading_noise
+from ..simulation.sensor_noise import counter_noise
+from ..simulation.twin import hold
+from .bandwidth import narrowest, narrowest_for_speed
+from .smoothing import gaussian, smooth, smooth_way
+from .spoilt_samples import despiked
+
+NEEDED = ("motor_position",)
+WIDTH = 0.005  # own s, standard deviation of the kernel: some 30 Hz
+COUNTER_WIDTH = 0.012  # own s, where the acceleration is a counter's second difference
+COUNTER_SPEED_WIDTH = 0.004  # own s, for the speed that friction depends on there
+COUNTER_PULL = 0.06  # own s, the width over which the integrated speed follows the counter
+LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
+FEWEST = 10  # samples
+
+
+def even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
+    """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
+    period = recording.sample_period
+    steps = np.diff(recording.stamps) * 1e-9
+    used = {
+        name: recording.signals[name]
+        for name in (*NEEDED, "current", "speed", "output_position")
+        if recording.has(name)
+    }
+    whole = np.ones(len(recording), bool)
+    for values in used.values():
+        whole &= np.isfinite(values)
+    if whole.sum() < 2:
+        raise InputError(f"{recording.name}: has no sample that holds {', '.join(used)} together")
+    measured = recording.time[whole]
+    used = {name: despiked(values[whole]) for name, values in used.items()}
+    if recording.has("load_torque"):
+        used["load_torque"] = _held(recording.signals["load_torque"])[whole]
+    if whole.all() and np.abs(steps - period).max() < NEGLIGIBLE * period:
+        return period, recording.time, used, whole
+    time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
+    signals = {name: np.interp(time, measured, values) for name, values in used.items()}
+    after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
+    return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period) <= 1
+
+
+def smoothed_motion(
+    signals: dict[str, np.ndarray],
+    time: np.ndarray,
+    period: float,
+    width: float,
+    model: Model,
+    reading: float,
+    geared: bool,
+) -> tuple[np.ndarray, float]:
+    """(motion (n, 7) with the columns MOTION, noise of the acceleration [rad/s2]).
+
+    ``reading`` [rad] is the standard deviation of one reading of the motor's counter.
+    """
+    position = signals["motor_position"]
+    if "speed" in signals:
+        smoothing = model.value("sensors.speed_smoothing")
+        sharp = gaussian(period, period) + smoothing * gaussian(period, period, 1)
+        speed = smooth(signals["speed"], sharp)
+        exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
+        acceleration = smooth(signals["speed"], exact)
+        travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
+        angle = travelled + smooth(position - travelled, gaussian(COUNTER_PULL, period))
+        noise = model.value("sensors.speed_noise") * float(np.linalg.norm(exact))
+    else:
+        speed_width = max(COUNTER_SPEED_WIDTH, LEAST_PERIODS * period / 2.0)
+        if not geared:
+            speed_width = narrowest_for_speed(period, reading, speed_width, period / 2.0, STANDSTILL)
+        speed = smooth_way(position, gaussian(speed_width, period, 1))
+        angle = smooth_way(position, gaussian(speed_width, period))
+        bend = gaussian(width, period, 2)
+        acceleration = smooth_way(position, bend)
+        noise = reading * float(np.linalg.norm(bend))
+    output = signals.get("output_position", angle / model.value("machine.gear_ratio"))
+    load = signals.get("load_torque", np.zeros(len(time)))
+    return np.stack([time, angle, speed, acceleration, signals["current"], output, load], axis=1), noise
+
+
+def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
+    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
+    if missing := [name for name in ("current", *NEEDED) if not recording.has(name)]:
+        raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
+    period, time, signals, _ = even(recording)
+    if len(time) < FEWEST:
+        raise InputError(f"{recording.name}: {len(time)} samples are too few to tell anything")
+    reading = max(counter_noise(model, "motor"), reading_noise(signals["motor_position"]))
+    least = period
+    width = WIDTH if "speed" in signals else narrowest(signals["motor_position"], period, reading, COUNTER_WIDTH, least)
+    motion, _ = smoothed_motion(signals, time, period, max(width, least), model, reading, False)
+    return motion, period
+
+
+def _held(load: np.ndarray) -> np.ndarray:
+    """A measured load (n,) as a twin takes it where it has no value."""
+    held = load.copy()
+    hold(held)
+    return held
