@@ -99,7 +99,7 @@ def run(
         refuse_points(recordings[0])
         refuse_encoders_alone(recordings[0])
         recording = matched(recordings[0], found)
-    driving = choose_input(recording, input) if recording is not None else input
+    driving = choose_input(recording, found, input) if recording is not None else input
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)
     replaced = _check_outputs(rrd, record, force)

@@ -97,7 +97,7 @@ def compare(
     """
     given, asked = recordings, model
     recordings, model = to_rotary_equivalent(recordings, model)
-    inputs = [choose_input(recording, source) for recording in recordings]
+    inputs = [choose_input(recording, model, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
     pooled = RunningComparison(model, together)
     compared = []

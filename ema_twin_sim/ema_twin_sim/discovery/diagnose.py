@@ -257,7 +257,10 @@ def _removed(
 ) -> dict[Key, float]:
     """The share of the excess error that each contender removes where it was not fitted to."""
     fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
-    sources = [choose_input(recording) for recording in recordings]
+    if not contenders:
+        return {}
+    base = contenders[0].before.hypothesis.base
+    sources = [choose_input(recording, base) for recording in recordings]
     jobs = []
     for key, f in fits.items():
         numbers = held_out(problem, f) if len(recordings) > 1 else [f.hypothesis.values]

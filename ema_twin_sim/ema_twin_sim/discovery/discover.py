@@ -135,7 +135,7 @@ def discover(
     found, rivals = judged_against_rivals(problem, found, excluded)
     found = significant(problem, found)
     known = known and explained(problem, found.fit, start)
-    loop = ClosedLoop(recordings)
+    loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(problem, loop, found)
     found = with_unmoved_constants(problem, loop, found) if known else found
     progress("judging on recordings that were not fitted to")

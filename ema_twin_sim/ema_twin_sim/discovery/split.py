@@ -29,9 +29,9 @@ from .unseen import squares
 class ClosedLoop:
     """The simulated loop beside recordings; what it missed with a model that was simulated before is known."""
 
-    def __init__(self, recordings: Sequence[Recording]) -> None:
+    def __init__(self, recordings: Sequence[Recording], model: Model) -> None:
         self.recordings = recordings
-        self.inputs = [choose_input(recording) for recording in recordings]
+        self.inputs = [choose_input(recording, model) for recording in recordings]
         self._known: list[tuple[Model, float]] = []
 
     def errors(self, hypotheses: Iterable[Hypothesis]) -> list[float]:

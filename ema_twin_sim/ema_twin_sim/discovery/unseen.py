@@ -122,7 +122,7 @@ def judge_unseen(
     The end is the model ``as_given`` where nothing of it was changed.
     """
     base = found.fit.hypothesis.base
-    inputs = [choose_input(recording) for recording in recordings]
+    inputs = [choose_input(recording, base) for recording in recordings]
     driven = any(source == "current" for source in inputs)  # one headline for all
     if driven:
         inputs = ["current"] * len(recordings)

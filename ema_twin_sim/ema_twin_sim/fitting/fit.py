@@ -119,7 +119,7 @@ def fit_model(
     recordings, awake = operating_point_folds(recordings), model
     model = at_rest(model, recordings)
     refuse_inconsistent(recordings, model)
-    sources = [choose_input(recording, source) for recording in recordings]
+    sources = [choose_input(recording, model, source) for recording in recordings]
     method = method or ("equation" if {"current", POINTWISE} & {*sources} else "simulation")
     if method == "simulation" and POINTWISE in sources:
         raise InputError(f"{recordings[0].name}: operating points are fitted by --method equation: nothing runs there")

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from ema_bench_replay.recording import moved_origin
 
 from ..model import Model
-from ..simulation.simulate import DRIVING, LONGEST_GAP
+from ..simulation.simulate import DRIVING, LONGEST_GAP, input_by_signals
 from ..simulation.twin import Twin
 from .pace import Pace
 from .sample_stream import Kind, SampleStream
@@ -22,11 +22,11 @@ _ZERO_OF = {
 """Signals that are measured from the run's first sample, and the one whose first value is their zero."""
 
 
-def input_for(wanted: str, sample: Mapping[str, float]) -> str:
-    """The input that drives a twin beside this sample: as wanted; for `auto` the setpoint where there is one."""
+def input_for(wanted: str, sample: Mapping[str, float], model: Model) -> str:
+    """The input that drives a twin beside this sample: as wanted; for `auto` as `simulation.choose_input` has it."""
     if wanted != "auto":
         return wanted
-    return "current" if math.isnan(sample["speed_setpoint"]) else "setpoint"
+    return input_by_signals(not math.isnan(sample["speed_setpoint"]), not math.isnan(sample["current"]), model)
 
 
 class Follower:
@@ -84,7 +84,7 @@ class Follower:
         return self._moved(answer, 1.0)
 
     def _choose_input(self, sample: Mapping[str, float]) -> None:
-        wanted = input_for(self._wanted, sample)
+        wanted = input_for(self._wanted, sample, self.twin.model)
         if wanted != self.input:
             self.twin = Twin(self.twin.model, wanted)
             self.input = wanted

@@ -148,7 +148,7 @@ class MonitorNode(Node):
         passes = self.pairing.passes
         answer = self.pairing.add_bench(sample)
         if self.pairing.passes != passes:
-            self.comparison = self._new_comparison(input_for(self._input, sample.signals))
+            self.comparison = self._new_comparison(input_for(self._input, sample.signals, self.model))
             self._stamp = self._first_stamp = sample.stamp
         if answer is not None:
             self._compare(sample, answer)

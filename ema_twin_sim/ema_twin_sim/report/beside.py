@@ -51,7 +51,7 @@ def beside(
     Raises InputError where a recording lacks the input's signal.
     """
     matched, model_of_drum = to_rotary_equivalent(recordings, model)
-    inputs = [choose_input(recording, source) for recording in matched]
+    inputs = [choose_input(recording, model_of_drum, source) for recording in matched]
     return [
         _beside(recording, model_of_drum, chosen, step, standstill(recordings, model, chosen))
         for recording, chosen in zip(matched, inputs, strict=True)

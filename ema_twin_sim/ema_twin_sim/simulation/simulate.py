@@ -32,13 +32,15 @@ BY_MOTOR = "motor"
 _TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command is one that stands alone
 
 
-def choose_input(recording: Recording, wanted: str | None = None) -> str:
+def choose_input(recording: Recording, model: Model, wanted: str | None = None) -> str:
     """The input that drives the twin: as wanted, else ``setpoint`` where the recording has one, else ``current``.
 
-    Wanted may be ``command`` too, the position that was asked for, which the model's own position loop then follows.
+    A model without a speed controller follows no setpoint: by itself it is driven by the current. Wanted may be
+    ``command`` too, the position that was asked for, which the model's own position loop then follows.
 
     Operating points drive it by their positions and speeds (``motion``); a recording of both encoders and of no torque,
-    by the motor's position (``motor``). Raises InputError where the recording lacks the signal.
+    by the motor's position (``motor``). Raises InputError where the recording lacks the signal, or the model what
+    follows it.
     """
     if recording.of_points:
         if wanted not in (None, POINTWISE):
@@ -48,7 +50,7 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
         return POINTWISE
     if wanted in (None, BY_MOTOR) and of_encoders_alone(recording):
         return BY_MOTOR
-    chosen = wanted or ("setpoint" if recording.has("speed_setpoint") else "current")
+    chosen = wanted or input_by_signals(recording.has("speed_setpoint"), recording.has("current"), model)
     if chosen not in DRIVING:
         raise InputError(f"input '{chosen}' is not known; give setpoint or current, or command")
     if not recording.has(DRIVING[chosen]):
@@ -56,7 +58,24 @@ def choose_input(recording: Recording, wanted: str | None = None) -> str:
             f"{recording.name}: has no {DRIVING[chosen]}, which drives the twin under --input {chosen}; "
             f"it holds {', '.join(recording.signals)}"
         )
+    if chosen == "setpoint":
+        refuse_without_speed_controller(model)
     return chosen
+
+
+def input_by_signals(setpoint: bool, current: bool, model: Model) -> str:
+    """The input for a bench that has a setpoint, or a current, or both, where nobody asked for one."""
+    has_controller = model.value("drive.speed_gain") > 0.0
+    return "setpoint" if setpoint and (has_controller or not current) else "current"
+
+
+def refuse_without_speed_controller(model: Model) -> None:
+    """Raise InputError where a model's drive follows no speed, so that its twin would stand still."""
+    if not model.value("drive.speed_gain") > 0.0:
+        raise InputError(
+            f"model {model.name}: has no speed controller, so that its twin would stand still; give "
+            "it drive.speed_gain and drive.integral_time, or drive it by the measured current where there is one"
+        )
 
 
 def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float | None = None) -> Recording:
@@ -64,7 +83,7 @@ def simulate(model: Model, recording: Recording, source: str | None = None, *, s
 
     ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
     """
-    chosen = choose_input(recording, source)
+    chosen = choose_input(recording, model, source)
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
     if chosen == BY_MOTOR:

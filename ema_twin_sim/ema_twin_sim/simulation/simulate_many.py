@@ -34,15 +34,16 @@ def simulate_many(
     Averaged drives under a recorded setpoint or current whose effects have all settled into constants go side by side
     (``plant/many.py``), all others one by one; both on all cores.
     """
-    chosen = choose_input(recording, source)
+    if not models:
+        return []
+    chosen = choose_input(recording, models[0], source)
     if chosen in (POINTWISE, BY_MOTOR):
         return [simulate(model, recording, chosen) for model in models]
     found: dict[int, Recording] = {}
     bench = bench_of(recording)
     twins = [started(model, recording, bench, chosen, step) for model in models]
     bench[:, _NOT_NEEDED] = math.nan
-    if twins:
-        hold_input(bench, twins[0].source)
+    hold_input(bench, twins[0].source)
     groups: dict[tuple[float, ...], list[int]] = {}
     for k, twin in enumerate(twins):
         groups.setdefault(_kind(twin), []).append(k)

@@ -13,6 +13,7 @@ from ..model import Model
 from ..plant.layout import BENCH, TWIN
 from .command import Command
 from .dc_link_check import refuse_command_beyond_link
+from .simulate import refuse_without_speed_controller
 from .twin import Twin
 
 _OF_THE_TWIN = ("motor_torque", "load_torque", "unexplained_torque")
@@ -39,6 +40,7 @@ def virtual_bench(
         raise InputError(
             f"--seconds {seconds}: give a duration between two samples and {50_000_000 * period * 1e-9:.0f} s"
         )
+    refuse_without_speed_controller(model)
     stamps = np.arange(count, dtype=np.int64) * period
     wanted = command(stamps * 1e-9)
     refuse_command_beyond_link(model, command, stamps * 1e-9)

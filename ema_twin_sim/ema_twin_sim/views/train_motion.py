@@ -104,7 +104,7 @@ def _torques(gearing: Gearing, forces: np.ndarray) -> np.ndarray:
 
 def _simulated(model: Model, gearing: Gearing, recording: Recording, every: int, source: str | None) -> TrainMotion:
     bench = bench_of(recording)
-    twin = started(model, recording, bench, choose_input(recording, source), None)
+    twin = started(model, recording, bench, choose_input(recording, model, source), None)
     shown = range(0, len(recording), every)
     found = []
     for first in shown:

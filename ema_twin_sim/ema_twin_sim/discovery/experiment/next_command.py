@@ -26,6 +26,7 @@ from ...model.own_units import shown
 from ...plant.measured_motion import SPEED, TIME
 from ...simulation.command import parse_command
 from ...simulation.lumped_model import lumped_model
+from ...simulation.stand_in_drive import with_stand_in_drive
 from ...simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Planned, command_grid
@@ -133,7 +134,7 @@ class _Field:
 
     def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
         """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
-        model = self.contenders[rival].hypothesis.model()
+        model = with_stand_in_drive(self.contenders[rival].hypothesis.model())
         command = parse_command(trial.command)
         bench = virtual_bench(lumped_model(model), command, trial.seconds, seed=None, step=_STEP, origins=self.origins)
         seen = {name: values for name, values in bench.signals.items() if name in self.signals}

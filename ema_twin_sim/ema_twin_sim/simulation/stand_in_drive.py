@@ -1,0 +1,24 @@
+"""A drive for a model that has none: a stiff one, so that a planned command can be tried before it is recorded."""
+
+from __future__ import annotations
+
+from ..model import Model
+
+QUICKER = 0.1
+"""The bandwidth of the speed loop over the rate of the samples, and that of the position loop over the speed loop's."""
+
+
+def with_stand_in_drive(model: Model) -> Model:
+    """The model, with a speed and a position controller where its drive has no gains."""
+    if model.value("drive.speed_gain") > 0.0:
+        return model
+    inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    bandwidth = QUICKER / model.value("sensors.sample_period")  # rad/s
+    for path, value in (
+        ("drive.speed_gain", inertia * bandwidth),
+        ("drive.integral_time", 1.0 / (QUICKER * bandwidth)),
+        ("drive.integral_limit", model.value("drive.torque_limit")),
+        ("drive.position_gain", QUICKER * bandwidth * model.value("machine.gear_ratio")),
+    ):
+        model = model.with_value(path, value)
+    return model

@@ -1,0 +1,1 @@
+"""Servos of strangers: machines of any size, told in their owners' words, units and numbers."""
