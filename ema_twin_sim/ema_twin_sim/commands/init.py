@@ -75,17 +75,17 @@ def run(
         guesses, given = _asked(given)
         drafts = checked_drafts(guesses, given, None)
     else:
-        guesses, holed = _guessed(trace)
+        guesses, holed = _guessed(trace, gear_ratio)
         drafts = checked_drafts(guesses, given, trace)
     for path, text in zip(files, drafts, strict=True):
         _write(path, text, force)
     if trace is not None:
         for guess in guesses.signals:
-            say(f"{guess.column} → {guess.signal}{f' in {guess.unit}' if guess.unit else ', unit unknown'}")
+            say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
     _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)), holed)
 
 
-def _guessed(trace: Path) -> tuple[Guesses, tuple[Guess, ...]]:
+def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Guess, ...]]:
     """What the columns of a trace seem to be, and what those would be that are left out because of a few cells.
 
     Raises InputError where nothing can be told of them.
@@ -95,14 +95,15 @@ def _guessed(trace: Path) -> tuple[Guesses, tuple[Guess, ...]]:
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
+    from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
+    numbers = dict(zip(table.header, table.columns, strict=True))
     no_numbers = {
-        name: int(np.count_nonzero(np.isnan(column)))
-        for name, column in zip(table.header, table.columns, strict=True)
-        if np.isnan(column).any()
+        name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
-    guesses = guess_columns(table.header, frozenset(no_numbers))
+    guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
+    guesses = with_units(guesses, numbers, gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
     holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
@@ -114,6 +115,15 @@ def _guessed(trace: Path) -> tuple[Guesses, tuple[Guess, ...]]:
             "a shipped map (--map siemens reads a Siemens drive's trace as it is)"
         )
     return guesses, holed
+
+
+def _in_unit(guess: Guess) -> str:
+    """The unit that a column is read in, in words."""
+    from ..new_machine.header_words import COUNTS
+
+    if guess.unit == COUNTS:
+        return f", {guess.counts:g} counts a turn" if guess.counts else ", its counts a turn unknown"
+    return f" in {guess.unit}" if guess.unit else ", unit unknown"
 
 
 def _asked(given: Given) -> tuple[Guesses, Given]:

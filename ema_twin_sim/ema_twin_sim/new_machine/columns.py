@@ -1,47 +1,59 @@
-"""Guessing what the columns of a text trace are, from their names and the units in them."""
+"""What the columns of a text trace are, guessed from their names and the units in them.
+
+The unit tells the quantity where a name has one, the words tell it elsewhere; the words also tell a setpoint from what
+was measured, and the motor's shaft from the output's. Each signal is taken once, each column too.
+"""
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT
 from ema_bench_replay.traces.import_map import TIME_UNITS
-from ema_bench_replay.units import units_of
+from ema_bench_replay.units import MOTIONS, units_of
 
-_SET = r"(\bset|\bref|\bcmd|command|desired|target|soll|demand|goal)"
-_NO_SIGNAL = re.compile(r"error|fehler|deviation|abweichung|limit|\bdc\b|\bmax|\bmin\b", re.IGNORECASE)
-_TORQUE = r"torque|force|moment|kraft"
-_SPEED = r"speed|velocity|drehzahl|geschwindigkeit|omega"
-_PLACE = r"position|angle|pos\b|lage|winkel|\bweg\b|twist|verdreh"
-_OUTPUT = r"(output|load|joint|link|arm|slow|secondary|abtrieb)"
+from ..criteria import SMALL
+from .header_words import COUNTS, HeaderWords, header_words
 
-_SIGNALS: tuple[tuple[str, str], ...] = (
-    ("temperature", r"\btemp\b|temperatur"),
-    ("load_torque", rf"(?=.*({_TORQUE}))(?=.*{_OUTPUT}|.*(brake|dyno))"),
-    ("current_setpoint", rf"(?=.*(current|strom|\bi ?q\b))(?=.*{_SET})"),
-    ("current", r"current|strom|\bi ?q\b|^i$|^cur$"),
-    ("speed_setpoint", rf"(?=.*({_SPEED}))(?=.*{_SET})"),
-    ("output_command", rf"(?=.*({_PLACE}|^q\b))(?=.*{_SET})"),
-    ("output_position", rf"(?=.*({_PLACE}|encoder))(?=.*{_OUTPUT})"),
-    ("motor_torque", rf"^(?!.*{_SET}).*({_TORQUE})"),
-    ("speed", rf"{_SPEED}|\brpm\b|^vel$|^n$"),
-    ("motor_position", rf"{_PLACE}|encoder|\btheta\b|^q$|^x$"),
-    ("voltage", r"voltage|spannung|\bu ?q\b"),
+_STEMS: dict[str, str] = {
+    "time": r"time|zeit",
+    "temperature": r"^temp",
+    "torque": r"torque|moment|force|kraft|^trq|^tau$",
+    "current": r"current|strom|^amps?$|^cur$",
+    "voltage": r"volt|spannung",
+    "speed": r"speed|veloc|drehzahl|geschwind|omega|^vel$|^rpm$",
+    "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
+    r"|verdreh",
+}
+"""Parts of words that tell a quantity, in the order in which they are looked for."""
+
+_SYMBOLS: dict[str, frozenset[str]] = {
+    "time": frozenset({"t"}),
+    "torque": frozenset({"m", "tq"}),
+    "current": frozenset({"i", "iq", "im", "iist", "iact", "imot"}),
+    "voltage": frozenset({"u", "uq"}),
+    "speed": frozenset({"w", "n", "v", "qd", "dq", "dphi", "dtheta", "dx", "phip", "qp", "qdot", "nist", "nact"}),
+    "position": frozenset({"q", "phi", "theta", "alpha", "beta", "gamma", "x", "s", "th"}),
+}
+"""Whole words that are symbols of a quantity."""
+
+_SETPOINT = r"setp|soll|command|demand|desire|target|refer|vorgabe|fuehrung|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
+_ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback)$|istwert|^ist"
+_OUTPUT = r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
+_MOTOR = r"motor|rotor|antrieb|^(mot|m|1|fast|primary|drive|input)$"
+_NO_SIGNAL = (
+    r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|beschleun|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
+    r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
-"""Signals in the order in which they are looked for, and what the name of their column has in it."""
-
-_TIME = re.compile(r"\b(time|zeit|timestamp)\b|^t$|^t (s|ms|us)$", re.IGNORECASE)
-_AXIS = re.compile(r"x", re.IGNORECASE)  # of a drawing: time, where its unit is one of time
-_UNIT = re.compile(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$")
-_SPELLINGS = {
-    "nm": "N m", "n*m": "N m", "n.m": "N m", "mnm": "mN m", "knm": "kN m", "1/min": "rpm", "u/min": "rpm",
-    "min-1": "rpm", "r/min": "rpm", "°": "deg", "degree": "deg", "degrees": "deg", "°/s": "deg/s", "grad": "deg",
-    "radians": "rad", "°c": "degC", "c": "degC", "sec": "s", "seconds": "s", "msec": "ms", "turn": "rev",
-    "turns": "rev", "ampere": "A", "amps": "A", "volt": "V",
-}  # fmt: skip
+_TIME_WORDS = r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|stamp|rel|abs|relative|since|start)$"
+_DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
+"""Subscripts of currents and voltages that are not the quadrature axis'."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +63,14 @@ class Guess:
     signal: str
     column: str
     unit: str | None
+    of_output: bool = False  # whether its name says that it is told at the output's shaft
+    counts: float | None = None  # of a turn, where it is a counter; None where they are unknown
+    doubt: str = ""  # what to look at, where the unit was not in the name
 
     @property
     def shaft(self) -> str:
         """The shaft that its name says it is told at, motor or output."""
-        at_output = self.signal in AT_EITHER_SHAFT and re.search(_OUTPUT, _words(self.column), re.IGNORECASE)
-        return "output" if at_output else "motor"
+        return "output" if self.of_output and self.signal in AT_EITHER_SHAFT else "motor"
 
 
 @dataclass(frozen=True)
@@ -79,65 +93,51 @@ class Guesses:
         return {"motor_position", "output_position"} <= {guess.signal for guess in self.signals}
 
 
-def guess_columns(header: Sequence[str], no_numbers: frozenset[str] = frozenset()) -> Guesses:
-    """What each column of a header is taken for; each signal is taken once, each column too.
+@dataclass(frozen=True)
+class _Column:
+    """A column that may be a signal."""
 
-    Nothing is made of the columns that hold ``no_numbers``. Raises InputError where the time is among them.
+    read: HeaderWords
+    quantity: str
+    setpoint: bool
+    actual: bool
+    shaft: str  # motor, output, or empty where its name says none
+
+    @property
+    def name(self) -> str:
+        return self.read.name
+
+
+def guess_columns(
+    header: Sequence[str],
+    no_numbers: frozenset[str] = frozenset(),
+    numbers: Mapping[str, np.ndarray] | None = None,
+) -> Guesses:
+    """What each column of a header is taken for.
+
+    Nothing is made of the columns that hold ``no_numbers``. ``numbers`` are the columns' own, (n,) each: of two
+    positions that move together and whose names tell no shaft, the one that goes farther is the motor's. Raises
+    InputError where the time is among those without numbers.
     """
-    time = next((name for name in header if _is_time(name)), None)
-    if time in no_numbers:
+    names = [header_words(name) for name in header]
+    linear = _is_linear(names)
+    names = [_settled(read, linear) for read in names]
+    time = next((read for read in names if _is_time(read)), None)
+    if time is not None and time.name in no_numbers:
         raise InputError(
-            f"header: column {time!r} holds no numbers; export the time in s or ms, counted from the start"
+            f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
-    usable = [name for name in header if name != time and name not in no_numbers]
-    free = [name for name in usable if not _NO_SIGNAL.search(_words(name))]
-    taken: dict[str, str] = {}
-    for signal, pattern in _SIGNALS:
-        for name in free:
-            if re.search(pattern, _words(name), re.IGNORECASE):
-                taken[signal] = name
-                free.remove(name)
-                break
-    _as_the_only_one(taken, "motor_position", "output_position")
-    if "current" not in taken:
-        _as_the_only_one(taken, "motor_torque", "load_torque")
-    linear = any(
-        _UNIT.search(name) and _unit(name, signal, "linear")
-        for signal, name in taken.items()
-        if signal.endswith("position")
-    )
+    usable = [read for read in names if read is not time and read.name not in no_numbers]
+    columns = [column for column in map(_column, usable) if column is not None]
+    taken = _signals(columns, numbers or {})
     motion = "linear" if linear else "rotary"
-    signals = tuple(Guess(signal, name, _unit(name, signal, motion)) for signal, name in taken.items())
-    left = tuple(name for name in header if name != time and name not in taken.values())
+    signals = tuple(
+        Guess(signal, column.name, _unit(column.read, signal, motion), column.shaft == "output")
+        for signal, column in taken.items()
+    )
+    used = {column.name for column in taken.values()}
+    left = tuple(name for name in header if name not in used and (time is None or name != time.name))
     return Guesses(None if time is None else _time(time), signals, left, motion)
-
-
-def _as_the_only_one(taken: dict[str, str], signal: str, other: str) -> None:
-    """The machine's own where there is but one: of a joint's angle alone, it is the motor's that the joint tells."""
-    if signal not in taken and other in taken:
-        taken[signal] = taken.pop(other)
-
-
-def _is_time(name: str) -> bool:
-    words = _words(name)
-    return bool(_TIME.search(words) or (_AXIS.fullmatch(words) and _time_unit(name)))
-
-
-def _words(name: str) -> str:
-    """A column's name without its unit, its words apart: ``motorPosition_deg`` as ``motor Position deg``."""
-    plain = _UNIT.sub("", name)
-    return re.sub(r"(?<=[a-z])(?=[A-Z])|[_.:]+", " ", plain).strip()
-
-
-def _units_in(name: str) -> list[str]:
-    """What may be the unit in a name: in brackets, or its last words (``n_rad_s``, ``torque_N_m``, ``v_m_per_s``)."""
-    found = _UNIT.search(name)
-    if found:
-        said = [found[1]]
-    else:
-        *before, last = [word for word in re.split(r"[\s_]+", name.strip()) if word != "per"]
-        said = [*(f"{word}{between}{last}" for word in before[-1:] for between in "/ "), last]
-    return [_SPELLINGS.get(text.lower(), text) for text in said]
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
@@ -145,29 +145,170 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
 
     Raises InputError where a name states a unit that its signal cannot have.
     """
-    linear = any(_unit(name, signal, "linear") for signal, name in named.items() if signal.endswith("position"))
+    read = {signal: header_words(name) for signal, name in named.items()}
+    linear = _is_linear([words for signal, words in read.items() if signal.endswith("position")])
     motion = "linear" if linear else "rotary"
     signals = []
-    for signal, name in named.items():
+    for signal, words in read.items():
         if signal == "time":
             continue
-        unit = _unit(name, signal, motion)
-        if unit is None and _UNIT.search(name):
+        unit = _unit(words, signal, motion)
+        if unit is None and (words.foreign or (words.unit is not None and not words.in_doubt)):
             raise InputError(
-                f"init: {name!r}: its unit is none of the {signal.replace('_', ' ')} of a {motion} machine; "
+                f"init: {words.name!r}: its unit is none of the {signal.replace('_', ' ')} of a {motion} machine; "
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
-        signals.append(Guess(signal, name, unit))
-    return Guesses(_time(named["time"]) if "time" in named else None, tuple(signals), (), motion)
+        signals.append(Guess(signal, words.name, unit, bool(_has(words.words, _OUTPUT))))
+    return Guesses(_time(read["time"]) if "time" in read else None, tuple(signals), (), motion)
 
 
-def _time(name: str) -> Guess:
-    return Guess("time", name, _time_unit(name))
+def _has(words: Sequence[str], pattern: str) -> bool:
+    return any(re.search(pattern, word) for word in words)
 
 
-def _time_unit(name: str) -> str | None:
-    return next((unit for unit in _units_in(name) if unit in TIME_UNITS), None)
+def _is_linear(names: Sequence[HeaderWords]) -> bool:
+    """Whether the machine is linear, by the units of positions, speeds and torques that are beyond doubt."""
+    sure = [read.linear for read in names if not read.in_doubt and read.linear is not None]
+    if sure:
+        positions = [read.linear for read in names if not read.in_doubt and read.quantity == "position"]
+        told = [linear for linear in positions if linear is not None] or sure
+        return any(told)
+    return any(read.linear and len(read.words[-1]) > 1 and _word_quantity(read.words) == "position" for read in names)
 
 
-def _unit(name: str, signal: str, motion: str) -> str | None:
-    return next((unit for unit in _units_in(name) if unit in units_of(signal, motion)), None)
+def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
+    """The name with what may be unit or subscript taken for one of both."""
+    if not read.in_doubt:
+        return read
+    fits = read.quantity == _word_quantity(read.words) and (read.linear is None or read.linear == linear)
+    return replace(read, in_doubt=False) if fits else read.as_subscript()
+
+
+def _word_quantity(words: Sequence[str]) -> str | None:
+    """The quantity that the words tell; a dotted position is a speed."""
+    found = next(
+        (quantity for quantity, pattern in _STEMS.items() if _has(words, pattern)),
+        next((quantity for word in words for quantity, known in _SYMBOLS.items() if word in known), None),
+    )
+    return "speed" if found == "position" and "dot" in words else found
+
+
+def _is_time(read: HeaderWords) -> bool:
+    if read.quantity not in ("time", None) or read.foreign:
+        return False
+    known = all(re.search(_TIME_WORDS, word) for word in read.words)
+    if read.quantity == "time":
+        # of a drawing, the axis x is time where its unit is one of time
+        return known or _word_quantity(read.words) == "time" or read.words == ("x",)
+    return known or (_has(read.words, r"time|zeit") and not _has(read.words, _NO_SIGNAL))
+
+
+def _column(read: HeaderWords) -> _Column | None:
+    """What a column may be; None where it is no signal."""
+    if _has(read.words, _NO_SIGNAL) or "ddot" in read.words:
+        return None
+    by_words = _word_quantity(read.words)
+    quantity = read.quantity or by_words
+    if read.foreign and read.quantity is None and by_words is None:
+        return None
+    if quantity is None or quantity == "time":
+        return None
+    if by_words is not None and {quantity, by_words} <= {"position", "torque"} and quantity != by_words:
+        quantity = by_words if read.unit is None else quantity
+    words = read.words
+    axis = next((word for word in words[1:] if word in _DIRECT_OR_PHASE), None) if len(words) == 2 else None
+    if quantity in ("current", "voltage") and axis is not None:
+        return None
+    desired = quantity in ("position", "speed") and "d" in words[1:]
+    shaft = (
+        "output"
+        if _has(words, _OUTPUT)
+        else "motor"
+        if _has(words[1:], _MOTOR) or _has(words[:1], "motor|rotor")
+        else ""
+    )
+    return _Column(read, quantity, desired or _has(words, _SETPOINT), _has(words, _ACTUAL), shaft)
+
+
+def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> dict[str, _Column]:
+    """The column of each signal that has one."""
+    taken: dict[str, _Column] = {}
+
+    def of(quantity: str, *, setpoint: bool = False) -> list[_Column]:
+        found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
+        return sorted(found, key=lambda c: (c.shaft == "output", not c.actual))
+
+    def take(signal: str, found: Sequence[_Column]) -> None:
+        if found:
+            taken[signal] = found[0]
+
+    take("temperature", of("temperature"))
+    torques = of("torque")
+    take("motor_torque", [c for c in torques if c.shaft != "output"])
+    take("load_torque", [c for c in torques if c.shaft == "output"])
+    for signal, setpoint in (("current", False), ("current_setpoint", True)):
+        take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not _quadrature(c.read.words)))
+    take("voltage", of("voltage"))
+    take("speed", of("speed"))
+    take("speed_setpoint", of("speed", setpoint=True))
+    take("output_command", of("position", setpoint=True))
+    positions = of("position")
+    outputs = [c for c in positions if c.shaft == "output"]
+    unsaid = [c for c in positions if c.shaft == ""]
+    if numbers:
+        unsaid.sort(key=lambda c: -_travel(c, numbers))
+    take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
+    if (motor := taken.get("motor_position")) is not None:
+        outputs += [c for c in unsaid if c is not motor and _together(motor, c, numbers)]
+    take("output_position", outputs)
+    for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
+        # of a joint's angle alone, it is the motor's that the joint tells
+        if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
+            taken[signal] = taken.pop(other)
+    return {name: taken[name] for name in _ORDER if name in taken}
+
+
+_ORDER = (
+    "temperature",
+    "load_torque",
+    "current_setpoint",
+    "current",
+    "speed_setpoint",
+    "output_command",
+    "output_position",
+    "motor_torque",
+    "speed",
+    "motor_position",
+    "voltage",
+)
+"""Signals in the order in which a map lists them."""
+
+
+def _travel(column: _Column, numbers: Mapping[str, np.ndarray]) -> float:
+    """How far a position goes, in SI units where its name tells one."""
+    known = {unit: size for motion in MOTIONS for unit, size in units_of("motor_position", motion).items()}
+    return float(np.ptp(numbers[column.name])) * known.get(column.read.unit or "", 1.0)
+
+
+def _together(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether two positions are of one train: they go the same way, or against each other, all the time."""
+    if not numbers:
+        return False
+    ways = [numbers[column.name] - numbers[column.name].mean() for column in (one, other)]
+    size = math.sqrt(float(ways[0] @ ways[0]) * float(ways[1] @ ways[1]))
+    return size > 0.0 and abs(float(ways[0] @ ways[1])) > (1.0 - SMALL) * size
+
+
+def _quadrature(words: Sequence[str]) -> bool:
+    return "q" in words or "iq" in words
+
+
+def _time(read: HeaderWords) -> Guess:
+    return Guess("time", read.name, read.unit if read.unit in TIME_UNITS else None)
+
+
+def _unit(read: HeaderWords, signal: str, motion: str) -> str | None:
+    """The unit that the name tells, where the signal can have it."""
+    if read.unit == COUNTS:
+        return COUNTS if signal in ("motor_position", "output_position") and motion == "rotary" else None
+    return read.unit if read.unit in units_of(signal, motion) else None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,12 +19,13 @@ from ..model import load_model
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
+from .header_words import COUNTS
 from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
 
 CHECK = "CHECK"
 _FEWEST = 10
 _BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
-_COUNTS = re.compile(r"count|cnt|increment|inkrement|tick|pulse", re.IGNORECASE)
+ASSUMED_COUNTS = 4096
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         lines.append(f"operating_points: true  # {CHECK}: no column of time was found; each row is taken for a point")
     else:
         unit = guesses.time.unit or "s"
-        doubt = _comment("" if guesses.time.unit else "the header names no unit")
+        doubt = _comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
     lines.append("signals:")
     lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
@@ -255,13 +255,14 @@ def _comment(doubt: str) -> str:
 def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     told_at = shaft.name if guess.signal == "motor_position" else guess.shaft
     of_output = ", shaft: output" if told_at == "output" else ""
-    if guess.unit is None and guess.signal.endswith("position") and _COUNTS.search(guess.column):
+    if guess.unit == COUNTS:
+        doubt = guess.doubt if guess.counts else "the counts of one turn, all edges counted"
         return (
-            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: 4096{of_output}}}"
-            f"  # {CHECK}: the counts of one turn, all edges counted"
+            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
+            f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{_comment(doubt)}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    doubt = _comment("" if guess.unit else "the header names no unit of it")
+    doubt = _comment(guess.doubt if guess.unit else "the header names no unit of it")
     if guess.signal == "motor_position":
         usual = (
             ""

@@ -1,0 +1,149 @@
+"""A column's name taken apart: its words in plain letters, and the unit that it tells.
+
+People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
+come in Greek letters, with subscripts, or with a dot for a rate.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass, replace
+
+COUNTS = "count"
+"""The unit of a counter."""
+
+_SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
+    # unit: (quantity, its spellings in lower case)
+    "s": ("time", ("s", "sec", "secs", "second", "seconds", "sek", "sekunden")),
+    "ms": ("time", ("ms", "msec", "millisec", "milliseconds", "millisekunden")),
+    "us": ("time", ("us", "µs", "usec", "microseconds", "mikrosekunden")),
+    "ns": ("time", ("ns", "nsec", "nanoseconds")),
+    "rad": ("position", ("rad", "radian", "radians", "radiant")),
+    "mrad": ("position", ("mrad",)),
+    "deg": ("position", ("deg", "°", "degree", "degrees", "grad", "degs")),
+    "rev": ("position", ("rev", "revs", "revolution", "revolutions", "turn", "turns", "umdr", "umdrehung",
+                         "umdrehungen", "u", "r")),
+    COUNTS: ("position", ("count", "counts", "cnt", "cnts", "inc", "incs", "increments", "ink", "inkr", "inkremente",
+                          "tick", "ticks", "pulses", "impulse", "lsb")),
+    "m": ("position", ("m", "meter", "metre", "metres", "meters")),
+    "mm": ("position", ("mm",)),
+    "cm": ("position", ("cm",)),
+    "um": ("position", ("um", "µm")),
+    "rad/s": ("speed", ("rad/s", "rad/sec", "rad s^-1", "rad s-1", "rads^-1", "rad*s^-1", "1/s", "s^-1", "rps_rad")),
+    "rpm": ("speed", ("rpm", "1/min", "u/min", "min^-1", "min-1", "r/min", "rev/min", "upm", "umdr/min", "turns/min",
+                      "revs/min")),
+    "deg/s": ("speed", ("deg/s", "°/s", "grad/s", "deg/sec", "degree/s", "degrees/s", "deg s^-1", "dps", "° s^-1")),
+    "rev/s": ("speed", ("rev/s", "u/s", "rps", "r/s", "turns/s", "turn/s", "umdr/s", "revs/s", "hz", "1/sec")),
+    "m/s": ("speed", ("m/s", "m/sec", "m s^-1")),
+    "mm/s": ("speed", ("mm/s", "mm/sec", "mm s^-1")),
+    "cm/s": ("speed", ("cm/s",)),
+    "m/min": ("speed", ("m/min",)),
+    "N m": ("torque", ("nm", "n m", "n*m", "n.m", "n·m", "newtonmeter", "newtonmetre", "n-m")),
+    "mN m": ("torque", ("mnm", "mn m", "mn*m", "mn·m", "mn.m")),
+    "N cm": ("torque", ("ncm", "n cm", "n*cm", "n·cm")),
+    "kN m": ("torque", ("knm", "kn m", "kn*m", "kn·m")),
+    "N": ("torque", ("n", "newton", "newtons")),
+    "mN": ("torque", ("mn",)),
+    "kN": ("torque", ("kn",)),
+    "A": ("current", ("a", "amp", "amps", "ampere", "amperes", "arms", "aeff", "a rms", "a eff", "a peak", "apk")),
+    "mA": ("current", ("ma", "milliamp", "milliamps", "marms")),
+    "V": ("voltage", ("v", "volt", "volts", "vdc")),
+    "mV": ("voltage", ("mv",)),
+    "degC": ("temperature", ("°c", "degc", "c", "celsius", "gradc")),
+}  # fmt: skip
+
+_UNIT_OF = {spelling: unit for unit, (_, spellings) in _SPELLINGS.items() for spelling in spellings}
+_SUPERSCRIPTS = str.maketrans({"⁻": "-", "¹": "1", "²": "2", "μ": "µ", "º": "°", "⋅": "·", "∙": "·"})
+_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
+_GREEK = str.maketrans(
+    {
+        **dict.fromkeys("φϕΦ", " phi "),
+        **dict.fromkeys("θϑΘ", " theta "),
+        **dict.fromkeys("ωΩ", " omega "),
+        **dict.fromkeys("τΤ", " tau "),
+        **dict.fromkeys("αΑ", " alpha "),
+        **dict.fromkeys("βΒ", " beta "),
+        **dict.fromkeys("γΓ", " gamma "),
+    }
+)
+_BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
+_SUBSCRIPTS = frozenset({"m", "r", "a", "c", "n", "v"})
+"""Units of one letter that are also a subscript: after an underscore they tell the motor, an axis or a phase."""
+
+
+@dataclass(frozen=True)
+class HeaderWords:
+    """A column's name: its words in lower case and its unit, None where it tells none that is known."""
+
+    name: str
+    words: tuple[str, ...]
+    unit: str | None
+    in_doubt: bool = False  # whether the unit may be a subscript as well
+    foreign: str = ""  # what stands where a unit stands, and is none that is known
+
+    @property
+    def quantity(self) -> str | None:
+        """What is measured in that unit: time, position, speed, torque, current, voltage or temperature."""
+        return None if self.unit is None else _SPELLINGS[self.unit][0]
+
+    def as_subscript(self) -> HeaderWords:
+        """The name where what may be a unit is a subscript."""
+        letter = re.split(r"_", self.name.strip())[-1].lower()
+        return replace(self, words=(*self.words, letter), unit=None, in_doubt=False)
+
+    @property
+    def linear(self) -> bool | None:
+        """Whether the unit is one of a linear machine; None where it tells nothing of that."""
+        if self.quantity not in ("position", "speed", "torque") or self.unit == COUNTS:
+            return None
+        return self.unit in ("m", "mm", "cm", "um", "m/s", "mm/s", "cm/s", "m/min", "N", "mN", "kN")
+
+
+def header_words(name: str) -> HeaderWords:
+    """Take a column's name apart."""
+    text = unicodedata.normalize("NFC", name.strip()).translate(_SUPERSCRIPTS)
+    if unit := _unit(text):
+        return HeaderWords(name, (), unit)
+    rest, unit, in_doubt, foreign = _without_unit(text)
+    return HeaderWords(name, tuple(_words(rest)), unit, in_doubt, foreign)
+
+
+def _unit(text: str) -> str | None:
+    plain = re.sub(r"\s*([/*·])\s*|\s+per\s+", lambda found: found[1] or "/", text.strip().rstrip(".").lower())
+    return _UNIT_OF.get(re.sub(r"\s+", " ", plain))
+
+
+def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
+    """(name without its unit, unit, whether it may be a subscript, what is no unit but stands in its place)."""
+    foreign = ""
+    for found in reversed(list(_BRACKETS.finditer(text))):
+        if unit := _unit(found[1]):
+            return text[: found.start()] + " " + text[found.end() :], unit, False, ""
+        foreign = foreign or found[1]
+    plain = _BRACKETS.sub(" ", text).strip() or text
+    for mark in re.finditer(r"\s+in\s+|\s*[,/]\s*|\s+|(?<=[^\s_])_+", plain):
+        before, after = plain[: mark.start()].strip(" /,_"), plain[mark.end() :]
+        unit = _unit(after) or _unit_in_underscores(after)
+        if unit and before:
+            return before, unit, mark[0] == "_" and after.lower() in _SUBSCRIPTS, ""
+    return plain, None, False, foreign
+
+
+def _unit_in_underscores(text: str) -> str | None:
+    """The unit of ``rad_s``, ``rad_per_s`` or ``N_m``."""
+    if "_" not in text:
+        return None
+    as_torque = _unit(text.replace("_", " ")) if re.fullmatch(r"[mk]?N_c?m", text, re.IGNORECASE) else None
+    return as_torque or _unit(text.replace("_per_", "/").replace("_", "/"))
+
+
+def _words(name: str) -> list[str]:
+    """The words of a name in lower case: ``motorPosition`` as motor, position; a dotted q as q, dot."""
+    text = unicodedata.normalize("NFD", name.translate(_UMLAUTS))
+    text = text.replace("\u0307", " dot ").replace("\u0308", " ddot ")
+    text = unicodedata.normalize("NFKD", text).translate(_GREEK)
+    text = "".join(letter for letter in text if not unicodedata.combining(letter))
+    text = text.replace("*", " star ")
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)|(?<=\d)(?=[A-Za-z])", " ", text)
+    return [word for word in re.split(r"[^A-Za-z0-9]+", text.lower()) if word]

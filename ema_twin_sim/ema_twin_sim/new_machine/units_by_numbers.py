@@ -1,0 +1,156 @@
+"""Units that no header tells, found from the numbers: a position must go the way that its speed makes.
+
+Where the speed's unit is known, the position's is, and a counter's counts per turn; and the other way round. Time
+without a unit is taken in the largest unit in which samples come as quickly as a drive's do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.traces.import_map import TIME_UNITS
+from ema_bench_replay.units import units_of
+
+from ..criteria import NEGLIGIBLE, PART, SMALL
+from .columns import Guess, Guesses
+from .header_words import COUNTS
+
+SLOWEST_SAMPLES = 0.1
+"""s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
+
+_PARTS = 40  # of a recording, whose ways are compared
+_FEWEST = 8  # of them that must be long enough
+_USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
+"""Units of position and speed, the likelier first."""
+_LINES = (100, 125, 128, 250, 256, 360, 400, 500, 512, 600, 625, 720, 900, 1000, 1024, 1250, 1500, 1800, 2000)
+"""Lines of usual encoders up to ten times as fine ones; beyond, they are powers of two, or these times ten."""
+
+
+def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: float | None) -> Guesses:
+    """The guesses with the units that the numbers (n,) of each column tell; what they do not tell stays unknown."""
+    if guesses.time is None or guesses.motion != "rotary":
+        return guesses
+    time = numbers[guesses.time.column]
+    known = {guess.signal: guess for guess in guesses.signals}
+    position, speed = known.get("motor_position"), known.get("speed")
+    time_unit, time_doubt = guesses.time.unit, ""
+    if time_unit is None:
+        time_unit = _time_unit(time, position, speed, numbers)
+        time_doubt = "no unit in the header; samples would come too seldom otherwise" if time_unit != "s" else ""
+    seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
+    changed: dict[str, Guess] = {}
+    if position is not None and speed is not None:
+        ways = _ways(numbers[position.column], numbers[speed.column], seconds)
+        changed |= {guess.signal: guess for guess in _by_way(position, speed, ways, gear_ratio)}
+    motor = changed.get("motor_position", position)
+    output = known.get("output_position")
+    if motor is not None and output is not None and _open(output) and not _open(motor) and gear_ratio:
+        turned = numbers[motor.column] * _radians(motor) / gear_ratio
+        scale = _steady(*_differences(numbers[output.column], turned))
+        if scale is not None and (told := _position_told(output, abs(scale))):
+            changed["output_position"] = told
+    for setpoint, of in (
+        ("speed_setpoint", "speed"),
+        ("current_setpoint", "current"),
+        ("output_command", "output_position"),
+    ):
+        asked, measured = known.get(setpoint), changed.get(of, known.get(of))
+        if asked is not None and asked.unit is None and measured is not None and measured.unit is not None:
+            changed[setpoint] = replace(asked, unit=measured.unit)
+    signals = tuple(changed.get(guess.signal, guess) for guess in guesses.signals)
+    return replace(guesses, time=replace(guesses.time, unit=time_unit, doubt=time_doubt), signals=signals)
+
+
+def _open(guess: Guess) -> bool:
+    """Whether one of the column's numbers is not known in rad."""
+    return guess.unit is None or (guess.unit == COUNTS and guess.counts is None)
+
+
+def _radians(guess: Guess) -> float:
+    if guess.unit == COUNTS and guess.counts:
+        return 2.0 * math.pi / guess.counts
+    return units_of("motor_position")[guess.unit or "rad"]
+
+
+def _time_unit(time: np.ndarray, position: Guess | None, speed: Guess | None, numbers: Mapping[str, np.ndarray]) -> str:
+    """The unit in which way and speed agree; where they do not tell, the largest in which samples come quickly."""
+    if position is not None and speed is not None and speed.unit is not None and not _open(position):
+        ways = _ways(numbers[position.column], numbers[speed.column], time - time[0])
+        if ways is not None:
+            second = abs(ways) * _radians(position) / units_of("speed")[speed.unit]
+            for unit, size in TIME_UNITS.items():
+                if abs(second / (size * 1e-9) - 1.0) < SMALL:
+                    return unit
+    step = float(np.median(np.diff(time)))
+    return next((unit for unit, size in TIME_UNITS.items() if step * size * 1e-9 <= SLOWEST_SAMPLES), "ns")
+
+
+def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float | None) -> list[Guess]:
+    """Position and speed with the units in which the position goes the speed's way; as they were where none is such."""
+    if ways is None:
+        return []
+    shafts = {1.0, 1.0 / gear_ratio if gear_ratio else 1.0}
+    if speed.unit is not None and _open(position):
+        one = units_of("speed")[speed.unit] / abs(ways)  # rad of one of the position's own
+        told = next((told for shaft in shafts if (told := _position_told(position, one * shaft))), None)
+        return [told] if told else []
+    if speed.unit is None:
+        positions = (position.unit,) if position.unit not in (None, COUNTS) else _USUAL[0]
+        for unit in _USUAL[1]:
+            for place in positions if position.unit != COUNTS or position.counts else ():
+                agree = units_of("speed")[unit] / (abs(ways) * units_of("motor_position")[place])
+                if any(abs(agree * shaft - 1.0) < NEGLIGIBLE for shaft in shafts):
+                    doubt = "" if position.unit else "no unit in the header; with it, position and speed agree"
+                    return [
+                        replace(position, unit=place, doubt=doubt),
+                        replace(speed, unit=unit, doubt=doubt and "no unit in the header"),
+                    ]
+    return []
+
+
+def _position_told(position: Guess, one: float) -> Guess | None:
+    """The position with the unit whose size [rad] it is; None where none is."""
+    if position.unit == COUNTS:
+        counts, usual = 2.0 * math.pi / one, usual_counts(2.0 * math.pi / one)
+        if usual is not None:
+            return replace(position, counts=usual)
+        return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
+    for unit in _USUAL[0]:
+        if abs(one / units_of("motor_position")[unit] - 1.0) < NEGLIGIBLE:
+            return replace(position, unit=unit)
+    return None
+
+
+def usual_counts(counts: float) -> float | None:
+    """The counts per turn of a usual encoder that are as good as these; None where there is none."""
+    powers = [2.0**k for k in range(6, 33)]
+    lines = [float(n * times * 10**more) for n in _LINES for times in (1, 4) for more in (0, 1, 2)]
+    nearest = min((*powers, *lines), key=lambda usual: abs(counts / usual - 1.0))
+    return nearest if abs(counts / nearest - 1.0) < NEGLIGIBLE / 4.0 else None
+
+
+def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
+    """How far a position goes, in its own unit, where its speed makes one of its own; None where it does not follow."""
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
+    return _steady(*_differences(position, travelled))
+
+
+def _differences(*ways: np.ndarray) -> list[np.ndarray]:
+    """How far ways (n,) go in each part of a recording."""
+    lag = max(1, len(ways[0]) // _PARTS)
+    return [way[lag:] - way[:-lag] for way in ways]
+
+
+def _steady(way: np.ndarray, expected: np.ndarray) -> float | None:
+    """How many times what is expected a way goes; None where that is no steady multiple."""
+    far = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
+    if far.sum() < _FEWEST:
+        return None
+    ratios = way[far] / expected[far]
+    middle = float(np.median(ratios))
+    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
+    return middle if middle and spread < SMALL * abs(middle) else None
