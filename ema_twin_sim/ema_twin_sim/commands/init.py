@@ -12,11 +12,11 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
-from .output import say
+from .output import say, warn
 
 if TYPE_CHECKING:
     from ..new_machine.columns import Guess, Guesses
-    from ..new_machine.drafts import Given
+    from ..new_machine.drafts import Drafts, Given
 
 EXAMPLES = """Examples:
 
@@ -77,11 +77,13 @@ def run(
     else:
         guesses, holed = _guessed(trace, gear_ratio)
         drafts = checked_drafts(guesses, given, trace)
-    for path, text in zip(files, drafts, strict=True):
+    for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         _write(path, text, force)
     if trace is not None:
         for guess in guesses.signals:
             say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
+    for question in drafts.questions:
+        warn(question)
     _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)), holed)
 
 
@@ -162,12 +164,12 @@ def _write(path: Path, text: str, force: bool) -> None:
 
 
 def _say_next(
-    files: tuple[Path, Path], drafts: tuple[str, str], guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
+    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
 ) -> None:
     """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
     from ..new_machine.drafts import CHECK
 
-    for path, text in zip(files, drafts, strict=True):
+    for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         count = sum(CHECK in line for line in text.splitlines()[2:])
         say(f"{path}: {f'{count} line(s) to look at, marked {CHECK}' if count else 'nothing was left to guess'}")
     if guesses.time is None:

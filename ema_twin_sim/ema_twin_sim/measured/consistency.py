@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL, TOO_MUCH
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..plant.measured_motion import SPEED
+from ..plant.measured_motion import MOTOR_ANGLE, SPEED
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
@@ -182,6 +183,7 @@ def _mistake(factor: _Factor, model: Model) -> str:
     """What a factor is usually the sign of, in words; empty where it is none of these."""
     signal, other, value, relation = factor
     ratio = model.value("machine.gear_ratio")
+    timed = (signal, other) == ("motor_position", "speed")
     usual = [
         (DEGREES, f"as if {signal} were in degrees and read as radians"),
         (1.0 / DEGREES, f"as if {other} were in degrees and read as radians"),
@@ -190,7 +192,10 @@ def _mistake(factor: _Factor, model: Model) -> str:
         (TURN, f"as if {other} were in revolutions and read as radians"),
         (1.0 / TURN, f"as if {signal} were in revolutions and read as radians"),
         (1000.0, f"as if {signal} were in thousandths (mA, mrad)"),
-        (0.001, f"as if {other} were in thousandths (mA, mrad)"),
+        (
+            0.001,
+            f"as if {other} were in thousandths (mA, mrad)" + (", or the time in ms and read as s" if timed else ""),
+        ),
     ]
     if relation.counted:
         counts = f"as if the counts_per_revolution of {signal} were"
@@ -228,6 +233,7 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
     """Whether the current accelerates the machine as its inertia and its loads let it, where these are known."""
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
+        yield from _by_friction(recording, model)
         return
     motor, output = origins_of(recording, model)  # unknown ones are zero of the whole, not of each piece
     recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
@@ -275,6 +281,47 @@ def _times_inertia(recording: Recording, start: float, model: Model, inertia: fl
         return None
     factor = float(found[0] / size[0])
     return factor if found[1] * factor >= 0.0 else None  # a spring that the model lacks turns no friction's sign round
+
+
+def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
+    """Whether the current works against inertia and friction, whatever they are, and not with them."""
+    ratio = model.value("machine.gear_ratio")
+    for start in PIECE * np.unique(recording.time // PIECE):
+        try:
+            seen = observe(recording.between(start, start + PIECE), model)
+        except InputError:
+            continue  # whoever needs the motion will say so
+        speed, place = (seen.motion[seen.rows, column] for column in (SPEED, MOTOR_ANGLE))
+        loads = np.stack([np.ones(len(speed)), place, np.sin(place / ratio), np.cos(place / ratio)], axis=1)
+        needed = np.stack([seen.acceleration, np.sign(speed), speed], axis=1)
+        if len(speed) < FEWEST * needed.shape[1]:
+            continue
+        as_read, turned = (_least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
+        if turned < PART * as_read:
+            yield Inconsistency(
+                recording.name,
+                "the current pushes against inertia and friction, as if its sign were turned round",
+                "check the sign of current and of the positions in the import map (`factor: -1` turns one)",
+            )
+            return
+
+
+def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
+    """What is left (squared) of a torque (m,) beside columns of any sign (m, k) and such of which none takes away."""
+    columns = np.hstack([positive, free])
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns / np.where(size > 0.0, size, 1.0)
+    products, shares = columns.T @ columns, columns.T @ torque
+    signed = positive.shape[1]
+    others = list(range(signed, columns.shape[1]))
+    least = math.inf
+    for count in range(signed + 1):
+        for chosen in combinations(range(signed), count):
+            places = [*chosen, *others]
+            found, *_ = np.linalg.lstsq(products[np.ix_(places, places)], shares[places], rcond=None)
+            if (found[:count] >= 0.0).all():
+                least = min(least, float(torque @ torque - shares[places] @ found))
+    return max(least, 0.0)
 
 
 def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:

@@ -7,20 +7,25 @@ import math
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import signal_unit, unit_in
 
 from ..model import load_model
+from ..model.constants import CONSTANTS
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
 from .header_words import COUNTS
 from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
+from .steps import smallest_step
+from .usual_sizes import unusual_sizes
 
 CHECK = "CHECK"
 _FEWEST = 10
@@ -38,11 +43,20 @@ class Given:
     shaft: str | None = None  # of the motor's position: motor or output
 
 
-def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[str, str]:
-    """Texts of a map and of a model that can be read; ``trace`` is the recording, None where there is none yet.
+class Drafts(NamedTuple):
+    """Texts of a map and of a model that can be read, and what to ask about the recording's units."""
+
+    map: str
+    model: str
+    questions: tuple[str, ...] = ()
+
+
+def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> Drafts:
+    """The drafts for a machine; ``trace`` is its recording, None where there is none yet.
 
     Raises InputError where the trace cannot be read so.
     """
+    questions: tuple[str, ...] = ()
     with tempfile.TemporaryDirectory() as folder:
         files = Path(folder) / "map.yaml", Path(folder) / "model.yaml"
         of = f"{given.name}'s traces" if trace is None else trace.name
@@ -56,6 +70,8 @@ def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[
             recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
         else:
             recording = load(trace, import_map=files[0])
+            _refuse_slow_samples(recording, guesses)
+            questions = tuple(unusual_sizes(recording, {guess.signal: guess.unit for guess in guesses.signals}))
             units = {guess.signal: guess.unit for guess in guesses.signals}
             known = None not in (units.get("motor_position"), units.get("speed"))
             shaft = position_shaft(recording, given.gear_ratio, units_known=known)
@@ -65,7 +81,17 @@ def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> tuple[
         model = draft_model(recording, given, shaft)
         files[1].write_text(model)
         load_model(files[1])
-    return drafted, model
+    return Drafts(drafted, model, questions)
+
+
+def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:
+    """Raise InputError where samples come more seldom than any drive's trace, as where ms are read as s."""
+    longest = CONSTANTS["sensors.sample_period"].upper
+    if guesses.time is not None and not recording.of_points and recording.sample_period > longest:
+        raise InputError(
+            f"{recording.name}: samples come every {recording.sample_period:g} s by column {guesses.time.column!r}; is "
+            "it in ms? Then say so in its name, as in 'time [ms]'"
+        )
 
 
 def _told_at_the_output(guesses: Guesses) -> bool:
@@ -222,7 +248,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         if not recording.has(f"{side}_position"):
             continue
         position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
-        step, source = _smallest_step(position), "smallest step of the recording"
+        step, source = smallest_step(position), "smallest step of the recording"
         if step is None:  # as fine as a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
         if step > 0.0:
@@ -281,16 +307,6 @@ def _quoted(column: str) -> str:
     special = set(r".^$*+?{}[]\|()")
     plain = "".join("\\" + mark if mark in special else mark for mark in column)
     return "'" + plain.replace("'", "''") + "'"
-
-
-def _smallest_step(values: np.ndarray) -> float | None:
-    """The step that all differences of a counter are made of; None where values come in no steps."""
-    steps = np.diff(np.unique(values))
-    if not len(steps):
-        return None
-    smallest = float(np.median(steps[steps <= 1.5 * np.quantile(steps, 0.2)]))
-    parts = steps / smallest
-    return smallest if float(np.quantile(np.abs(parts - np.rint(parts)), 0.9)) < 0.1 else None
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -103,7 +103,7 @@ class HeaderWords:
 def header_words(name: str) -> HeaderWords:
     """Take a column's name apart."""
     text = unicodedata.normalize("NFC", name.strip()).translate(_SUPERSCRIPTS)
-    if unit := _unit(text):
+    if len(text) > 1 and (unit := _unit(text)):  # a single letter is a symbol
         return HeaderWords(name, (), unit)
     rest, unit, in_doubt, foreign = _without_unit(text)
     return HeaderWords(name, tuple(_words(rest)), unit, in_doubt, foreign)

@@ -89,7 +89,7 @@ class _Told:
         self.case = case
         german = case.language == "german" and not case.plain
         self.delimiter, self.comma = (";", True) if german else (str(random.choice([",", ";", "\t"])), False)
-        self.place = str(random.choice(["[]", "()", "/", "tight", "in", ",", "_"]))
+        self.place = str(random.choice(["[]", "()", "/", "tight", "in", "," if self.delimiter != "," else "()", "_"]))
         self.units = {name: self._unit(name, random) for name in ("time", *case.signals)}
         self.header = [self._name(name, random) for name in ("time", *case.signals)]
         beside = [] if case.plain else list(random.choice(list(BESIDE), random.integers(0, 4), replace=False))

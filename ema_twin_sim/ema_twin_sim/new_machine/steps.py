@@ -1,0 +1,15 @@
+"""The steps of a counter, seen in its values."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def smallest_step(values: np.ndarray) -> float | None:
+    """The step that all differences of a counter's values (n,) are made of; None where they come in no steps."""
+    steps = np.diff(np.unique(values))
+    if not len(steps):
+        return None
+    smallest = float(np.median(steps[steps <= 1.5 * np.quantile(steps, 0.2)]))
+    parts = steps / smallest
+    return smallest if float(np.quantile(np.abs(parts - np.rint(parts)), 0.9)) < 0.1 else None

@@ -1,0 +1,77 @@
+"""What looks like a wrong unit: sizes that drives seldom have, and encoders whose counts no maker offers.
+
+The mechanics of a machine does not tell milliamperes from amperes: inertia and friction, which nobody knows yet, would
+all be a thousand times as large. So what is far from usual is asked about, in a warning; nothing is decided by it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+from ema_bench_replay.units import units_of
+
+from ..criteria import NEGLIGIBLE
+from .steps import smallest_step
+from .units_by_numbers import usual_counts
+
+USUAL: dict[str, tuple[float, float, str, str]] = {
+    "current": (0.02, 100.0, "A", "mA"),
+    "speed": (0.0, 2500.0, "rad/s", "rpm"),
+}
+"""Of a signal, what its largest value usually is at least and at most, its unit, and what that is mistaken for."""
+
+
+def unusual_sizes(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
+    """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
+    if recording.motion != "rotary":
+        return
+    for signal, (least, most, unit, other) in USUAL.items():
+        if not recording.has(signal):
+            continue
+        largest = float(np.nanmax(np.abs(recording.signals[signal])))
+        if largest > most:
+            yield (
+                f"{recording.name}: {signal} reaches {largest:.4g} {unit}, more than most drives ever do: is its "
+                f"column in {other}, and read as {unit}?"
+            )
+        elif 0.0 < largest < least:
+            yield (
+                f"{recording.name}: {signal} reaches {largest:.3g} {unit} only: is its column in {unit}, and read as "
+                f"{other}?"
+            )
+    if not recording.has("speed"):  # with a speed, the way itself tells
+        yield from _by_counts(recording, units)
+
+
+def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
+    """Whether an encoder's steps make a usual number of counts a turn in degrees, and none in radians, or so."""
+    for signal in ("motor_position", "output_position"):
+        read = units.get(signal)
+        if not recording.has(signal) or read not in units_of(signal):
+            continue
+        step = smallest_step(recording.signals[signal][np.isfinite(recording.signals[signal])])
+        if step is None or usual_counts(2.0 * math.pi / step) is not None:
+            continue
+        own = step / units_of(signal)[read]  # in the column's own unit
+        if _is_decimal(own):
+            continue  # so many digits were written: this is no encoder's step
+        for unit, size in units_of(signal).items():
+            if unit != read and usual_counts(2.0 * math.pi / (own * size)) is not None:
+                yield (
+                    f"{recording.name}: {signal} goes in steps of {own:.4g} {read}, which no usual encoder has; is its "
+                    f"column in {_WORDS.get(unit, unit)}, and read as {read}?"
+                )
+                return
+
+
+def _is_decimal(step: float) -> bool:
+    """Whether a step is 1, 2 or 5 of a decimal place."""
+    leading = step / 10.0 ** math.floor(math.log10(step) + NEGLIGIBLE)
+    return any(abs(leading / digit - 1.0) < NEGLIGIBLE for digit in (1.0, 2.0, 5.0))
+
+
+_WORDS = {"deg": "degrees", "rev": "turns", "rad": "radians"}
