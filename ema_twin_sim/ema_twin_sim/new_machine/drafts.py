@@ -22,6 +22,7 @@ from ..model.constants import CONSTANTS
 from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
+from .drive_gains import drive_gains
 from .header_words import COUNTS
 from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
 from .steps import smallest_step
@@ -151,6 +152,7 @@ def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
         *_torque_lines(recording, given.torque_constant),
+        *_drive_lines(recording, given.torque_constant or 1.0),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
@@ -232,6 +234,24 @@ def _torque_lines(recording: Recording, given: float | None) -> list[str]:
     source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
     unit = unit_in("N m/A", recording.motion)
     return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}, source: {source}}}{_comment(doubt)}"]
+
+
+def _drive_lines(recording: Recording, torque_constant: float) -> list[str]:
+    """The speed controller, where the recording shows its gains; what it lacks else, where there is a setpoint."""
+    if not recording.has("speed_setpoint"):
+        return []
+    found = drive_gains(recording, torque_constant)
+    if found is None:
+        return ["# The setpoint does not tell the drive's gains: the measured current drives the twin."]
+    source = "fitted: torque over speed error"
+    gain, time = unit_in("N m s/rad", recording.motion), f"{found.integral_time:.4g}"
+    limit = unit_in("N m", recording.motion)
+    return [
+        "drive:",
+        f"  speed_gain: {{value: {found.speed_gain:.4g}, unit: {gain}, tolerance: 0.2, source: '{source}'}}",
+        f"  integral_time: {{value: {time}, unit: s, tolerance: 0.2, source: '{source}'}}",
+        f"  integral_limit: {{value: 1e6, unit: {limit}, tolerance: 0.0, source: assumed}}",
+    ]
 
 
 def _sensor_lines(recording: Recording, ratio: float) -> list[str]:

@@ -1,0 +1,71 @@
+"""The gains of a drive's speed controller, where a recording shows its setpoint: torque over speed error.
+
+A PI controller asks for K (e + 1/T times the integral of e), e the setpoint less the speed. The motor's torque shows
+it some samples later, by the current loop's lag and the drive's filters. Where that does not explain the torque, the
+drive is another kind, and nothing is said.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..criteria import ALL_BUT_SPIKES, SMALL
+from ..measured.smoothing import gaussian, smooth
+
+_LAGS = np.arange(0.0, 12.25, 0.25)  # samples by which the torque may follow
+_WIDTHS = (0.0, 2.0, 5.0, 12.0, 30.0)  # samples over which noise is smoothed away, no more than it takes
+_FEWEST = 200  # samples
+
+
+@dataclass(frozen=True)
+class DriveGains:
+    """Of a PI speed controller: K [N m s/rad] and T [s]."""
+
+    speed_gain: float
+    integral_time: float
+
+
+def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | None:
+    """The gains that a recording (SI, at the motor's shaft) shows; None where it shows none of a PI controller."""
+    drive = "current" if recording.has("current") else "motor_torque"
+    if recording.of_points or not recording.has("speed_setpoint", "speed", drive) or len(recording) < _FEWEST:
+        return None
+    torque = recording.signals[drive] * (torque_constant if drive == "current" else 1.0)
+    error = recording.signals["speed_setpoint"] - recording.signals["speed"]
+    if not (np.isfinite(torque).all() and np.isfinite(error).all()):
+        return None
+    summed = np.concatenate([[0.0], np.cumsum(0.5 * (error[1:] + error[:-1]) * np.diff(recording.time))])
+    within = np.abs(torque) < (1.0 - SMALL) * np.quantile(np.abs(torque), ALL_BUT_SPIKES)  # no limit holds it there
+    signals = np.stack([error, summed, torque])
+    for width in _WIDTHS:
+        if found := _by_lag(_smoothed(signals, width), within):
+            return found
+    return None
+
+
+def _smoothed(signals: np.ndarray, width: float) -> np.ndarray:
+    """Signals (k, n), smoothed by one kernel: a linear law between them stays the same."""
+    if not width:
+        return signals
+    kernel = gaussian(width, 1.0, 0)
+    return np.stack([smooth(signal, kernel) for signal in signals])
+
+
+def _by_lag(signals: np.ndarray, within: np.ndarray) -> DriveGains | None:
+    """The gains by the lag that explains the torque best, from error, its integral and torque (3, n)."""
+    error, summed, torque = signals
+    place = np.arange(len(torque), dtype=float)
+    best, least = None, SMALL**2 * float(np.nanvar(torque[within]))
+    for lag in _LAGS:
+        columns = np.stack([np.interp(place - lag, place, error), np.interp(place - lag, place, summed)], axis=1)
+        kept = within & np.isfinite(torque) & np.isfinite(columns).all(axis=1)
+        rows = np.column_stack([columns[kept], np.ones(int(kept.sum()))])
+        found, *_ = np.linalg.lstsq(rows, torque[kept], rcond=None)
+        left = float(np.mean((torque[kept] - rows @ found) ** 2))
+        if left < least and found[0] > 0.0 and found[1] > 0.0:
+            best, least = found, left
+    return None if best is None else DriveGains(float(best[0]), float(best[0] / best[1]))
