@@ -55,10 +55,10 @@ class _Trace:
             if place is not None:
                 self.columns[signal.signal] = place
         if not self.columns:
-            known = ", ".join(column.name for signal in self.map.signals for column in signal.columns)
+            known = ", ".join(column.plain for signal in self.map.signals for column in signal.columns)
             raise InputError(
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
-                "name the right map with --map"
+                f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
             )
         time = stamps * 1e-9
         signals = {name: self._values(maps[name], time) for name in self.columns}

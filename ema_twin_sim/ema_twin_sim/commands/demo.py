@@ -159,9 +159,10 @@ def run(
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
     console.print(f"  {better_file}   the model with what was found; {fitted_file} with all its numbers fitted")
-    console.print("\nNow your own recordings:\n  .venv/bin/ema-twin import YOUR.CSV -o recordings")
-    console.print("  .venv/bin/ema-twin compare recordings --model polito_bench")
-    console.print("  .venv/bin/ema-twin discover recordings --model polito_bench -o better.yaml")
+    console.print("\nNow your own machine, from its CSVs (docs/tutorial_own_recordings.md):")
+    console.print("  .venv/bin/ema-twin init YOUR_*.csv -o mine --torque-constant N_M_PER_A")
+    console.print("  .venv/bin/ema-twin discover YOUR_*.csv --map mine_map.yaml --model mine.yaml -o found.yaml")
+    console.print("Traces of the Torino bench itself need no init: discover TRACES --model polito_bench -o found.yaml")
     open_viewer(rrd)
 
 

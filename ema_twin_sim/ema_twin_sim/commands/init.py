@@ -15,6 +15,8 @@ from . import options
 from .output import say, warn
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..new_machine.columns import Guess, Guesses
     from ..new_machine.drafts import Drafts, Given
 
@@ -22,7 +24,9 @@ EXAMPLES = """Examples:
 
 ema-twin init trace.csv -o press
 
-ema-twin init trace.csv -o press --gear-ratio 50 --torque-constant 0.8
+ema-twin init trace_*.csv -o press --gear-ratio 50 --torque-constant 0.8
+
+ema-twin init trace.csv -o press --map my_map.yaml      (the model only)
 
 ema-twin init -o press      (asks which columns your traces have)"""
 
@@ -43,8 +47,9 @@ def run(
         str,
         typer.Option("-o", "--output", metavar="NAME", help="Writes NAME_map.yaml and NAME.yaml; may hold a folder."),
     ],
-    trace: Annotated[
-        Path | None, typer.Argument(metavar="[TRACE]", help="A CSV of the machine; without it, questions are asked.")
+    traces: Annotated[
+        list[Path] | None,
+        typer.Argument(metavar="[TRACE]…", help="CSVs of the machine; without them, questions are asked."),
     ] = None,
     gear_ratio: Annotated[
         float | None, typer.Option(min=LEAST_RATIO, metavar="RATIO", help="Turns of the motor per turn of the output.")
@@ -52,12 +57,20 @@ def run(
     torque_constant: Annotated[
         float | None, typer.Option(min=1e-6, metavar="N_M_PER_A", help="Torque (N m, or N) per ampere.")
     ] = None,
+    import_map: Annotated[
+        str | None,
+        typer.Option("--map", metavar="MAP", help="An import map that is right already: only the model is written."),
+    ] = None,
     force: options.Force = False,
 ) -> None:
-    """Write a first import map and a first model of a machine that is new here, from the header of a CSV.
+    """Write a first import map and a first model of a machine that is new here, from its recordings.
 
-    What could not be guessed is marked CHECK in both files: look at these lines before you believe a result.
+    Columns are known by their names and units; units that no name tells, the gear ratio, the encoders' counts and the
+    drive's gains are found from the numbers. What could not be found is marked CHECK in both files: look at these lines
+    before you believe a result.
     """
+    from ema_bench_replay.configuration import find_configuration
+
     from ..model.model_file import check_model_name
     from ..new_machine.drafts import Given, checked_drafts
 
@@ -66,25 +79,64 @@ def run(
         place = place.with_suffix("")
     files = place.with_name(f"{place.name}_map.yaml"), place.with_name(f"{place.name}.yaml")
     check_model_name(files[1])
-    for path in files:
+    for path in files if import_map is None else files[1:]:
         if path.exists() and not force:
             raise InputError(f"{path}: exists already; give another name with -o, or --force to replace it")
     given = Given(place.name, gear_ratio, torque_constant)
+    traces = traces or []
+    if import_map is not None:
+        _model_alone(traces, given, find_configuration("maps", import_map), files[1], force)
+        return
     holed: tuple[Guess, ...] = ()
-    if trace is None:
+    if not traces:
         guesses, given = _asked(given)
-        drafts = checked_drafts(guesses, given, None)
     else:
-        guesses, holed = _guessed(trace, gear_ratio)
-        drafts = checked_drafts(guesses, given, trace)
+        guesses, holed = _guessed(traces[0], gear_ratio)
+    drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         _write(path, text, force)
-    if trace is not None:
+    if traces:
         for guess in guesses.signals:
             say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
+        _say_what_it_rests_on(files[1])
     for question in drafts.questions:
         warn(question)
-    _say_next(files, drafts, guesses, "TRACE.csv" if trace is None else quote(str(trace)), holed)
+    _say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
+
+
+def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Path, force: bool) -> None:
+    """Write the model of recordings whose map there is."""
+    from ema_bench_replay.load import load
+    from ema_bench_replay.recording import AT
+
+    from ..new_machine.drafts import CHECK, checked_model
+    from ..new_machine.shaft import Shaft
+
+    if not traces:
+        raise InputError("init: --map reads recordings; name one, or leave --map out to be asked")
+    recordings = [load(trace, import_map=map_file) for trace in traces]
+    shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
+    text = checked_model(recordings, given, shaft)
+    _write(place, text, force)
+    _say_what_it_rests_on(place)
+    say(f"{place}: {_to_look_at(sum(CHECK in line for line in text.splitlines()[2:]))}")
+    names = " ".join(quote(str(trace)) for trace in traces)
+    say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+
+
+def _say_what_it_rests_on(place: Path) -> None:
+    """Say what the recordings showed of the machine, and what the model only assumes."""
+    from ..model import load_model
+    from ..new_machine.told import assumed, shown
+
+    model = load_model(place)
+    for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
+        if numbers:
+            say(f"{text}: {', '.join(numbers)}")
+
+
+def _to_look_at(count: int) -> str:
+    return f"{count} line(s) to look at, marked CHECK" if count else "nothing was left to guess"
 
 
 def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Guess, ...]]:
@@ -97,7 +149,7 @@ def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Gues
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
-    from ..new_machine.units_by_numbers import with_units
+    from ..new_machine.units_by_numbers import is_time_series, with_units
 
     table = read_table(trace, needed=lambda header: ())
     numbers = dict(zip(table.header, table.columns, strict=True))
@@ -105,6 +157,11 @@ def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Gues
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
     guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
+    if guesses.time is None and is_time_series(guesses, numbers):
+        raise InputError(
+            f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and the rows follow each other as "
+            "samples do; export it too, in a column named 'time [s]' or 'time [ms]'"
+        )
     guesses = with_units(guesses, numbers, gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -113,8 +170,8 @@ def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Gues
         say(f"{name}: {count} of {rows} cells hold no number: not used")
     if not guesses.signals:
         raise InputError(
-            f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; name its columns in a copy of "
-            "a shipped map (--map siemens reads a Siemens drive's trace as it is)"
+            f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; rename its columns, as in "
+            "'time [s]', 'current [A]', 'motor position [rad]' (a Siemens drive's trace needs no map: leave init out)"
         )
     return guesses, holed
 
@@ -171,7 +228,7 @@ def _say_next(
 
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         count = sum(CHECK in line for line in text.splitlines()[2:])
-        say(f"{path}: {f'{count} line(s) to look at, marked {CHECK}' if count else 'nothing was left to guess'}")
+        say(f"{path}: {_to_look_at(count)}")
     if guesses.time is None:
         say("No column of time was found: each row is taken for an operating point, at rest or at constant speed.")
     map_name, model = (quote(str(file)) for file in files)
@@ -180,7 +237,7 @@ def _say_next(
     if guesses.both_encoders and not guesses.drives:
         say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
     if guesses.drives or guesses.both_encoders:
-        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o better.yaml")
+        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o found.yaml")
         return
     mended = replace(guesses, signals=(*guesses.signals, *holed))
     if mended.drives or mended.both_encoders:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -45,44 +46,60 @@ class Given:
 
 
 class Drafts(NamedTuple):
-    """Texts of a map and of a model that can be read, and what to ask about the recording's units."""
+    """Texts of a map (empty where one was given) and of a model, and what to ask about the recording's units."""
 
     map: str
     model: str
     questions: tuple[str, ...] = ()
 
 
-def checked_drafts(guesses: Guesses, given: Given, trace: Path | None) -> Drafts:
-    """The drafts for a machine; ``trace`` is its recording, None where there is none yet.
+def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
+    """The drafts for a machine; ``traces`` are its recordings, none where there are none yet.
 
-    Raises InputError where the trace cannot be read so.
+    Raises InputError where a trace cannot be read so.
     """
-    questions: tuple[str, ...] = ()
     with tempfile.TemporaryDirectory() as folder:
-        files = Path(folder) / "map.yaml", Path(folder) / "model.yaml"
-        of = f"{given.name}'s traces" if trace is None else trace.name
+        place = Path(folder) / "map.yaml"
+        of = traces[0].name if traces else f"{given.name}'s traces"
         shaft = Shaft(given.shaft or "motor")
         drafted = draft_map(guesses, of, shaft)
-        files[0].write_text(drafted)
-        load_map(files[0])
-        if trace is None:  # what a recording would tell of the sensors is left out
+        place.write_text(drafted)
+        load_map(place)
+        if not traces:  # what a recording would tell of the sensors is left out
             empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
             metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
             recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
-        else:
-            recording = load(trace, import_map=files[0])
-            _refuse_slow_samples(recording, guesses)
-            questions = tuple(unusual_sizes(recording, {guess.signal: guess.unit for guess in guesses.signals}))
-            units = {guess.signal: guess.unit for guess in guesses.signals}
-            known = None not in (units.get("motor_position"), units.get("speed"))
-            shaft = position_shaft(recording, given.gear_ratio, units_known=known)
-            if shaft.name == "motor" and _told_at_the_output(guesses):
-                shaft = Shaft("output", given.gear_ratio)
-            drafted = draft_map(guesses, of, shaft)
-        model = draft_model(recording, given, shaft)
-        files[1].write_text(model)
-        load_model(files[1])
-    return Drafts(drafted, model, questions)
+            return Drafts(drafted, checked_model((recording,), given, shaft))
+        recordings = [load(trace, import_map=place) for trace in traces]
+    for recording in recordings:
+        _refuse_slow_samples(recording, guesses)
+    units = {guess.signal: guess.unit for guess in guesses.signals}
+    questions = tuple(question for recording in recordings for question in unusual_sizes(recording, units))
+    known = None not in (units.get("motor_position"), units.get("speed"))
+    shaft = position_shaft(_farthest(recordings), given.gear_ratio, units_known=known)
+    if shaft.name == "motor" and _told_at_the_output(guesses):
+        shaft = Shaft("output", given.gear_ratio)
+    return Drafts(draft_map(guesses, of, shaft), checked_model(recordings, given, shaft), questions)
+
+
+def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> str:
+    """YAML of a first model that can be read. The motor's position is as its column has it, of that ``shaft``."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "model.yaml"
+        text = draft_model(recordings, given, shaft)
+        place.write_text(text)
+        load_model(place)
+    return text
+
+
+def _farthest(recordings: Sequence[Recording]) -> Recording:
+    """The recording on which the motor goes farthest, which tells most of a ratio and of counts."""
+
+    def travel(recording: Recording) -> float:
+        name = next((name for name in ("motor_position", "output_position") if recording.has(name)), None)
+        return 0.0 if name is None else float(np.ptp(_finite(recording.signals[name])))
+
+    return max(recordings, key=travel)
 
 
 def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:
@@ -131,11 +148,12 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
-    """YAML of a first model, everything open that the recording may tell.
+def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> str:
+    """YAML of a first model, everything open that recordings may tell.
 
-    The recording's motor position is as its column has it, of that ``shaft``.
+    Their motor position is as its column has it, of that ``shaft``.
     """
+    recording = _farthest(recordings)
     motion = recording.motion
     sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
@@ -152,7 +170,7 @@ def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
         *_torque_lines(recording, given.torque_constant),
-        *_drive_lines(recording, given.torque_constant or 1.0),
+        *_drive_lines(recordings, given.torque_constant or 1.0),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
@@ -236,16 +254,18 @@ def _torque_lines(recording: Recording, given: float | None) -> list[str]:
     return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}, source: {source}}}{_comment(doubt)}"]
 
 
-def _drive_lines(recording: Recording, torque_constant: float) -> list[str]:
-    """The speed controller, where the recording shows its gains; what it lacks else, where there is a setpoint."""
-    if not recording.has("speed_setpoint"):
+def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
+    """The speed controller, where a recording shows its gains; what drives the twin else, where there is a setpoint."""
+    if not any(recording.has("speed_setpoint") for recording in recordings):
         return []
-    found = drive_gains(recording, torque_constant)
+    shown = (drive_gains(recording, torque_constant) for recording in recordings)
+    found = next((gains for gains in shown if gains is not None), None)
+    motion = recordings[0].motion
     if found is None:
         return ["# The setpoint does not tell the drive's gains: the measured current drives the twin."]
     source = "fitted: torque over speed error"
-    gain, time = unit_in("N m s/rad", recording.motion), f"{found.integral_time:.4g}"
-    limit = unit_in("N m", recording.motion)
+    gain, time = unit_in("N m s/rad", motion), f"{found.integral_time:.4g}"
+    limit = unit_in("N m", motion)
     return [
         "drive:",
         f"  speed_gain: {{value: {found.speed_gain:.4g}, unit: {gain}, tolerance: 0.2, source: '{source}'}}",

@@ -22,6 +22,7 @@ from .header_words import COUNTS
 SLOWEST_SAMPLES = 0.1
 """s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
 
+_SERIES = 500  # rows; fewer may be operating points, one after the other
 _PARTS = 40  # of a recording, whose ways are compared
 _FEWEST = 8  # of them that must be long enough
 _USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
@@ -63,6 +64,15 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
             changed[setpoint] = replace(asked, unit=measured.unit)
     signals = tuple(changed.get(guess.signal, guess) for guess in guesses.signals)
     return replace(guesses, time=replace(guesses.time, unit=time_unit, doubt=time_doubt), signals=signals)
+
+
+def is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether rows follow each other as samples do, and are no operating points: what moves changes slowly."""
+    known = {guess.signal: numbers[guess.column] for guess in guesses.signals}
+    moving = [known[name] for name in ("motor_position", "speed", "output_position") if name in known]
+    if not moving or len(moving[0]) < _SERIES:
+        return False
+    return all(np.median(np.abs(np.diff(values))) < NEGLIGIBLE * np.ptp(values) for values in moving)
 
 
 def _open(guess: Guess) -> bool:
