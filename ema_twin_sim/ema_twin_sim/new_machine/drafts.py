@@ -20,7 +20,7 @@ from ..reading_noise import reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
 from .header_words import COUNTS
-from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
+from .shaft import ALIKE, EXACT, Shaft, position_shaft, positions_part, ratio_of_positions, whole_ratio
 
 CHECK = "CHECK"
 _FEWEST = 10
@@ -113,7 +113,11 @@ def draft_model(recording: Recording, given: Given, shaft: Shaft) -> str:
     sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     ratio = _ratio(recording, given.gear_ratio, shaft)
-    two_sided = recording.has("output_position") and ratio is not None and abs(ratio.value - 1.0) > ALIKE
+    two_sided = (
+        ratio is not None
+        and recording.has("motor_position", "output_position")
+        and (abs(ratio.value - 1.0) > ALIKE or positions_part(recording, ratio.value))
+    )
     two_sided |= of_encoders_alone(recording)  # which show nothing else than what is between them
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
