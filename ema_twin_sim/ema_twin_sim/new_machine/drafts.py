@@ -21,6 +21,7 @@ from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
 from .header_words import COUNTS
 from .shaft import ALIKE, EXACT, Shaft, position_shaft, positions_part, ratio_of_positions, whole_ratio
+from .speed_lag import speed_lag
 
 CHECK = "CHECK"
 _FEWEST = 10
@@ -240,6 +241,9 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
                 f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
+    lag = speed_lag(recording, ratio)
+    if lag is not None:
+        lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):
         noise = reading_noise(_finite(recording.signals["motor_torque"]))
         torque = signal_unit("motor_torque", motion)
