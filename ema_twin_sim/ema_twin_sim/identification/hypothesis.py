@@ -181,7 +181,7 @@ class Hypothesis:
             lower, upper = p.lower, p.upper
             if p.periodic:
                 lower, upper = -math.inf, math.inf
-            elif p.neutral is None and p.starts:
+            elif p.neutral is None and p.starts and math.isinf(p.upper):
                 # far outside its starts an effect does nothing that a machine without it would not do
                 beyond = (
                     SEARCHED_BEYOND_STARTS if self.by_torque else SEARCHED_BEYOND_STARTS**5

@@ -25,7 +25,8 @@ from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
 from .drive_gains import drive_gains
 from .header_words import COUNTS
-from .shaft import ALIKE, EXACT, Shaft, position_shaft, ratio_of_positions, whole_ratio
+from .shaft import ALIKE, EXACT, Shaft, position_shaft, positions_part, ratio_of_positions, whole_ratio
+from .speed_lag import speed_lag
 from .steps import smallest_step
 from .usual_sizes import unusual_sizes
 
@@ -158,7 +159,11 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
     inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
     ratio = _ratio(recording, given.gear_ratio, shaft)
-    two_sided = recording.has("output_position") and ratio is not None and abs(ratio.value - 1.0) > ALIKE
+    two_sided = (
+        ratio is not None
+        and recording.has("motor_position", "output_position")
+        and (abs(ratio.value - 1.0) > ALIKE or positions_part(recording, ratio.value))
+    )
     two_sided |= of_encoders_alone(recording)  # which show nothing else than what is between them
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
@@ -302,6 +307,9 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
                 f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
+    lag = speed_lag(recording, ratio)
+    if lag is not None:
+        lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):
         noise = reading_noise(_finite(recording.signals["motor_torque"]))
         torque = signal_unit("motor_torque", motion)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
 from ..measured.consistency import is_usual_mistake, way_by_speed
 from ..measured.smoothing import gaussian, smooth
+from ..reading_noise import reading_noise
 
 OWN = 0.1  # of one, within which a position goes the way of the motor's speed
 ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
@@ -20,6 +23,8 @@ EXACT = 2e-4  # relative, within which a ratio is the whole number beyond doubt
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples that this smoothing bends at either end
+_ROUND = 1.0 / 3.0  # of a turn of the output, from which on an angle error is told from a slope
+_STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the furthest way
 _FEWEST = 10
 _WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
@@ -79,19 +84,54 @@ def ratio_of_positions(recording: Recording) -> float | None:
 
 
 def _beside_lags(recording: Recording) -> float:
-    """The ratio of both positions where the output may be late, lie on either side of its play, or wind up."""
+    """The ratio of both positions where the output may be late, lie on either side of its play, wind up, or have its
+    encoder off its centre.
+
+    Robustly, and of motion alone: at rest and while its play is crossed, the output is anywhere.
+    """
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
     columns = np.stack([output, step, np.sign(step), bend, np.ones(len(step))], axis=1)
+    if np.ptp(output[np.isfinite(output)]) > _ROUND * 2.0 * math.pi:
+        columns = np.concatenate([columns, np.sin(output)[:, None], np.cos(output)[:, None]], axis=1)
     columns[:_AT_ENDS] = columns[-_AT_ENDS:] = np.nan
     whole = np.isfinite(columns).all(axis=1) & np.isfinite(motor)
-    return float(np.linalg.lstsq(columns[whole], motor[whole], rcond=None)[0][0])
+    whole &= np.abs(step) > SMALL * np.nanmax(np.abs(step))
+    columns, turned, weights = columns[whole], motor[whole], np.ones(int(whole.sum()))
+    scale = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
+    for _ in range(_STEPS):
+        found = np.linalg.lstsq(columns / scale * weights[:, None], turned * weights, rcond=None)[0] / scale
+        left = turned - columns @ found
+        bulk = 1.4826 * float(np.median(np.abs(left)))
+        if bulk == 0.0:
+            break
+        weights = 1.0 / np.sqrt(1.0 + (left / (OUTLIER * bulk)) ** 2)
+    return float(found[0])
+
+
+def positions_part(recording: Recording, ratio: float) -> bool:
+    """Whether motor and output part by more than the noise of their encoders: then something is between them."""
+    motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
+    known = np.isfinite(motor) & np.isfinite(output)
+    noise = math.hypot(reading_noise(motor[known]), ratio * reading_noise(output[known]))
+    return _parting(recording, ratio) > FAR_OUT * noise
+
+
+def _parting(recording: Recording, ratio: float) -> float:
+    """How far [rad of the motor] both positions part at most, but for a few samples."""
+    apart = recording.signals["motor_position"] - ratio * recording.signals["output_position"]
+    return float(np.ptp(np.quantile(apart[np.isfinite(apart)], (1.0 - NEARLY_ALL, NEARLY_ALL))))
 
 
 def whole_ratio(ratio: float, recording: Recording) -> float | None:
-    """The whole number that an encoder's angle error may have bent a ratio from; None where none is so near."""
+    """The whole number that an encoder's angle error, or play, may have bent a ratio from; None where none is so near.
+
+    It is taken where it is as good as the slope by what either leaves of how the positions part.
+    """
     nearest = float(round(ratio))
-    if abs(nearest) < 2.0 or abs(ratio - nearest) > NEAR_A_WHOLE:
+    if nearest == 0.0 or abs(ratio - nearest) > NEAR_A_WHOLE:
         return None
     travel = float(np.ptp(recording.signals["output_position"][np.isfinite(recording.signals["output_position"])]))
-    return nearest if abs(ratio / nearest - 1.0) * travel < ANGLE_ERROR else None
+    if abs(ratio / nearest - 1.0) * travel < ANGLE_ERROR:
+        return nearest
+    return nearest if _parting(recording, nearest) < CLEARLY_MORE * _parting(recording, ratio) else None
