@@ -207,3 +207,18 @@ def test_a_base_may_be_a_shipped_model(tmp_path):
     (tmp_path / "none.yaml").write_text("version: 1\nbase: polito_bensh\n")
     with pytest.raises(InputError, match=r"none\.yaml: base: 'polito_bensh' is no file beside it"):
         load_model(tmp_path / "none.yaml")
+
+
+def test_a_torque_constant_may_be_told_at_the_output(tmp_path, content):
+    ratio, held = content["machine"]["gear_ratio"]["value"], content["machine"]["torque_constant"]
+    content["machine"]["torque_constant"] = {**held, "value": held["value"] * ratio, "shaft": "output"}
+    path = tmp_path / "joint.yaml"
+    path.write_text(yaml.safe_dump(content))
+    model = load_model(path)
+    assert model.value("machine.torque_constant") == pytest.approx(held["value"])
+    assert load_model(save_model(model, tmp_path / "again.yaml")).constants == model.constants
+    content["machine"]["gear_ratio"]["shaft"] = "output"
+    assert "shaft" in refused(tmp_path, content)
+    del content["machine"]["gear_ratio"]["shaft"]
+    content["machine"]["torque_constant"]["shaft"] = "load"
+    assert "motor, output" in refused(tmp_path, content)

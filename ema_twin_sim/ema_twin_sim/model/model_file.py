@@ -32,6 +32,9 @@ from .model import LUMPED, ConstantValue, EffectInstance, Model, check_range, ch
 VERSION = 1
 OPEN = "open"
 ABSENT = "not given: the machine has none"
+TORQUE_CONSTANT = "machine.torque_constant"
+SHAFTS = ("motor", "output")
+"""Shafts at which a torque constant may be told; a model holds that of the motor's."""
 _KEYS = ("version", "base", *PARTS, "orders", "other_orders", "effects")
 
 
@@ -205,6 +208,11 @@ def _model(path: Path, content: Mapping) -> Model:
                 constants[constant.path] = ConstantValue(constant.usual, 0.0, ABSENT)
             elif not constant.optional:
                 raise check.error(f"{part}.{name}", "is missing", f"give its value in {unit_in(constant.unit, motion)}")
+    if TORQUE_CONSTANT in constants and isinstance(of_motor := machine.get("torque_constant"), dict):
+        shaft = check.choice(of_motor.get("shaft", SHAFTS[0]), f"{TORQUE_CONSTANT}.shaft", SHAFTS)
+        if shaft != SHAFTS[0]:  # a joint's torque per ampere holds the gear ratio
+            held = constants[TORQUE_CONSTANT]
+            constants[TORQUE_CONSTANT] = held.at(held.value / constants["machine.gear_ratio"].value)
     name = check.text(machine.get("name", path.stem), "machine.name")
     effects = content.get("effects")
     parts = {} if effects is None else _effects(check, effects, motion)
@@ -218,7 +226,8 @@ def _model(path: Path, content: Mapping) -> Model:
 
 def _constant(check: Checker, constant: Constant, content: object, place: str, motion: str) -> ConstantValue:
     unit = unit_in(constant.unit, motion)
-    entry = check.mapping(content, place, ("value", "unit", "tolerance", "source"), required=("value", "unit"))
+    shaft = ("shaft",) if constant.path == TORQUE_CONSTANT else ()
+    entry = check.mapping(content, place, ("value", "unit", "tolerance", "source", *shaft), required=("value", "unit"))
     if str(entry["unit"]) != unit:
         raise check.error(place, f"unit '{entry['unit']}' but '{unit}' is needed", "convert the value")
     place = f"{check.path}: {place}"
