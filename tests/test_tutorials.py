@@ -7,7 +7,13 @@ import pytest
 
 from tests.tutorials import DOCS, TOLERANCE, check, page, prepare, run, shows, steps
 
-PAGES = {"missing_effect": 0.25, "own_recordings": TOLERANCE, "own_effect": TOLERANCE, "emps": 0.005}
+PAGES = {
+    "missing_effect": 0.25,
+    "own_recordings": TOLERANCE,
+    "stranger": TOLERANCE,
+    "own_effect": TOLERANCE,
+    "emps": 0.005,
+}
 """Those whose commands run one after another, and by what share their numbers may be others on another machine: where
 teeth meet, what is left of a simulated current hangs on every last digit. The live one has a test of its own.
 """

@@ -28,9 +28,11 @@ from .header_words import COUNTS
 from .shaft import ALIKE, EXACT, Shaft, position_shaft, positions_part, ratio_of_positions, whole_ratio
 from .speed_lag import speed_lag
 from .steps import smallest_step
+from .units_by_numbers import usual_counts
 from .usual_sizes import unusual_sizes
 
 CHECK = "CHECK"
+SMALLEST_STEP = "smallest step of the recording"
 _FEWEST = 10
 _BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
 ASSUMED_COUNTS = 4096
@@ -145,7 +147,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         unit = signal_unit("motor_torque", guesses.motion)
         lines.append(f"#  motor_torque: {{columns: ['…'], unit: V, gain: {{value: …, unit: {unit}/V}}}}")
     if guesses.left:
-        lines.append(f"# {CHECK}: not used: {', '.join(guesses.left)}")
+        lines.append(f"# not used: {', '.join(guesses.left)}")
     return "\n".join(lines) + "\n"
 
 
@@ -293,12 +295,13 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         if not recording.has(f"{side}_position"):
             continue
         position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
-        step, source = smallest_step(position), "smallest step of the recording"
+        step, source = smallest_step(position), SMALLEST_STEP
         if step is None:  # as fine as a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
         if step > 0.0:
+            counts = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
             lines.append(
-                f"  {side}_encoder_counts: {{value: {turn / step:.6g}, unit: {unit_in('1/rev', motion)}, "
+                f"  {side}_encoder_counts: {{value: {counts or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
                 f"tolerance: 0.0, source: {source}}}"
             )
     for name in ("current", "speed"):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Model
+from ..model.model_file import ABSENT
+from ..quantities import quantity
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -42,6 +44,9 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
     """(path, name, value with unit) of what a draft may have found."""
     for path, name in _TOLD.items():
         held = model.constants[path]
-        if held.source:
+        if held.source not in ("", ABSENT):
             unit = model.unit(path)
-            yield path, name, f"{held.value:.4g}{'' if unit == '1' else f' {unit}'}"
+            if unit == "1/rev":
+                yield path, name, f"{held.value:.0f} counts a turn"
+            else:
+                yield path, name, f"{held.value:.4g}" if unit == "1" else quantity(held.value, unit)
