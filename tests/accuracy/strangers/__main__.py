@@ -38,6 +38,10 @@ def main() -> int:
         for answer in pool.map(lambda case, folder: answered(case, folder=folder), cases, kept):
             print(answer.line(), flush=True)
             answers.append(answer)
+    for name in dict.fromkeys(name for answer in answers for name in answer.off):
+        off = [answer.off[name] for answer in answers if name in answer.off]
+        within = sum(abs(error) <= 2.0 for error in off) / len(off)
+        print(f"{name}: {within:.0%} of {len(off)} within two standard errors, {statistics.mean(off):+.2f} in the mean")
     refused = sum(a.verdict == "refused" for a in answers)
     seconds = [a.seconds for a in answers]
     print(

@@ -6,8 +6,8 @@ import json
 import subprocess
 import tempfile
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.command_line import LONGEST, TWIN
@@ -39,6 +39,7 @@ class Answer:
     wrong: bool  # something named confidently that is not there
     seconds: float
     told: str  # the refusal or the warnings, in a line
+    off: Mapping[str, float] = field(default_factory=dict)  # of each constant, its error over its standard error
 
     def line(self) -> str:
         """One line for the screen."""
@@ -84,7 +85,24 @@ def _judged(case: Stranger, answer: dict | None, said: str, seconds: float) -> A
         right = any(word in line for line in alarms for word in NAMING[case.mistake])
     else:
         right = set(added) == set(case.hidden) and verdict == ("explained" if case.hidden else "none")
-    return Answer(case.name, case.hidden, case.mistake, added, verdict, right, wrong, seconds, " | ".join(alarms))
+    off = _off(case, answer) if answer and right and not case.mistake else {}
+    return Answer(case.name, case.hidden, case.mistake, added, verdict, right, wrong, seconds, " | ".join(alarms), off)
+
+
+def _off(case: Stranger, answer: dict) -> dict[str, float]:
+    """The errors of inertia and friction, each over its standard error; both shafts together."""
+    servo = case.servo
+    # without a torque constant, a torque is told in amperes
+    told = 1.0 if "torque_constant" in case.knows or "current" not in case.signals else 1.0 / servo.torque_constant
+    truth = {"inertia": servo.inertia, "coefficient": servo.viscous, "torque": servo.dry}
+    sums: dict[str, list[float]] = {name: [0.0, 0.0] for name in truth}
+    for part, constants in answer["constants"].items():
+        for name, entry in constants.items():
+            short = "inertia" if part == "machine" and name.endswith("inertia") else name
+            if short in sums and entry.get("std") is not None:
+                sums[short][0] += entry["value"]
+                sums[short][1] += entry["std"]
+    return {name: (value - truth[name] * told) / std for name, (value, std) in sums.items() if std > 0.0}
 
 
 def _call(*words: str) -> subprocess.CompletedProcess[str]:

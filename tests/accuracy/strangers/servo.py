@@ -120,9 +120,12 @@ def _run(numbers, setpoint, step, steps, shown):
     speed = out_speed = motor = output = current = seen = summed = 0.0
     for sample in range(len(setpoint)):
         shown[sample] = seen, motor, output, current
-        for _ in range(steps):
+        next_setpoint = setpoint[min(sample + 1, len(setpoint) - 1)]
+        for k in range(steps):
+            # the drive interpolates: a staircase would make the current swing between samples
+            wished = setpoint[sample] + (next_setpoint - setpoint[sample]) * k / steps
             seen += step / (filtering + step) * (speed - seen)
-            error = setpoint[sample] - seen
+            error = wished - seen
             wanted = (gain * (error + summed / integral_time)) / constant
             if abs(wanted) < limit:
                 summed += step * error
