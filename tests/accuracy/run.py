@@ -3,6 +3,7 @@
 python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [--only NAME ...]
 python -m tests.accuracy.run --null 40 | --leave-out | --sweep [EFFECT ...] | --robust
 python -m tests.accuracy.run --other-machines 60 | --calibration
+python -m tests.accuracy.run --strangers 40 | --mistakes 20  [--plain] [--keep DIR]     (by the command line)
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
 
@@ -15,7 +16,7 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from . import experiments
 from .calibration import calibration_cases, summed_up, table, weighed
@@ -24,8 +25,12 @@ from .folders import save
 from .judge import Verdict
 from .other_machines import other_machine_cases
 from .planned import planned_and_not, planned_cases
+from .strangers.cases import Stranger, mistaken_cases, stranger_cases
+from .strangers.run import run_strangers
 from .tables import by_kind, confusion, confusion_table, totals, totals_line
 from .work import WORKERS, Solvers
+
+Named = TypeVar("Named", Case, Stranger)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,8 +41,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for case in _default_cases(asked):
             print(save(case, asked.save))
         return 0
-    with Solvers(asked.workers) as solve:
-        report = {"seed": asked.seed, **_asked_for(asked, solve)}
+    if asked.strangers or asked.mistakes:
+        told = run_strangers(_strangers(asked), asked.workers, asked.keep)
+        report = {"seed": asked.seed, **told}
+    else:
+        with Solvers(asked.workers) as solve:
+            report = {"seed": asked.seed, **_asked_for(asked, solve)}
     print(f"{time.perf_counter() - start:.0f} s in all, {asked.workers} at a time")
     if asked.json:
         asked.json.write_text(json.dumps(report, indent=1), "utf-8")
@@ -95,6 +104,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--planned", type=_count, metavar="N", help="N cases by one slow recording and two that plan asks for"
     )
+    parser.add_argument("--strangers", type=_count, metavar="N", help="N servos in their owners' words and units")
+    parser.add_argument("--mistakes", type=_count, metavar="N", help="N of them with a wrong unit or sign")
+    parser.add_argument("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="of --strangers: where their files stay")
     parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
     parser.add_argument("--workers", type=_count, default=WORKERS)
     parser.add_argument("--json", type=Path, metavar="FILE")
@@ -113,7 +126,13 @@ def _default_cases(asked: argparse.Namespace) -> list[Case]:
     return _only(asked, drawn_cases(asked.seed, asked.cases or 60, asked.kinds))
 
 
-def _only(asked: argparse.Namespace, cases: Sequence[Case]) -> list[Case]:
+def _strangers(asked: argparse.Namespace) -> list[Stranger]:
+    if asked.mistakes:
+        return _only(asked, mistaken_cases(asked.seed, asked.mistakes))
+    return _only(asked, stranger_cases(asked.seed, asked.strangers, plain=asked.plain))
+
+
+def _only(asked: argparse.Namespace, cases: Sequence[Named]) -> list[Named]:
     """Of the drawn cases, those that ``--only`` names."""
     unknown = set(asked.only) - {case.name for case in cases}
     if unknown:
