@@ -31,7 +31,8 @@ def _summed_up(answers: Sequence[Answer]) -> list[str]:
     seconds = [answer.seconds for answer in answers]
     lines = [
         f"right {sum(a.right for a in answers)} of {len(answers)}, refused {refused}, confidently wrong "
-        f"{sum(a.wrong for a in answers)}; {statistics.median(seconds):.1f} s in the median, {max(seconds):.1f} s at most"
+        f"{sum(a.wrong for a in answers)}; {statistics.median(seconds):.1f} s in the median, "
+        f"{max(seconds):.1f} s at most"
     ]
     for name in dict.fromkeys(name for answer in answers for name in answer.off):
         off = [answer.off[name] for answer in answers if name in answer.off]
