@@ -48,10 +48,12 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
-    free it must still be told from nothing: 49 ± 57 mN m is no number to give anybody. Not asked of what constants off
-    their file show: how far they are off was that effect's worth.
+    free it must still be told from nothing: 49 ± 57 mN m is no number to give anybody; and surely so where constants
+    are open, which leaves more than noise over. Not asked of what constants off their file show: how far they are off
+    was that effect's worth.
     """
     away = {}
+    sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
     spread = covariance(problem, f)
     paths = [free.path for free in f.hypothesis.free]
     for name in f.hypothesis.added:
@@ -68,7 +70,7 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
             # over a part of a turn, an amplitude and its angle take each other's place
-            needed = 1.0 if any(p.periodic for p in effect.parameters) else LIKELY
+            needed = 1.0 if any(p.periodic for p in effect.parameters) else sure
             if abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0)):
                 return name
     least = min(away, key=lambda name: away[name], default=None)
