@@ -1,7 +1,7 @@
 """Contradictions: all that is said of one case, by discover, diagnose, compare, fit and the report, told alike.
 
-What is said is gathered as a reader has it: the terminal's lines, the page's words, and the JSON. ``contradictions`` names
-each statement that another one contradicts; there must be none.
+What is said is gathered as a reader has it: the terminal's lines, the page's words, and the JSON. ``contradictions``
+names each statement that another one contradicts; there must be none.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ from .folders import readable_train
 
 SAME = 1e-9  # relative: two tellings of one number
 _NOTHING = re.compile(
-    r"nothing is missing(?! 0 %)|nothing missing: [1-9]|nothing is left|nothing left|to its sensors' noise|at the sensors' noise floor",
+    r"nothing is missing(?! 0 %)|nothing missing: [1-9]|nothing is left|nothing left|to its sensors' noise"
+    r"|at the sensors' noise floor",
     re.IGNORECASE,
 )
 _BEYOND = re.compile(r"(\d[\d.]*) times the (?:sensors' )?noise")
@@ -129,15 +130,16 @@ def _floors(told: Told) -> Iterator[str]:
     floors.setdefault(unseen["signal"], {})["discover"] = unseen["noise_floor"]
     for name, error in told.content["discover"]["left"].items():
         floors.setdefault(name, {})["left"] = error["noise_floor"]
-    for name, error in told.content.get("fit", {"rmse": {}})["rmse"].items():
-        floors.setdefault(name, {})["fit"] = error["noise_floor"]
-    # a model that is compared alone has its own constants, whose speed noise is another torque: to a hundredth
     for place, comparison in zip(("before", "after", "before alone"), told.comparisons, strict=False):
         for name, error in comparison.overall.items():
             floors.setdefault(name, {})[place] = error["noise_floor"]
             for recording in comparison.recordings:
                 if name in recording.signals:
                     floors[name][f"{place} {recording.name}"] = recording.signals[name]["noise_floor"]
+    # what is fitted began as the model that was found, to whose constants the noise of the speed is another torque
+    for name, error in told.content.get("fit", {"rmse": {}})["rmse"].items():
+        if not math.isclose(error["noise_floor"], told.comparisons[3].overall[name]["noise_floor"], rel_tol=SAME):
+            yield f"{name}: fit tells another noise floor than compare of the same model"
     for signal, by_place in floors.items():
         if not all(math.isclose(value, max(by_place.values()), rel_tol=SAME) for value in by_place.values()):
             yield f"{signal} has several noise floors: {by_place}"
@@ -173,7 +175,7 @@ def _credits(told: Told) -> Iterator[str]:
         if step["rmse_after"] > step["rmse_before"] and (step["error_removed"] or 0.0) > 0.0:
             yield f"{step['instance']} removes {step['error_removed']} and leaves more"
         before = step["rmse_after"]
-    if steps and unseen["as_given"]["rmse"] != unseen["rmse"][0] and "its own constants" not in told.texts["discover"]:
+    if steps and unseen["as_given"]["rmse"] != unseen["rmse"][0] and "its own" not in told.texts["discover"]:
         yield "the fit of the model's own constants is not told"
     alone = told.comparisons[0].overall.get(unseen["signal"])
     mixed = told.comparisons[0].input == "mixed"
