@@ -36,4 +36,5 @@ def beyond_noise(source: str, signals: Mapping[str, SignalError]) -> dict[str, f
 
 def times_words(times: float) -> str:
     """``5.0 times``, ``42 times``."""
-    return f"{times:.1f} times" if times < 9.95 else f"{times:.0f} times"
+    digits = max(0, 1 - int(math.log10(max(times, 1.0))))
+    return f"{times:.{digits}f} times"
