@@ -175,6 +175,8 @@ def _credits(told: Told) -> Iterator[str]:
         if step["rmse_after"] > step["rmse_before"] and (step["error_removed"] or 0.0) > 0.0:
             yield f"{step['instance']} removes {step['error_removed']} and leaves more"
         before = step["rmse_after"]
+    if unseen["rmse"][0] > unseen["as_given"]["rmse"]:
+        yield "the fit of the model's own constants leaves more than there was, which effects are credited with"
     if steps and unseen["as_given"]["rmse"] != unseen["rmse"][0] and "its own" not in told.texts["discover"]:
         yield "the fit of the model's own constants is not told"
     alone = told.comparisons[0].overall.get(unseen["signal"])

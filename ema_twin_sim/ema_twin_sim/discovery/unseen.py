@@ -28,9 +28,8 @@ class Unseen:
     """RMSE of the headline signal: of the model that was given, of the start, and after each round; pooled, and per
     recording.
 
-    The start is the given model with what it leaves open fitted, or what is within its tolerances where that comes
-    nearer to the recordings: no effect is credited with that. The last is the end's, with whatever constants it was
-    refitted with.
+    The start is the given model with its own constants fitted, where that comes nearer to the recordings: no effect is
+    credited with that. The last is the end's, with whatever constants it was refitted with.
 
     ``output`` is that of the output's position [rad], pooled; empty where it was not measured. Where the current drives
     the twin, whose positions then drift, it is what the ``encoders`` part by, beyond what the model lets them.
@@ -47,7 +46,8 @@ class Unseen:
     given: float
     given_recordings: tuple[float, ...]
     given_output: float | None
-    is_open: bool  # whether the given model has numbers that nobody knew
+    judged_from: float  # what the end is held against: of a closed model as given, of an open one with all fitted
+    judged_from_output: float | None
 
     @property
     def refitted(self) -> bool:
@@ -95,12 +95,10 @@ class Unseen:
         return _told(share_removed(self.rmse[turn], self.rmse[turn + 1], self.noise_floor))
 
     def _decided(self, turn: int) -> float:
-        """What a decision holds against the rounds that follow: a closed model as it was given."""
-        return self.given if turn == 0 and not self.is_open else self.rmse[turn]
+        return self.rmse[turn] if turn else self.judged_from
 
     def _decided_output(self, turn: int) -> float:
-        closed = turn == 0 and not self.is_open and self.given_output is not None
-        return self.given_output if closed else self.output[turn]  # type: ignore[return-value]
+        return self.output[turn] if turn or self.judged_from_output is None else self.judged_from_output
 
     def shown(self, model: Model) -> Unseen:
         """The same in the units of the model's machine."""
@@ -116,6 +114,8 @@ class Unseen:
             given=per * self.given,
             given_recordings=tuple(per * value for value in self.given_recordings),
             given_output=None if self.given_output is None else way * self.given_output,
+            judged_from=per * self.judged_from,
+            judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
         )
 
     def as_json(self) -> dict[str, object]:
@@ -214,8 +214,9 @@ def judge_unseen(
             _parting(problem, fits[0], [fits[0].hypothesis.values] * len(recordings)),
             *of_output,
         ]
-    # what is open begins with what fits best; what is known, where its tolerances lead nearer
-    if not (base.is_open or (pooled[1, 0] < pooled[0, 0] and not as_given)):
+    first = int(base.is_open)
+    judged_from = float(pooled[first, 0]), of_output[first] if of_output else None
+    if as_given or not pooled[1, 0] < pooled[0, 0]:  # to fit what is open without what is missing may lead astray
         pooled[1], each[1] = pooled[0], each[0]
         of_output[1:2] = of_output[:1]
     return Unseen(
@@ -229,7 +230,7 @@ def judge_unseen(
         float(pooled[0, 0]),
         tuple(float(value) for value in each[0]),
         of_output[0] if of_output else None,
-        base.is_open,
+        *judged_from,
     )
 
 

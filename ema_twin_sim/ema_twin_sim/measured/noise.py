@@ -22,6 +22,8 @@ def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     The sensors are those of the model's file. What is open in its inertia and friction is taken from the recordings, so
     that a model has the same noise floor before and after a fit: a start value says nothing of the sensors.
     """
+    if not recordings:
+        return noise_floors(to_rotary_equivalent(recordings, model)[1])
     taken = [matched(recording, model) for recording in recordings]
     recordings, near = to_rotary_equivalent(taken, begun_near(taken, model))
     kinds = {(r.has("speed"), r.sample_period) for r in recordings}
