@@ -35,7 +35,7 @@ docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q
 
-accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--help"
+accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
 
 figures: setup ## the figures and numbers of docs/physics.md; ARGS="--speed" measures what a step costs too

@@ -23,7 +23,6 @@ METHOD = {
     "measured/smoothing.py": "REACH",
     "measured/spoilt_samples.py": "NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
-    "identification/candidates.py": "WIDE",
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),
@@ -37,6 +36,7 @@ METHOD = {
     "identification/search_limits.py": "LATEST _POWERS",
     "identification/sensors.py": "GEARBOX_COLUMNS STEPS",
     "identification/side_by_side.py": "LEAST",
+    "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",
     "identification/uncertainty.py": "STEP_SHARES BLOCKS",
     "identification/wandering.py": "SHARES",
     "comparison/orders.py": "_ANGLE_BINS _STEP ORDERS _REFINED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH _LARGEST",

@@ -234,7 +234,7 @@ OF_BOTH = {
 class TestTheKeysOfALiveRun:
     def pressed(self, key, capsys, services, **options):
         keys = Keys(threading.Event(), **options)
-        keys.begin(SimpleNamespace(diagnosis_services=services))
+        keys.begin(SimpleNamespace(diagnosis_services=services, comparison=SimpleNamespace(beyond_noise={})))
         keys.press(key)
         for thread in keys._threads:
             thread.join()
@@ -249,7 +249,7 @@ class TestTheKeysOfALiveRun:
 
     def test_one_that_is_missing_is_likely(self):
         one = {**OF_BOTH, "ranking": [entry("backlash", 1.0, True, width=0.004)]}
-        lines = told(diagnosis_message(one, 0, 1, 12.0))
+        lines = told(diagnosis_message(one, 0, 1, 12.0), {})
         assert lines[1].startswith("  backlash: 100 % likely") and "Press a to add it" in lines[2]
 
     def test_adding_before_anything_was_looked_for(self, capsys):

@@ -16,7 +16,7 @@ NEVER = {"backlash", "shaft_compliance", "cogging", "torque_ripple", "mesh_rippl
 
 def drafted(trace, tmp_path, **known):
     """Import map and model that ``init`` drafts from one trace and what its user would know."""
-    init(str(tmp_path / "machine"), trace, **known)
+    init(str(tmp_path / "machine"), [trace], **known)
     return tmp_path / "machine_map.yaml", load_model(tmp_path / "machine.yaml")
 
 

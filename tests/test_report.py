@@ -281,10 +281,11 @@ def test_only_what_is_so_is_told_of_the_order(models, recordings, stock):
 
 
 @pytest.mark.parametrize(
-    ("share", "words"), [(None, "–"), (0.9987, "99.9 %"), (-0.0001, "0.0 %"), (-1916267.3, "farther")]
+    ("share", "after", "words"),
+    [(None, 2.0, "–"), (0.9987, 0.1, "99.9 %"), (-0.0001, 1.0001, "0.0 %"), (-1916267.3, 1e3, "farther")],
 )
-def test_an_error_that_grew_is_told_in_a_word(share, words):
-    assert removed_words(share) == words
+def test_an_error_that_grew_is_told_in_a_word(share, after, words):
+    assert removed_words(share, 1.0, after) == words
 
 
 @pytest.mark.parametrize("lacking", [("speed", "speed_setpoint"), ("output_position",)])

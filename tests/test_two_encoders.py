@@ -82,7 +82,7 @@ def recorded(tmp_path, time, driven, seen, gear_ratio=None):
     trace = tmp_path / "run.csv"
     head = "time [s],motor position [rad],output position [rad]"
     np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
-    init(str(tmp_path / "machine"), trace, gear_ratio)
+    init(str(tmp_path / "machine"), [trace], gear_ratio)
     return load(trace, import_map=tmp_path / "machine_map.yaml"), load_model(tmp_path / "machine.yaml")
 
 
@@ -130,7 +130,7 @@ def test_a_carriage_has_play_too(tmp_path):
     trace = tmp_path / "run.csv"
     head = "time [s],motor position [m],output position [m]"
     np.savetxt(trace, np.stack(columns, 1), "%.9g", ",", header=head, comments="")
-    init(str(tmp_path / "machine"), trace)
+    init(str(tmp_path / "machine"), [trace])
     found = discover([load(trace, import_map=tmp_path / "machine_map.yaml")], load_model(tmp_path / "machine.yaml"))
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     width = found.parameters["backlash"]["width"]
@@ -311,7 +311,7 @@ def test_a_draft_says_that_the_second_encoder_was_left_out_for_its_holes(tmp_pat
     rows[700:720] = [f"{row.rpartition(',')[0]}," for row in rows[700:720]]
     trace = tmp_path / "run.csv"
     trace.write_text("\n".join(["time [s],motor position [rad],output position [rad]", *rows]) + "\n")
-    init(str(tmp_path / "machine"), trace)
+    init(str(tmp_path / "machine"), [trace])
     told = " ".join(capsys.readouterr().out.split())
     assert "output position [rad]: 20 of 8000 cells hold no number: not used" in told
     assert "Without output position [rad] nothing can be judged: write the numbers that it lacks into" in told

@@ -2,7 +2,7 @@
 
 python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [--only NAME ...]
 python -m tests.accuracy.run --null 40 | --leave-out | --sweep [EFFECT ...] | --robust
-python -m tests.accuracy.run --other-machines 60 | --calibration
+python -m tests.accuracy.run --other-machines 60 | --calibration | --contradictions 200
 python -m tests.accuracy.run --strangers 40 | --mistakes 20  [--plain] [--keep DIR]     (by the command line)
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
 """
@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 from . import experiments
 from .calibration import calibration_cases, summed_up, table, weighed
 from .cases import KINDS, Case, drawn_cases
+from .contradictions import judged
 from .folders import save
 from .judge import Verdict
 from .other_machines import other_machine_cases
@@ -71,6 +72,8 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         sums = summed_up(found)
         print("", table(sums), sep="\n")
         return {"calibration": sums, "cases": [asdict(one) for one in found]}
+    if asked.contradictions:
+        return _contradictions(asked.seed, asked.contradictions, solve)
     if asked.planned:
         return _planned(asked.seed, asked.planned, solve)
     if asked.null:
@@ -108,6 +111,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--mistakes", type=_count, metavar="N", help="N of them with a wrong unit or sign")
     parser.add_argument("--plain", action="store_true", help="of --strangers, in the tutorial's names and SI units")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="of --strangers: where their files stay")
+    parser.add_argument(
+        "--contradictions", type=_count, metavar="N", help="N cases of both benches: is all of it told alike"
+    )
     parser.add_argument("--robust", action="store_true", help="the same cases under unkind conditions")
     parser.add_argument("--workers", type=_count, default=WORKERS)
     parser.add_argument("--json", type=Path, metavar="FILE")
@@ -168,6 +174,21 @@ def _left_out(verdicts: list[Verdict]) -> dict[str, Any]:
     wrong = (f"{v.kind} as {'+'.join(v.wrong)}" for v in verdicts if v.wrong)
     print(f"wrong names in {said['wrong']} ({said['wrong'] / max(len(verdicts), 1):.1%}): {', '.join(wrong)}")
     return {"left_out": said, "cases": [verdict.as_json() for verdict in verdicts]}
+
+
+def _contradictions(seed: int, count: int, solve: Solvers) -> dict[str, Any]:
+    """Whether all that is said of a case is told alike: three of four cases of the first bench, then the other's."""
+    kind, unkind = -(-3 * count // 4), count // 4
+    cases = [*drawn_cases(seed, kind), *(other_machine_cases(seed, unkind) if unkind else ())]
+    found = []
+    for number, (name, said, told) in enumerate(solve.each(judged, cases, [()] * len(cases)), 1):
+        print(
+            f"{number:4d}/{len(cases)} {name:16s} {','.join(said) or '-'}: {'; '.join(told) or 'told alike'}",
+            flush=True,
+        )
+        found.append({"case": name, "said": list(said), "contradictions": told})
+    print(f"{sum(len(one['contradictions']) for one in found)} contradictions in {len(cases)} cases")
+    return {"contradictions": found}
 
 
 def _planned(seed: int, count: int, solve: Solvers) -> dict[str, Any]:

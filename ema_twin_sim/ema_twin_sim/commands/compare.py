@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..criteria import SMALL
 from ..quantities import quantity
 from . import options
-from .error_cells import ALL, AT_NOISE, error_cell, noise_cell, shown_signals
+from .error_cells import ALL, error_cell, noise_cell
 from .output import console, counted, say, sparkline, status
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
@@ -53,7 +54,7 @@ def run(
 ) -> None:
     """Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where the model fails."""
     from ..comparison.closeness import closer
-    from ..comparison.compare import compare
+    from ..comparison.compare import compare_all
     from ..model import load_model
     from ..own_effects import load_effects
     from .inputs import input_files, load_runs, refuse_existing, refuse_inputs, write_json
@@ -67,9 +68,7 @@ def run(
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     with counted(len(models) * len(recordings), "comparing") as done:
-        comparisons = [
-            compare(recordings, each, input, step=step, progress=partial(_tell, done, each.name)) for each in models
-        ]
+        comparisons = compare_all(recordings, models, input, step=step, progress=partial(_tell, done))
     show(comparisons, labels=model)
     warn_of(list(dict.fromkeys(text for c in comparisons for text in c.warnings)), recordings)
     first, *others = comparisons
@@ -142,7 +141,7 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
     of = f" ({comparison.model})" if titled else ""
     overall = comparison.overall
     shown = shown_signals(comparison.input, overall)
-    poor = {n for n in shown if overall[n]["rmse"] > AT_NOISE * overall[n]["noise_floor"]}
+    poor = beyond_noise(comparison.input, overall)
     found = [d for d in comparison.where if d.signal in poor]
     few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
     if not poor and few:
@@ -178,7 +177,7 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
         if share > BLIND
     ]
     if not blind:
-        return ": nothing left to find"
+        return "; discover tells whether an effect smaller than that is missing"
     return f", but {' and '.join(blind)}: so much noise hides anything; check what the model's file gives for it"
 
 

@@ -55,9 +55,9 @@ def run(
     from ..comparison.compare import compare as compare_models
     from ..discovery.discover import discover
     from ..fitting.fit import fit_model
+    from ..measured.noise import noise_of
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
-    from ..simulation.sensor_noise import noise_floors
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
 
@@ -75,7 +75,8 @@ def run(
 
     _chapter("2", "The stock model misses it", "ema-twin compare … --model polito_bench")
     stock = load_model("polito_bench")
-    before = compare_models(recordings, stock)
+    noise = noise_of(recordings, stock)
+    before = compare_models(recordings, stock, noise=noise)
     compare.show([before])
 
     _chapter("3", "Which effects does it lack?", "ema-twin discover … --model polito_bench -o better.yaml")
@@ -94,9 +95,9 @@ def run(
         f"{played.name} at {rate:g} × real time; {changing}",
     )
     rrd = output / "live.rrd"
-    view = LiveView(RerunView(rrd, "ema-twin demo", noise_floors(stock), model=stock))
+    view = LiveView(RerunView(rrd, "ema-twin demo", noise, model=stock))
     view.tell(0.0, "the stock model beside the bench")
-    printer = ErrorPrinter(stock, played)
+    printer = ErrorPrinter(noise, played)
     printer.watchers.append(view.take)
     for name, moment in moments.items():
         view.tell(moment, f"{effect_words(name)} switched on")
@@ -126,12 +127,12 @@ def run(
         "the simulated loop, since the timing of impacts needs numbers known to 0.1 %.\n"
     )
     better = load_model(better_file)
-    after = compare_models(recordings, better)
+    after = compare_models(recordings, better, noise=noise)
     with status() as progress:
         fitted = fit_model(recordings, better, progress=progress)
     fitted_file = save_model(fitted.model, output / "fitted.yaml", force=True)
     console.print(errors_table(fitted))
-    last = compare_models(recordings, load_model(fitted_file))
+    last = compare_models(recordings, load_model(fitted_file), noise=noise)
     compare.show([before, after, last])
     errors = [quantity(each.overall["current"]["rmse"], "A") for each in (before, after, last)]
     floor = quantity(last.overall["current"]["noise_floor"], "A")

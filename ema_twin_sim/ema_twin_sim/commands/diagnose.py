@@ -10,7 +10,7 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, options_words, order_sentences, removed_words, verdict_sentence
+from .wording import effect_words, no_effect_words, options_words, order_sentences, removed_words, verdict_of
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -73,16 +73,7 @@ def run(
             both = (given.model, found.model)
             labels = (given.model.name, "with what was found")
             tabs = write_rrd(rrd, given.recordings, both, labels, findings_of(found, diagnosis), force=force)
-    effects = [entry.effect for entry in diagnosis.ranking if entry.found]
-    sentence = verdict_sentence(
-        found.verdict,
-        list(dict.fromkeys(effects)),
-        diagnosis.depends_on,
-        given.without,
-        diagnosis.groups,
-        left_over=found.left_over,
-    )
-    say(sentence, style="bold")
+    say(verdict_of(found, without=given.without), style="bold")
     show(diagnosis)
     for text in order_sentences(found.model, found.parameters):
         say(text)
@@ -107,7 +98,10 @@ def show(diagnosis: Diagnosis) -> None:
         named = f"{name} ({choices})" if choices else name
         table.add_row(named, _bar(entry.probability), removed, _parameters(entry), style=style)
     table.add_section()
-    for label, probability in (("nothing", diagnosis.none), ("something else", diagnosis.unknown)):
+    for label, probability in (
+        (no_effect_words(diagnosis.beyond_noise), diagnosis.none),
+        ("something else", diagnosis.unknown),
+    ):
         table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
     if diagnosis.ranking:

@@ -15,12 +15,15 @@ from . import options
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
 from .wording import (
+    REFIT,
+    REFIT_IS,
     change_words,
     effect_words,
     groups_sentence,
     has_moved,
     options_words,
     order_sentences,
+    refit_sentence,
     removed_words,
     verdict_of,
     why_step,
@@ -157,6 +160,8 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
             f"What is left over: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}, where "
             f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}."
         )
+    if found.unseen.refitted and not found.steps:
+        say(refit_sentence(found.unseen))
     if found.steps:
         console.print(_steps(found))
         if _is_crowded(found):
@@ -199,6 +204,19 @@ def _steps(found: Discovery) -> ReportTable:
     shown = "encoders apart" if found.unseen.encoders else "output position"
     table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
     table.words(*(() if crowded else ("runner-up",)))
+    unseen = found.unseen
+    if unseen.refitted:
+        outputs = (unseen.given_output, unseen.output[0]) if output and unseen.given_output is not None else ()
+        table.add_row(
+            REFIT,
+            *(() if narrow else (REFIT_IS,)),
+            quantity(unseen.given, unseen.unit),
+            quantity(unseen.rmse[0], unseen.unit),
+            removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0]),
+            *(quantity(value, "rad") for value in outputs),
+            *(() if crowded else ("",)),
+        )
+        table.add_section()
     for step in found.steps:
         if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
@@ -209,7 +227,7 @@ def _steps(found: Discovery) -> ReportTable:
             *(() if narrow else (escape(catalogue()[step.effect].summary),)),
             quantity(step.rmse_before, step.unit),
             quantity(step.rmse_after, step.unit),
-            removed_words(step.error_removed),
+            removed_words(step.error_removed, step.rmse_before, step.rmse_after),
             *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
             *(() if crowded else (escape(why_step(step)),)),
         )

@@ -11,9 +11,9 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..comparison.beyond_noise import shown_signals
 from ..quantities import quantity
 from . import options
-from .error_cells import shown_signals
 from .live_error import ErrorPrinter
 from .live_keys import Keys
 from .live_view import open_view
@@ -69,6 +69,7 @@ def run(
     """
     from ema_bench_replay.recording import refuse_points
 
+    from ..measured.noise import noise_of
     from ..model import save_model
     from ..model.matching import matched
     from ..model.model_file import check_model_name
@@ -105,7 +106,8 @@ def run(
     replaced = _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
-    printer = ErrorPrinter(found, recording)
+    noise = noise_floors(found) if recording is None else noise_of([recording], found)
+    printer = ErrorPrinter(noise, recording)
     stop = threading.Event()
     with ExitStack() as held:
         browser = None
@@ -115,7 +117,7 @@ def run(
             browser = WebViewer()
             held.callback(browser.close)
             say(f"Open {browser.page}")
-        view = open_view(rrd, headless, browser, noise_floors(found), found)
+        view = open_view(rrd, headless, browser, noise, found)
         if view is not None:
             held.callback(view.close)
             printer.watchers.append(view.take)

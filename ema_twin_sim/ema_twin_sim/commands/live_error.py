@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import quantity
@@ -13,7 +13,6 @@ from .tables import is_narrow
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
 
-    from ..model import Model
     from ..nodes.live import Pair
 
 _BY_CURRENT = "unexplained_torque"
@@ -28,11 +27,10 @@ class ErrorPrinter:
     output's position, current and speed do.
     """
 
-    def __init__(self, model: Model, recording: Recording | None, window: float = 1.0) -> None:
-        from ..simulation.sensor_noise import noise_floors
-
+    def __init__(self, noise: Mapping[str, float], recording: Recording | None, window: float = 1.0) -> None:
+        """``noise`` is the noise floor; ``window`` [s] is how long an error is that is printed."""
         self.watchers: list = []
-        self._floors = noise_floors(model)
+        self._floors = noise
         self._duration = recording.duration if recording is not None else None
         self._window = window
         self._first: int | None = None

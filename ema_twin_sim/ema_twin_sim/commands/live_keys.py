@@ -7,6 +7,7 @@ import os
 import select
 import sys
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ from ema_bench_replay.errors import InputError
 from ..discovery.cautions import ALONE
 from ..quantities import estimate
 from .output import console, say
-from .wording import effect_words
+from .wording import beyond_words, effect_words
 
 if TYPE_CHECKING:
     from ema_twin_msgs.msg import Diagnosis, Effect
@@ -97,9 +98,10 @@ class Keys:
         except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
             say(f"No diagnosis: {error}", style="yellow")
             return
-        for line in told(found):
+        lines = told(found, self._beyond())
+        for line in lines:
             say(line, style="bold green")
-        self._tell(told(found)[0])
+        self._tell(lines[0])
 
     def _apply(self) -> None:
         from ..nodes.diagnosing.apply import NotDiagnosed
@@ -119,6 +121,10 @@ class Keys:
             say("This run keeps it nowhere: live with -o NEW does.", style="green")
         self._tell(f"added: {words}")
 
+    def _beyond(self) -> dict[str, float]:
+        """What health tells to stand out of the sensors' noise."""
+        return {} if self._monitor is None else self._monitor.comparison.beyond_noise
+
     def _services(self) -> DiagnosisNode:
         services = None if self._monitor is None else self._monitor.diagnosis_services
         if services is None:
@@ -130,11 +136,16 @@ class Keys:
             self._view.tell_now(text)
 
 
-def told(found: Diagnosis) -> list[str]:
-    """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next."""
+def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
+    """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next.
+
+    ``beyond`` are the signals that stand out of the sensors' noise in the last window, by how many times.
+    """
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
-    if found.verdict == "none":
+    if found.verdict == "none" and beyond:
+        first = f"No effect is missing that these samples could show, but {beyond_words(beyond)}."
+    elif found.verdict == "none":
         first = "Nothing is missing: the twin follows the bench to its sensors' noise."
     elif found.verdict == "unknown":
         first = "Something is missing that no effect of the catalogue explains."

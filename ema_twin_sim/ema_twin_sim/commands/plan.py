@@ -121,7 +121,7 @@ def show(found: Plan) -> None:
         on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
         console.print(f"Something is left over that fits no effect{on}: no plan can be made for that part.\n")
     if not found.in_doubt:
-        nothing = "" if found.verdict == "unknown" else ": nothing is missing"
+        nothing = "" if found.verdict == "unknown" else ": no effect is missing that these recordings could show"
         held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else nothing
         console.print(f"[bold]Nothing is in doubt that another recording would settle{held}.[/bold]", soft_wrap=True)
         return

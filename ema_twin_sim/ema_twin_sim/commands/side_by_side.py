@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
+from ..comparison.beyond_noise import shown_signals
 from ..quantities import quantity
-from .error_cells import ALL, error_cell, noise_cell, shown_signals
+from .error_cells import ALL, error_cell, noise_cell
 from .output import console, say
 from .tables import ReportTable
 from .wording import by_number

@@ -6,13 +6,20 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..comparison.beyond_noise import times_words
+from ..comparison.running_comparison import told_share
+from ..quantities import quantity
+
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery, Step
+    from ..discovery.unseen import Unseen
     from ..model import Model
-    from ..report.findings import Findings
+    from ..report.findings import Findings, UnseenErrors
 
 NO_RUNNER_UP = "none came near"
 YOURS = "Your model"
+REFIT = "its own constants"
+REFIT_IS = "the constants of the given model fitted, no effect yet"
 _NOTHING = 0.0005  # of an error: a smaller share is shown as none
 _WHOLE = 0.02  # cycles within which an order is a whole number
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
@@ -56,11 +63,32 @@ def listed(words: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(first)} {last} {end}" if first else end
 
 
-def removed_words(share: float | None) -> str:
-    """How much of an error went: ``99.9 %``, ``farther`` where it grew, a dash where there was none."""
+def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
+    """How much of an error went: ``99.9 %``, a dash where there was none.
+
+    ``farther`` where it grew, from an RMSE of ``before`` to one of ``after``.
+    """
     if share is None:
         return "–"
-    return f"{abs(100.0 * share):.1f} %" if share > -_NOTHING else "farther"
+    return "farther" if after > (1.0 + _NOTHING) * before else f"{100.0 * told_share(share):.1f} %"
+
+
+def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
+    """What fitting a model's own constants did to its error, before any effect was added; empty where nothing."""
+    if unseen.given is None or unseen.given == unseen.rmse[0]:
+        return ""
+    sizes = f"from {quantity(unseen.given, unseen.unit)} to {quantity(unseen.rmse[0], unseen.unit)}"
+    whose = f"{model[:1].lower()}{model[1:]}" if model == YOURS else model
+    return f"Fitting the constants of {whose} alone takes the error of the {unseen.signal.replace('_', ' ')} {sizes}."
+
+
+def beyond_words(beyond: Mapping[str, float]) -> str:
+    """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty where nothing is."""
+    each = [(f"the {name.replace('_', ' ')}'s", times_words(times)) for name, times in beyond.items()]
+    if not each:
+        return ""
+    (whose, times), *others = each
+    return listed([f"{whose} error is {times} the sensors' noise", *(" ".join(other) for other in others)])
 
 
 def verdict_sentence(
@@ -71,15 +99,18 @@ def verdict_sentence(
     groups: Sequence[Sequence[str]] = (),
     model: str = YOURS,
     left_over: str = "",
+    beyond: Mapping[str, float] | None = None,
 ) -> str:
     """What the recordings say of a model; ``verdict`` is explained, none or unknown.
 
     ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart;
-    ``left_over`` tells how large what is left is, and where.
+    ``left_over`` tells how large what is left is, and where; ``beyond`` what still stands out of the sensors' noise.
     """
     lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
         of = "" if model == YOURS else f" in {model}"
+        if beyond:
+            return f"No effect is missing{of} that these recordings could show, but {beyond_words(beyond)}."
         return f"Nothing is missing{of} that these recordings could show."
     if verdict == "explained":
         return f"{lacks}."
@@ -95,8 +126,20 @@ def verdict_sentence(
 def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
     """``verdict_sentence`` of what a search found; ``without`` are effects that it did not look for."""
     return verdict_sentence(
-        found.verdict, found.added, found.depends_on, without, found.groups, model=model, left_over=found.left_over
+        found.verdict,
+        found.added,
+        found.depends_on,
+        without,
+        found.groups,
+        model=model,
+        left_over=found.left_over,
+        beyond=found.beyond_noise,
     )
+
+
+def no_effect_words(beyond: Mapping[str, float]) -> str:
+    """What may be so probably missing: ``nothing``, or ``no effect`` where something else is left."""
+    return "no effect" if beyond else "nothing"
 
 
 def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:

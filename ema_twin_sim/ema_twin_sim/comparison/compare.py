@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
+from ..measured.noise import noise_of
 from ..measured.scales import standstill, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
@@ -88,21 +90,25 @@ def compare(
     source: str | None = None,
     *,
     step: float | None = None,
+    noise: Mapping[str, float] | None = None,
     progress: Callable[[str], None] = lambda name: None,
 ) -> Comparison:
     """Simulate the model beside each recording and compare; nothing is estimated.
 
-    ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``progress``
-    is called with each recording's name when it is done. Raises InputError where a recording lacks the input's signal.
+    ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``noise`` the
+    noise floor, by default that of these recordings beside this model: several models beside the same recordings share
+    one. ``progress`` is called with each recording's name when it is done. Raises InputError where a recording lacks
+    the input's signal.
     """
     given, asked = recordings, model
+    noise = noise_of(recordings, model) if noise is None else noise
     recordings, model = to_rotary_equivalent(recordings, model)
     inputs = [choose_input(recording, model, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
-    pooled = RunningComparison(model, together)
+    pooled = RunningComparison(model, together, noise=noise)
     compared = []
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step), recordings, inputs)
+    besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
     for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
         for name, part in parts.items():
             stretches[name].append(part)
@@ -137,12 +143,48 @@ def compare(
     )
 
 
+def compare_all(
+    recordings: Sequence[Recording],
+    models: Sequence[Model],
+    source: str | None = None,
+    *,
+    step: float | None = None,
+    progress: Callable[[str, str], None] = lambda model, name: None,
+) -> list[Comparison]:
+    """Compare several models with the same recordings, beside one noise floor: that of the first.
+
+    ``progress`` is called with the model's and the recording's name.
+    """
+    noise = noise_of(recordings, models[0])
+    return [
+        compare(recordings, model, source, step=step, noise=noise, progress=partial(progress, model.name))
+        for model in models
+    ]
+
+
+def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping[str, float]) -> tuple[str, Signals]:
+    """(input, errors pooled over all recordings), as ``compare`` tells them."""
+    matched, twin = to_rotary_equivalent(recordings, model)
+    inputs = [choose_input(recording, twin) for recording in matched]
+    together = inputs[0] if len(set(inputs)) == 1 else MIXED
+    pooled = RunningComparison(twin, together, noise=noise)
+
+    def beside(recording: Recording, source: str) -> RunningComparison:
+        running = RunningComparison(twin, source, period=recording.sample_period, noise=noise)
+        running.add_rows(recording.signals, simulate(twin, recording, source).signals)
+        return running
+
+    for running in _POOL.map(beside, matched, inputs):
+        pooled.include(running)
+    return together, shown_errors(twin, _of_the_drive(twin, pooled.result(), matched))
+
+
 def _beside(
-    recording: Recording, model: Model, source: str, step: float | None
+    recording: Recording, model: Model, source: str, step: float | None, noise: Mapping[str, float]
 ) -> tuple[RunningComparison, dict[str, Stretch]]:
     """The errors of a twin beside a recording, and those that are traced to a place; the twin itself is let go of."""
     twin = simulate(model, recording, source, step=step)
-    running = RunningComparison(model, source, period=recording.sample_period)
+    running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
     traced = [name for name in explained_signals(source) if name in residuals]

@@ -9,6 +9,7 @@ from typing import TypedDict
 
 import numpy as np
 
+from ..criteria import SMALL
 from ..model import Model
 from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import BY_MOTOR, POINTWISE
@@ -41,8 +42,9 @@ class SignalError(TypedDict):
 
 
 def excess_removed(before: SignalError, after: SignalError) -> float | None:
-    """Share of the excess (power above the noise floor) that a model removes; None where there is no excess."""
-    return share_removed(before["rmse"], after["rmse"], before["noise_floor"])
+    """Share (0 to 1) of the excess (power above the noise floor) that a model removes; None where there is none."""
+    share = share_removed(before["rmse"], after["rmse"], before["noise_floor"])
+    return None if share is None else told_share(share)
 
 
 def share_removed(before: float, after: float, noise_floor: float) -> float | None:
@@ -54,15 +56,29 @@ def share_removed(before: float, after: float, noise_floor: float) -> float | No
     return (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else None
 
 
+def told_share(share: float) -> float:
+    """A share as it is told, from 0 to 1: what makes an error grow takes none of it away."""
+    return min(max(share, 0.0), 1.0)
+
+
 class RunningComparison:
     """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
 
     Samples come one by one (``add``) or by whole arrays (``add_rows``); a sample whose value is NaN on either side does
     not count for that signal. The window is counted in samples of ``period`` [s], by default the model's; of samples
     that come with their times, by these.
+
+    ``noise`` is the noise floor where it is known of the recordings (``measured.noise.noise_of``), else the model's.
     """
 
-    def __init__(self, model: Model, source: str, window: float = 5.0, period: float | None = None) -> None:
+    def __init__(
+        self,
+        model: Model,
+        source: str,
+        window: float = 5.0,
+        period: float | None = None,
+        noise: Mapping[str, float] | None = None,
+    ) -> None:
         self.source = source
         self._period = period or model.value("sensors.sample_period")
         self.samples = 0
@@ -77,6 +93,7 @@ class RunningComparison:
         self._width = window
         self._times: dict[str, deque[float]] = {name: deque() for name in UNITS}
         self._has_speed = False
+        self._noise = noise
         self._floors: dict[bool, dict[str, float]] = {}
 
     def add(self, bench: Mapping[str, float], twin: Mapping[str, float], time: float | None = None) -> dict[str, float]:
@@ -163,9 +180,19 @@ class RunningComparison:
     @property
     def noise_floor(self) -> dict[str, float]:
         """The sensors' noise per signal, standard deviation."""
+        if self._noise is not None:
+            return dict(self._noise)
         if self._has_speed not in self._floors:
             self._floors[self._has_speed] = noise_floors(self._model, has_speed=self._has_speed, period=self._period)
         return self._floors[self._has_speed]
+
+    @property
+    def beyond_noise(self) -> dict[str, float]:
+        """By signal that stands out of the sensors' noise in the last window, by how many times; the worst first."""
+        floor, driven = self.noise_floor, DRIVEN.get(self.source, ())
+        times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in driven and floor[n] > 0.0}
+        over = {name: value for name, value in times.items() if value > 1.0 + SMALL}
+        return dict(sorted(over.items(), key=lambda item: -item[1]))
 
     def result(self) -> dict[str, SignalError]:
         """Per compared signal ``{rmse, relative, noise_floor, unit, driven}``; absent signals are left out.

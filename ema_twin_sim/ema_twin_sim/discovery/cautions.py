@@ -1,8 +1,8 @@
 """Cautions that come with a finding, in words."""
 
 OPEN_CONSTANTS = (
-    "the model has unknown constants, so an effect counts only if almost no torque error remains; what remains is not "
-    "compared with the sensors' noise",
+    "the model has unknown constants, so an effect counts only if almost no torque error remains; that may still be "
+    "more than the sensors' noise",
 )
 ALONE = ("with one recording the result is not validated on unseen data; give several",)
 WITHOUT_TORQUE = (

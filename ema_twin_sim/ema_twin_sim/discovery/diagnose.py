@@ -8,7 +8,7 @@ been made of other stretches of the same kind.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,16 +61,17 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Which effect a model lacks, the likeliest first; ``as_json`` is what ``diagnose --json`` writes."""
+    """Which effects a model lacks; ``as_json`` is what ``diagnose --json`` writes."""
 
     verdict: str  # an effect's id, none or unknown
-    ranking: tuple[Ranked, ...]
-    none: float  # probability that nothing is missing
+    ranking: tuple[Ranked, ...]  # what was found first, in discover's order; then the others, the likeliest first
+    none: float  # probability that no effect is missing
     unknown: float  # probability that something is missing that is not in the ranking
     groups: tuple[tuple[str, ...], ...]
     depends_on: tuple[str, ...]
     next_recording: str
     warnings: tuple[str, ...]
+    beyond_noise: Mapping[str, float]  # of what stands out of the noise beside all that was found, by how many times
 
     def as_json(self) -> dict[str, object]:
         """SI units; absent numbers are null."""
@@ -93,6 +94,7 @@ class Diagnosis:
             "depends_on": list(self.depends_on),
             "next_recording": self.next_recording,
             "warnings": list(self.warnings),
+            "beyond_noise": dict(self.beyond_noise),
         }
 
 
@@ -157,7 +159,8 @@ def weigh(found: Discovery) -> Diagnosis:
     contenders |= {cause.key: replace(cause, after=found.search.fit) for cause, *_ in contests if cause.key in held}
     likeliest = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))
     order = [key for place, key in enumerate(likeliest) if place < RANKED or key in held]
-    removed = _removed(problem, found.recordings, [contenders[key] for key in order[:SIMULATED]])
+    removed = _removed(problem, found, [contenders[key] for key in order[:SIMULATED]])
+    order.sort(key=lambda key: _place(found, key, held))
     ranking = tuple(_ranked(problem, contenders[key], present[key], removed.get(key), key in held) for key in order)
     verdict = next(entry.effect for entry in ranking if entry.found) if found.verdict == "explained" else found.verdict
     return Diagnosis(
@@ -169,7 +172,13 @@ def weigh(found: Discovery) -> Diagnosis:
         found.depends_on,
         found.next_recording,
         found.warnings,
+        found.beyond_noise,
     )
+
+
+def _place(found: Discovery, key: Key, held: Container[Key]) -> int:
+    """What was found comes first, in the order that discover tells it in; the rest stays as it is."""
+    return found.added.index(key[0]) if key in held and key[0] in found.added else len(found.added)
 
 
 def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Contender]]:
@@ -252,14 +261,12 @@ def _ranked(
     return Ranked(instance.effect, dict(instance.options), probability, removed, parameters, found)
 
 
-def _removed(
-    problem: EquationErrorProblem, recordings: Sequence[Recording], contenders: Sequence[_Contender]
-) -> dict[Key, float]:
+def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequence[_Contender]) -> dict[Key, float]:
     """The share of the excess error that each contender removes where it was not fitted to."""
     fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
     if not contenders:
         return {}
-    base = contenders[0].before.hypothesis.base
+    recordings, base = found.recordings, contenders[0].before.hypothesis.base
     sources = [choose_input(recording, base) for recording in recordings]
     jobs = []
     for key, f in fits.items():
@@ -269,7 +276,7 @@ def _removed(
 
     def error(job: tuple[int, Recording, str, Model]) -> RunningComparison | None:
         _, recording, source, model = job
-        compared = RunningComparison(model, source, period=recording.sample_period)
+        compared = RunningComparison(model, source, period=recording.sample_period, noise=found.noise)
         try:
             compared.add_rows(recording.signals, simulate(model, recording, source).signals)
         except InputError:  # such numbers make no motion: this contender is not worked out
@@ -277,23 +284,23 @@ def _removed(
         return compared
 
     errors: dict[int, RunningComparison | None] = {}
-    for (key, recording, _, model), compared in zip(jobs, simulations(error, jobs), strict=True):
+    for (key, _, _, model), compared in zip(jobs, simulations(error, jobs), strict=True):
         driving = sources[0] if len(set(sources)) == 1 else "current"
-        pooled = errors.setdefault(key, RunningComparison(model, driving, period=recording.sample_period))
+        pooled = errors.setdefault(key, RunningComparison(model, driving, noise=found.noise))
         if compared is None or pooled is None:
             errors[key] = None
         else:
             pooled.include(compared)
-    found = {}
+    shares = {}
     for contender in contenders:
         before, after = errors[id(contender.before)], errors[id(contender.after)]
         if before is not None and after is not None:
-            found[contender.key] = _share(before.result(), after.result(), before.source)
-    return found
+            shares[contender.key] = _share(before.result(), after.result(), before.source)
+    return shares
 
 
 def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], source: str) -> float:
-    """The largest share of a signal's excess error that went away; 0 where no error is above the noise."""
+    """The largest share of a signal's excess error that went away, from 0 to 1; 0 where no error is above the noise."""
     telling = ("unexplained_torque",) if source == "current" else ("current", "output_position")
     shares = [
         excess_removed(before[name], after[name])

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..comparison.beyond_noise import beyond_noise
+from ..comparison.compare import Signals, overall_errors
 from ..criteria import MOST_EFFECTS, NOISY, PART
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
@@ -18,6 +21,7 @@ from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypo
 from ..identification.on_bound import on_bounds
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
+from ..measured.noise import NoiseFloor, noise_of
 from ..measured.observability import at_rest, not_shown, own_not_shown, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
@@ -46,7 +50,10 @@ OF_TEETH = ("mesh_ripple", "tooth_fault")
 
 @dataclass(frozen=True)
 class Step:
-    """One step: an effect added (or removed again), and the error before and after, on data not fitted to."""
+    """One step: an effect added (or removed again), and the error before and after, on data not fitted to.
+
+    The first begins with the given model's own constants fitted: ``error_removed`` is the step's own, from 0 to 1.
+    """
 
     effect: str
     instance: str
@@ -81,7 +88,15 @@ class Discovery:
     equation: EquationErrorProblem
     rivalries: tuple[Rivalry, ...]
     recordings: tuple[Recording, ...]  # as they are judged on unseen data: matched, in SI
+    noise: NoiseFloor  # of the recordings, SI; the one that all that tells of them is held against
+    input: str  # of the twins
+    left: Signals  # errors of the model that was found, as ``compare`` tells them
     left_over: str = ""  # how large, and where along the first of ``depends_on``
+
+    @property
+    def beyond_noise(self) -> dict[str, float]:
+        """By signal that still stands out of the sensors' noise, by how many times; the worst first."""
+        return beyond_noise(self.input, self.left)
 
     def as_json(self) -> dict[str, object]:
         """SI units; absent numbers are null."""
@@ -97,6 +112,8 @@ class Discovery:
             "next_recording": self.next_recording,
             "stopped": self.stopped,
             "unseen": self.unseen.as_json(),
+            "left": {name: dict(error) for name, error in self.left.items()},
+            "beyond_noise": self.beyond_noise,
             "warnings": list(self.warnings),
         }
 
@@ -114,7 +131,10 @@ def discover(
     where the recordings cannot be judged.
     """
     progress("reading the motion")
-    given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
+    noise = noise_of(recordings, model)
+    given, given_recordings = model, recordings
+    as_measured, began = to_rotary_equivalent(recordings, model)
+    as_measured = operating_point_folds(as_measured)
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
     model = with_output_held(at_rest(model, recordings), recordings)
@@ -139,21 +159,22 @@ def discover(
     found = with_best_split(problem, loop, found)
     found = with_unmoved_constants(problem, loop, found) if known else found
     progress("judging on recordings that were not fitted to")
-    unseen = judge_unseen(problem, as_measured, found)
+    began = began if model.is_open else in_si(model)
+    unseen = judge_unseen(problem, as_measured, began, noise, found)
     if known and (idle := _idle(found, unseen)):
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(problem, found, idle, "the simulated loop hardly follows the recordings better with it")
         # of a machine that is not known to the noise, the rest may explain it as well as anything does
         known = model.is_open and explained(problem, found.fit, start)
         depends_on = () if known else shown_over
-        unseen = judge_unseen(problem, as_measured, found)
+        unseen = judge_unseen(problem, as_measured, began, noise, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         # numbers that nobody knew are better fitted than as they were
         bare = settle(problem, fit(problem, null)) if model.is_open else fit(problem, null, 0)
         found = found.ended(bare, problem.weighting, "it does not improve the model given what remains unexplained")
-        unseen = judge_unseen(problem, as_measured, found, as_given=not model.is_open)
+        unseen = judge_unseen(problem, as_measured, began, noise, found, as_given=not model.is_open)
     as_given = as_given and not model.is_open
     best = found.fit
     unseen = unseen.shown(in_si(model))
@@ -161,14 +182,17 @@ def discover(
     rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     errors = standard_errors(problem, best)
     steps = _steps(found, unseen)
-    added = _most_telling_first(best.hypothesis.effects, steps)
+    order = _most_telling_first(best.hypothesis.added, steps)
+    added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
+    told = parameters(best, errors)
     better = native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given)
+    end = given if as_given else with_hidden_as_given(better, given, recordings)
     return Discovery(
         verdict,
         added,
-        given if as_given else with_hidden_as_given(better, given, recordings),
+        end,
         steps,
-        MappingProxyType(parameters(best, errors)),
+        MappingProxyType({name: told[name] for name in order}),
         MappingProxyType({} if as_given or not problem.size else constants(best, errors, given)),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
@@ -190,6 +214,8 @@ def discover(
         problem,
         rivals,
         tuple(as_measured),
+        noise,
+        *_left(given_recordings, end, noise),
         "" if known else left_over_words(problem, found, depends_on),
     )
 
@@ -276,6 +302,14 @@ def _shows_over(found: Search, name: str) -> str:
     return catalogue()[found.fit.hypothesis.added[name].effect].depends_on
 
 
+def _left(recordings: Sequence[Recording], model: Model, noise: NoiseFloor) -> tuple[str, Signals]:
+    """(input, errors) of a twin beside recordings; none where it makes no motion that can be followed."""
+    try:
+        return overall_errors(recordings, model, noise)
+    except InputError:
+        return "", {}
+
+
 def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
     steps = []
     for k, turn in enumerate(found.taken):
@@ -293,7 +327,7 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
                     unit=unseen.unit,
                     output_before=unseen.output[k] if unseen.output else None,
                     output_after=unseen.output[k + 1] if unseen.output else None,
-                    error_removed=unseen.removed(k, k + 1),
+                    error_removed=unseen.credit(k),
                     reason="largest gain" if action == "add" else turn.reason,
                     tried=tried,
                 )
@@ -301,13 +335,10 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _most_telling_first(effects: Sequence[str], steps: Sequence[Step]) -> tuple[str, ...]:
-    """Each effect once, the one whose step took most of the error away first."""
-    removed: dict[str, float] = {}
-    for step in steps:
-        if step.action == "add":
-            removed[step.effect] = max(removed.get(step.effect, 0.0), step.error_removed or 0.0)
-    return tuple(sorted(dict.fromkeys(effects), key=lambda id: -removed.get(id, 0.0)))
+def _most_telling_first(names: Iterable[str], steps: Sequence[Step]) -> tuple[str, ...]:
+    """The names of effects, the one whose step took most of the error's power away first."""
+    power = {s.instance: s.rmse_before**2 - s.rmse_after**2 for s in steps if s.action == "add"}
+    return tuple(sorted(names, key=lambda name: -power.get(name, 0.0)))
 
 
 def _tried(turn: Round) -> list[dict[str, object]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..comparison.running_comparison import share_removed
+from ..comparison.running_comparison import share_removed, told_share
 from ..criteria import CLEARLY_MORE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
@@ -19,19 +19,21 @@ from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
 from ..model import Model
 from ..model.own_units import in_si, shown
-from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 
 
 @dataclass(frozen=True)
 class Unseen:
-    """RMSE of the headline signal after each round, the start included: pooled, and per recording.
+    """RMSE of the headline signal: of the model that was given, of the start, and after each round; pooled, and per
+    recording.
 
-    The last is the end's, with whatever constants it was refitted with.
+    The start is the given model with its own constants fitted, where that comes nearer to the recordings: no effect is
+    credited with that. The last is the end's, with whatever constants it was refitted with.
 
     ``output`` is that of the output's position [rad], pooled; empty where it was not measured. Where the current drives
     the twin, whose positions then drift, it is what the ``encoders`` part by, beyond what the model lets them.
+    ``left`` is what the end leaves of every signal that tells something.
     """
 
     signal: str
@@ -40,36 +42,63 @@ class Unseen:
     rmse: tuple[float, ...]
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
     output: tuple[float, ...]
-    encoders: bool = False
+    encoders: bool
+    given: float
+    given_recordings: tuple[float, ...]
+    given_output: float | None
+    judged_from: float  # what the end is held against: of a closed model as given, of an open one with all fitted
+    judged_from_output: float | None
+
+    @property
+    def refitted(self) -> bool:
+        """Whether the start is not the model that was given."""
+        return self.rmse[0] != self.given
+
+    @property
+    def refit_removed(self) -> float | None:
+        """Share of the excess above the noise floor that went away as the given model's own constants were fitted."""
+        return _told(share_removed(self.given, self.rmse[0], self.noise_floor))
 
     @property
     def betters(self) -> bool:
         """Whether the end is nearer to the recordings than the start: in the signal, in how the encoders part, or
         clearly in where the output is, and no farther in the signal.
         """
-        if self.rmse[-1] < self.rmse[0]:
+        if self.rmse[-1] < self._decided(0):
             return True
         if self.encoders:
-            return self.output[-1] < self.output[0]
-        return bool(self.output) and self.output[-1] < (1.0 / CLEARLY_MORE) * self.output[0] and not self.worsens
+            return self.output[-1] < self._decided_output(0)
+        return bool(self.output) and (
+            self.output[-1] < (1.0 / CLEARLY_MORE) * self._decided_output(0) and not self.worsens
+        )
 
     @property
     def worsens(self) -> bool:
         """Whether the end is clearly farther from the recordings than the start."""
-        return self.rmse[-1] > CLEARLY_MORE * max(self.rmse[0], self.noise_floor)
+        return self.rmse[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
 
     def removed(self, before: int, after: int) -> float | None:
         """Share of the excess above the noise floor that went away between two rounds; None without excess."""
-        return share_removed(self.rmse[before], self.rmse[after], self.noise_floor)
+        return share_removed(self._decided(before), self.rmse[after], self.noise_floor)
 
     def output_removed(self, before: int, after: int) -> float:
         """Share, in power, of the output's error that went away between two rounds; 0 where it is not judged.
 
         Where a measured current drives the twin, that is how far the encoders part.
         """
-        if not self.output or not self.output[before]:
+        if not self.output or not self._decided_output(before):
             return 0.0
-        return 1.0 - (self.output[after] / self.output[before]) ** 2
+        return 1.0 - (self.output[after] / self._decided_output(before)) ** 2
+
+    def credit(self, turn: int) -> float | None:
+        """Share, from 0 to 1, of the excess above the noise floor that a round took away by itself; None without."""
+        return _told(share_removed(self.rmse[turn], self.rmse[turn + 1], self.noise_floor))
+
+    def _decided(self, turn: int) -> float:
+        return self.rmse[turn] if turn else self.judged_from
+
+    def _decided_output(self, turn: int) -> float:
+        return self.output[turn] if turn or self.judged_from_output is None else self.judged_from_output
 
     def shown(self, model: Model) -> Unseen:
         """The same in the units of the model's machine."""
@@ -82,18 +111,37 @@ class Unseen:
             rmse=tuple(per * value for value in self.rmse),
             recordings=tuple((name, tuple(per * value for value in values)) for name, values in self.recordings),
             output=tuple(way * value for value in self.output),
+            given=per * self.given,
+            given_recordings=tuple(per * value for value in self.given_recordings),
+            given_output=None if self.given_output is None else way * self.given_output,
+            judged_from=per * self.judged_from,
+            judged_from_output=None if self.judged_from_output is None else way * self.judged_from_output,
         )
 
     def as_json(self) -> dict[str, object]:
         """For ``--json``."""
+        output = "encoder_difference" if self.encoders else "output_position"
         return {
             "signal": self.signal,
             "unit": self.unit,
             "noise_floor": self.noise_floor,
             "rmse": list(self.rmse),
-            "encoder_difference" if self.encoders else "output_position": list(self.output),
+            output: list(self.output),
             "recordings": [{"name": name, "rmse": list(values)} for name, values in self.recordings],
+            "as_given": {
+                "rmse": self.given,
+                output: self.given_output,
+                "recordings": [
+                    {"name": name, "rmse": value}
+                    for (name, _), value in zip(self.recordings, self.given_recordings, strict=True)
+                ],
+            },
+            "refit_removed": self.refit_removed,
         }
+
+
+def _told(share: float | None) -> float | None:
+    return None if share is None else told_share(share)
 
 
 def squares(model: Model, recording: Recording, source: str, signals: Sequence[str]) -> np.ndarray:
@@ -108,18 +156,25 @@ def squares(model: Model, recording: Recording, source: str, signals: Sequence[s
     found = []
     for name in signals:
         measured = 0.0 if name == "unexplained_torque" else recording.signals.get(name, np.nan)
-        residual = np.asarray(measured - twin.signals[name])
+        residual = np.asarray(measured - twin.signals.get(name, np.nan))
         residual = residual[np.isfinite(residual)]
         found += [float(residual @ residual), len(residual)]
     return np.array(found)
 
 
 def judge_unseen(
-    problem: EquationErrorProblem, recordings: Sequence[Recording], found: Search, *, as_given: bool = False
+    problem: EquationErrorProblem,
+    recordings: Sequence[Recording],
+    given: Model,
+    noise: Mapping[str, float],
+    found: Search,
+    *,
+    as_given: bool = False,
 ) -> Unseen:
     """Simulate every recording (SI) after every round with the numbers that the other recordings gave.
 
-    The end is the model ``as_given`` where nothing of it was changed.
+    ``given`` (SI) is the model as it was given, and ``noise`` the noise floor of all of them. The end is the model
+    ``as_given`` where nothing of it was changed.
     """
     base = found.fit.hypothesis.base
     inputs = [choose_input(recording, base) for recording in recordings]
@@ -132,36 +187,50 @@ def judge_unseen(
     fits: list[Fit] = [found.rounds[0].before, *(turn.after for turn in found.taken)]
     if len(fits) == 1 or fits[-1] is not found.fit:
         fits.append(found.fit)
-    jobs: list[tuple[int, Recording, str, Model]] = []
+    jobs: list[tuple[Recording, str, Model]] = [(*job, given) for job in zip(recordings, inputs, strict=True)]
     of_output: list[float] = []
-    for k, f in enumerate(fits):
-        # what is open in the model is no effect's merit: it begins with what fits best
-        untouched = (k == 0 and not base.is_open) or (as_given and f is found.fit)
-        fitted_to_all = untouched or len(recordings) < 2
-        numbers = [f.hypothesis.values] * len(recordings) if fitted_to_all else held_out(problem, f)
+    for f in fits:
+        untouched = as_given and f is found.fit
+        numbers = [f.hypothesis.values] * len(recordings)
+        if not untouched and len(recordings) > 1:
+            numbers = held_out(problem, f)
         if driven and problem.rows > problem.size:
             of_output.append(_parting(problem, f, numbers))
-        for recording, source, values in zip(recordings, inputs, numbers, strict=True):
-            model = base if untouched else f.hypothesis.at(values).model()
-            jobs.append((k, recording, source, in_si(model)))
+        jobs += [
+            (recording, source, given if untouched else in_si(f.hypothesis.at(values).model()))
+            for recording, source, values in zip(recordings, inputs, numbers, strict=True)
+        ]
 
     signals = (signal, "output_position")
-    table = np.array(list(simulations(lambda job: squares(job[3], job[1], job[2], signals), jobs)))
-    table = table.reshape(len(fits), len(recordings), 4)
-    rows, counts = table[:, :, 0], table[:, :, 1]
-    floors = [noise_floors(in_si(base), has_speed=r.has("speed"), period=r.sample_period)[signal] for r in recordings]
-    each = np.sqrt(rows / np.maximum(counts, 1))
-    output = table[:, :, 2:].sum(axis=1)
-    if signal == "current" and output[:, 1].all():
-        of_output = [math.sqrt(s / n) for s, n in output]
+    table = np.array(list(simulations(lambda job: squares(job[2], job[0], job[1], signals), jobs)))
+    table = table.reshape(1 + len(fits), len(recordings), len(signals), 2)
+    squared, counts = table[..., 0], table[..., 1]
+    each = np.sqrt(squared[:, :, 0] / np.maximum(counts[:, :, 0], 1))
+    pooled = np.sqrt(squared.sum(axis=1) / np.maximum(counts.sum(axis=1), 1))
+    if signal == "current" and counts[:, :, 1].sum(axis=1).all():
+        of_output = [float(value) for value in pooled[:, 1]]
+    elif of_output:
+        of_output = [
+            _parting(problem, fits[0], [fits[0].hypothesis.values] * len(recordings)),
+            *of_output,
+        ]
+    first = int(base.is_open)
+    judged_from = float(pooled[first, 0]), of_output[first] if of_output else None
+    if as_given or not pooled[1, 0] < pooled[0, 0]:  # to fit what is open without what is missing may lead astray
+        pooled[1], each[1] = pooled[0], each[0]
+        of_output[1:2] = of_output[:1]
     return Unseen(
         signal,
         unit,
-        math.sqrt(sum(floor**2 for floor in floors) / len(floors)),
-        tuple(math.sqrt(s / max(n, 1)) for s, n in zip(rows.sum(axis=1), counts.sum(axis=1), strict=True)),
-        tuple((r.name, tuple(float(v) for v in each[:, k])) for k, r in enumerate(recordings)),
-        tuple(of_output),
+        noise[signal],
+        tuple(float(value) for value in pooled[1:, 0]),
+        tuple((r.name, tuple(float(v) for v in each[1:, k])) for k, r in enumerate(recordings)),
+        tuple(of_output[1:]),
         driven and bool(of_output),
+        float(pooled[0, 0]),
+        tuple(float(value) for value in each[0]),
+        of_output[0] if of_output else None,
+        *judged_from,
     )
 
 

@@ -51,9 +51,10 @@ class Parameter:
     infinite bound (``math.inf``); a share or an angle is bounded. A search looks as far as the recordings reach.
 
     ``default`` is a typical value of this class of machine, used where an effect is added with none given. The search
-    for missing effects begins at each of ``starts`` (none: spread between the bounds); a ``periodic`` parameter is an
-    angle. An effect's first parameter is its size; ``neutral`` is the size at which it does nothing and from which it
-    grows in proportion (None: it has none, or does not grow in proportion, so that sizes too are tried from starts).
+    for missing effects begins at each of ``starts`` (none: spread between the bounds, or, of a user's own effect, over
+    what the recordings cover); a ``periodic`` parameter is an angle. An effect's first parameter is its size;
+    ``neutral`` is the size at which it does nothing and from which it grows in proportion (None: it has none, or does
+    not grow in proportion, so that sizes too are tried from starts).
     What acts ``at_rest`` only does not show in motion, and is not fitted to it. A ``driven`` speed is one over which an
     effect fades: beyond the speeds that recordings drive it would be another effect, and is not looked for there.
     """

@@ -12,6 +12,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+from ..comparison.beyond_noise import times_noise, times_words
 from ..comparison.compare import shown_errors
 from ..comparison.running_comparison import SignalError
 from ..comparison.torque_error import TorqueError, torque_error
@@ -20,6 +21,7 @@ from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..measured.consistency import refuse_inconsistent
 from ..measured.folds import operating_point_folds
+from ..measured.noise import noise_of
 from ..measured.observability import at_rest, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent
@@ -114,6 +116,7 @@ def fit_model(
     all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
     what is being done. Raises InputError where the recordings cannot be fitted to.
     """
+    noise = noise_of(recordings, model)
     given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
     recordings, model = to_own_units(recordings, model)
     recordings, awake = operating_point_folds(recordings), model
@@ -135,7 +138,7 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")
-    before, after, judged_on = judge(as_measured, sources, misfit, solution, freedom)
+    before, after, judged_on = judge(as_measured, sources, misfit, solution, freedom, noise)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()
@@ -232,13 +235,13 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
     """What to say of a fit that leaves much, or makes worse what it was not fitted to; ``hit``: teeth meet in it."""
     told = {signal: error for signal, error in after.items() if _tells(signal, error, after)}
     notes = []
-    worst = max(told, key=lambda s: told[s]["rmse"] / max(told[s]["noise_floor"], 1e-300), default=None)
+    worst = max(told, key=lambda s: times_noise(told[s]), default=None)
     if worst is not None and told[worst]["rmse"] > TOO_MUCH * told[worst]["noise_floor"] > 0.0:
-        times = told[worst]["rmse"] / told[worst]["noise_floor"]
+        times = times_words(times_noise(told[worst]))
         notes.append(
-            f"what is left of the {worst.replace('_', ' ')} is {times:.0f} times the noise: "
-            + ("impact timing off by 1 ms can cause this; otherwise " if hit else "")
-            + "the model is incomplete: run diagnose"
+            f"what is left of the {worst.replace('_', ' ')} is {times} the sensors' noise: "
+            + ("impact timing off by 1 ms can cause this; " if hit else "")
+            + "diagnose tells whether an effect is missing"
         )
     for signal, error in told.items():
         if error["rmse"] > (1.0 + SMALL) * max(before[signal]["rmse"], NOISY * error["noise_floor"]):

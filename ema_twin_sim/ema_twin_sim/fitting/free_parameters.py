@@ -12,9 +12,9 @@ from ema_bench_replay.errors import InputError
 
 from ..criteria import ANY_SIZE, NEGLIGIBLE, PART, SEARCHED_UP_TO, TOLERANCE, UNSEEN_SPREAD
 from ..effects import Parameter, catalogue
-from ..identification.candidates import WIDE
 from ..identification.hypothesis import COMPLIANT_EFFECTS, INERTIAS
 from ..identification.search_limits import Reached, search_limits
+from ..identification.start_values import WIDE
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest

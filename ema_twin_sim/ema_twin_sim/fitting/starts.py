@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, CLEARLY_MORE, FAR_OFF_ROW
 from ..effects import catalogue
+from ..effects.catalogue import is_own
+from ..identification.candidates import Candidate
 from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spread
 from ..identification.equation import FAR, EquationErrorProblem
 from ..identification.excerpt import excerpt
 from ..identification.fit import fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
+from ..identification.screening import screen
 from ..identification.weighting import Weighting
 from .equation_misfit import EquationMisfit
 from .free_parameters import FreeParameters, split, waves
@@ -77,6 +81,28 @@ def open_start(equation: EquationErrorProblem, freedom: FreeParameters) -> np.nd
     return values
 
 
+def _own_start(misfit: EquationMisfit, values: np.ndarray, name: str, own: Sequence[int]) -> np.ndarray | None:
+    """Values (k,) with a user's own effect where a regression has it, over all that the recordings cover.
+
+    None where it is no candidate, or shows nowhere.
+    """
+    equation, freedom = misfit.equation, misfit.freedom
+    instance = freedom.model.effects[name]
+    if not is_own(catalogue()[instance.effect]) or not equation.size:
+        return None
+    weighting, use_encoder = equation.weighting, equation.use_encoder
+    rest = replace(freedom, numbers=freedom.numbers[:-1]).at(values[:-1]).without_effect(name)
+    found = screen(equation, fit(equation, null_hypothesis(rest)), [Candidate(instance.effect, instance.options)])
+    equation.weighting, equation.use_encoder = weighting, use_encoder
+    if not found:
+        return None
+    begun = values.copy()
+    for k in own:
+        number = freedom.numbers[k]
+        begun[k] = min(max(found[0].start[split(number.path)[2]], number.lower), number.upper)
+    return begun
+
+
 def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress: Progress) -> Solution:
     """The best solution from ``start`` (k,) and from the starts that the catalogue names."""
     best = solve(misfit, wave_start(misfit, np.append(start, 0.0)), enough=enough, progress=progress)
@@ -90,11 +116,14 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
         if part != "effects" or model.effects[name].effect in COMPLIANT_EFFECTS:
             continue
         effect = catalogue()[model.effects[name].effect]
+        own = [j for j, other in enumerate(misfit.freedom.numbers) if split(other.path)[:2] == (part, name)]
+        if k == own[0] and (begun := _own_start(misfit, better.values, name, own)) is not None:
+            progress(f"trying all starts of {name}")
+            better = min(better, refine(misfit, begun, TRIED), key=lambda solution: solution.cost)
         starts = next(p.starts for p in effect.parameters if p.name == parameter)
         if len(starts) < 2:
             continue
         progress(f"trying other starts of {name}.{parameter}")
-        own = [j for j, other in enumerate(misfit.freedom.numbers) if split(other.path)[:2] == (part, name)]
         for value in starts:
             trial = better.values.copy()
             trial[own] = misfit.freedom.start[own]  # a size that has shrunk to nothing would hide where it belongs

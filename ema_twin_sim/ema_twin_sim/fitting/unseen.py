@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -27,9 +27,17 @@ Errors = dict[str, SignalError]
 
 
 def judge(
-    recordings: Sequence[Recording], sources: Sequence[str], misfit: Misfit, solution: Solution, freedom: FreeParameters
+    recordings: Sequence[Recording],
+    sources: Sequence[str],
+    misfit: Misfit,
+    solution: Solution,
+    freedom: FreeParameters,
+    noise: Mapping[str, float],
 ) -> tuple[Errors, Errors, str]:
-    """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others."""
+    """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others.
+
+    ``noise`` is the noise floor of the recordings.
+    """
     if len(recordings) > 1:
         which = np.empty(misfit.rows, int)
         for recording, part in misfit.parts:
@@ -51,7 +59,8 @@ def judge(
         inside = np.clip(found[: len(numbers)], lower, upper)  # a straight line may lead anywhere
         models.append(in_si(freedom.at(np.array([n.from_solver(x) for n, x in zip(numbers, inside, strict=True)]))))
     given = [in_si(freedom.model)] * len(recordings)
-    return _errors(recordings, sources, given, given, first), _errors(recordings, sources, models, given, first), said
+    before, after = (_errors(recordings, sources, each, given, first, noise) for each in (given, models))
+    return before, after, said
 
 
 def _errors(
@@ -60,6 +69,7 @@ def _errors(
     models: Sequence[Model],
     given: Sequence[Model],
     first: Sequence[int],
+    noise: Mapping[str, float],
 ) -> Errors:
     """The errors of models, from sample ``first`` of each recording; of those given where one can not be run."""
 
@@ -72,9 +82,9 @@ def _errors(
     with ThreadPoolExecutor() as pool:
         twins = list(pool.map(twin_of, recordings, sources, models, given))
     together = sources[0] if len(set(sources)) == 1 else MIXED
-    pooled = RunningComparison(given[0], together, period=float(np.median([r.sample_period for r in recordings])))
+    pooled = RunningComparison(given[0], together, noise=noise)
     for recording, source, model, twin, start in zip(recordings, sources, given, twins, first, strict=True):
-        one = RunningComparison(model, source, period=recording.sample_period)
+        one = RunningComparison(model, source, period=recording.sample_period, noise=noise)
         one.add_rows(*({name: v[start:] for name, v in r.signals.items()} for r in (recording, twin)))
         pooled.include(one)
     return pooled.result()

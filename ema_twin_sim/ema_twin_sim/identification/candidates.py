@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ..effects import Effect, Parameter, catalogue
+from ..effects import Effect, catalogue
 from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
-
-WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
+from .search_limits import Reached
+from .start_values import start_values
 
 
 @dataclass(frozen=True)
@@ -52,20 +51,9 @@ def no_more_of(h: Hypothesis) -> frozenset[str]:
     return frozenset({"encoder_eccentricity"} if held.count("encoder_eccentricity") >= ANGLE_ERRORS else ())
 
 
-def starts(effect: Effect) -> Iterator[dict[str, float]]:
+def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:
     """The shapes from which the search of an effect begins: all parameters but a size that grows in proportion."""
     size = effect.parameters[0]
     shapes = [p for p in effect.parameters if p is not size or p.neutral is None]
-    for choice in itertools.product(*(_values(p) for p in shapes)):
+    for choice in itertools.product(*(start_values(effect, p, of) for p in shapes)):
         yield dict(zip((p.name for p in shapes), choice, strict=True))
-
-
-def _values(p: Parameter) -> tuple[float, ...]:
-    if p.starts:
-        return p.starts
-    if p.periodic:
-        return (0.0, 0.5 * math.pi)
-    if p.lower > 0.0 and p.upper / p.lower > WIDE:
-        ratio = (p.upper / p.lower) ** (1.0 / 7.0)
-        return tuple(p.lower * ratio**k for k in range(1, 7))
-    return tuple(p.lower + (p.upper - p.lower) * share for share in (0.1, 0.3, 0.5, 0.7, 0.9))

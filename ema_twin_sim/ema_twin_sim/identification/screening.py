@@ -14,6 +14,8 @@ from .candidates import Candidate, starts
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 from .parallel import predictions
+from .search_limits import Reached
+from .start_values import regressed_angle
 
 STEP = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
 
@@ -56,7 +58,7 @@ class _Known:
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
     """Each candidate's gain before its price, at its best start, best first."""
     known = _Known.of(problem, f)
-    jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect])]
+    jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect], problem.reached)]
     found: dict[str, Screened] = {}
     for c, screened in predictions(problem.samples, lambda job: (job[0], _screened(problem, f, known, *job)), jobs):
         if screened is not None and (c.name not in found or screened.gain > found[c.name].gain):
@@ -82,18 +84,14 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
     return Screened(c, {size.name: scale}, f.prior_cost - float(pr @ pr), lambda: moved.values - h.values)
 
 
-def _start_groups(effect: Effect) -> list[list[dict[str, float]]]:
+def _start_groups(effect: Effect, of: Reached) -> list[list[dict[str, float]]]:
     """Starts that differ in one angle only stand together: a wave of any angle is a sum of theirs."""
-    turning = _turning(effect)
+    angle = regressed_angle(effect)
+    turning = None if angle is None else angle.name
     groups: dict[tuple[float, ...], list[dict[str, float]]] = {}
-    for s in starts(effect):
+    for s in starts(effect, of):
         groups.setdefault(tuple(v for k, v in s.items() if k != turning), []).append(s)
     return list(groups.values())
-
-
-def _turning(effect: Effect) -> str | None:
-    """The angle that a regression finds: the first one; others are shapes, of which each is tried."""
-    return next((p.name for p in effect.parameters if p.periodic and not p.starts), None)
 
 
 def _screened(
@@ -119,9 +117,9 @@ def _screened(
     if math.sqrt(max(np.diag(square).max(), 0.0)) < 1e-9:
         return None
     x = np.linalg.lstsq(square, along, rcond=1e-9)[0]
-    turning = _turning(effect)
+    turning = regressed_angle(effect)
     if turning is not None:
-        start[turning] = math.atan2(x[1], x[0])
+        start[turning.name] = math.atan2(x[1], x[0])
         value = size.neutral + math.hypot(*x)
     else:
         value = size.neutral + float(x[0])
@@ -169,11 +167,11 @@ def would_show(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidat
 
 def _shows(problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate) -> float:
     effect = catalogue()[c.effect]
-    size, turning = effect.parameters[0], _turning(effect)
+    size, turning = effect.parameters[0], regressed_angle(effect)
     if size.neutral is None or size.default == size.neutral:
         return math.inf
     typical = effect.default_parameters()
-    group = [typical] if turning is None else [{**typical, turning: angle} for angle in (0.0, 0.5 * math.pi)]
+    group = [typical] if turning is None else [{**typical, turning.name: angle} for angle in (0.0, 0.5 * math.pi)]
     away = size.default - size.neutral
     columns = away * _columns(problem, f, known, c, group, STEP * away)
     if not np.isfinite(columns).all():

@@ -30,13 +30,17 @@ _POWERS = {
 
 @dataclass(frozen=True)
 class Reached:
-    """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow one, s."""
+    """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow one, s.
+
+    ``places`` are the least and the greatest angle of the slow shaft, as its encoder counts.
+    """
 
     torque: float
     speed: float
     acceleration: float
     travel: float
     duration: float
+    places: tuple[float, float]
 
 
 def reached(observations: Sequence[Observation]) -> Reached:
@@ -54,6 +58,10 @@ def reached(observations: Sequence[Observation]) -> Reached:
         acceleration,
         max((float(np.ptp(o.motion[:, OUTPUT_ANGLE])) for o in observations), default=0.0),
         max((float(np.ptp(o.motion[:, TIME])) for o in observations), default=0.0),
+        (
+            min((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].min()) for o in observations), default=0.0),
+            max((o.output_origin + float(o.motion[:, OUTPUT_ANGLE].max()) for o in observations), default=0.0),
+        ),
     )
 
 

@@ -29,6 +29,7 @@ from ema_bench_replay.nodes.spin import (
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError
+from ..measured.noise import noise_of
 from ..model import Model
 from .idle_time import IdleTime
 from .monitor import MonitorNode
@@ -228,7 +229,8 @@ def run_live(
         try:
             twin = TwinNode(model, parameters=[from_start, source], context=context)
             nodes.append(twin)
-            monitor = MonitorNode(model, parameters=[from_start, source], context=context)
+            noise = None if recording is None else noise_of([recording], model)
+            monitor = MonitorNode(model, parameters=[from_start, source], context=context, noise=noise)
             nodes.append(monitor)
             replay = None
             if recording is not None:

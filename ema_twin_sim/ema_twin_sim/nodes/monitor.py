@@ -78,13 +78,18 @@ class MonitorNode(Node):
         parameters: Sequence[Parameter] = (),
         context: Context | None = None,
         on_pair: PairListener | None = None,
+        noise: Mapping[str, float] | None = None,
     ) -> None:
-        """Compare by the noise of `model`, or of the one that the parameter names. Raises InputError on a wrong one."""
+        """Compare by the noise of `model`, or of the one that the parameter names. Raises InputError on a wrong one.
+
+        `noise` is the noise floor where it is known of the recording that is played.
+        """
         super().__init__("monitor", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
         load_effects(given["effect_files"])
         self.model = live_model(model or given["model"])
+        self._noise = noise
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         warm_up_comparison(self.model)
@@ -178,7 +183,7 @@ class MonitorNode(Node):
             self.on_pair(bench.stamp, bench.signals, twin.signals, residuals)
 
     def _new_comparison(self, source: str) -> RunningComparison:
-        return RunningComparison(self.model, source, self._window)
+        return RunningComparison(self.model, source, self._window, noise=self._noise)
 
     def _level(self, rmse_window: Mapping[str, float]) -> tuple[Level, str]:
         now, patience = time.monotonic(), self._limits["stale_after"]

@@ -52,12 +52,13 @@ def _point(time: float, speed: float, dry_level: float) -> OperatingPoint:
     )
 
 
-_POINTS = (_point(0.0, 0.0, 0.0), _point(5.0, 0.01, 0.05), _point(1.0, -6.2, 0.05), _point(100.0, 150.0, 0.05))
+POINTS = (_point(0.0, 0.0, 0.0), _point(5.0, 0.01, 0.05), _point(1.0, -6.2, 0.05), _point(100.0, 150.0, 0.05))
+"""Operating points at which a user's effect is tried."""
 
 
 def try_out(file: Path, effect: Effect) -> None:
     """Raise InputError where the effect is not a finite number at every trial."""
-    for options in _choices(effect):
+    for options in choices(effect):
         try:
             place = effect.where(options)
             numeric = () if effect.option_value is None else (float(effect.option_value(options)),)
@@ -77,7 +78,8 @@ def try_out(file: Path, effect: Effect) -> None:
             _try_act(file, effect, effect.act, options, numeric)
 
 
-def _choices(effect: Effect) -> Iterator[dict[str, str]]:
+def choices(effect: Effect) -> Iterator[dict[str, str]]:
+    """Every choice of an effect's options."""
     for choice in itertools.product(*effect.options.values()):
         yield dict(zip(effect.options, choice, strict=True))
 
@@ -110,7 +112,7 @@ def _try_act(
     file: Path, effect: Effect, act: Callable[..., float], options: Options, numeric: tuple[float, ...]
 ) -> None:
     compiled = _compiled(file, act, (*effect.default_parameters().values(), *numeric))
-    for parameters, at in itertools.product(_settings(effect), _POINTS):
+    for parameters, at in itertools.product(_settings(effect), POINTS):
         values = (*parameters.values(), *numeric)
         where = f"at motor_speed {at.motor_speed:g}, time {at.time:g}, with {_told({**parameters, **options})}"
         try:
@@ -122,7 +124,7 @@ def _try_act(
         if not math.isfinite(value):
             remedy = "keep it finite for all values within bounds (a lower bound above 0, a case for standstill)"
             raise InputError(f"{file}: {_start(act)}act gives {value} {where}; {remedy}")
-    unknown = _POINTS[1]._replace(electrical_angle=math.nan)
+    unknown = POINTS[1]._replace(electrical_angle=math.nan)
     values = (*effect.default_parameters().values(), *numeric)
     if not effect.electrical and math.isnan(compiled(unknown, values + (0.0,) * (PARAMETER_SLOTS - len(values)))):
         what = "act takes at.electrical_angle, which is known of motors of known pole pairs only"
@@ -136,7 +138,7 @@ def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) 
     except (TypeError, ValueError):
         raise InputError(f"{file}: {_start(act)}act does not take two arguments; define act(at, p)") from None
     plain: Exception | None = None
-    for at in _POINTS:
+    for at in POINTS:
         try:
             act(at, _Table(values))
         except _NotInTable as missing:

@@ -8,9 +8,9 @@ from datetime import datetime, timezone
 
 from ema_bench_replay.recording import NO_DATE, Recording
 
-from ..commands.error_cells import shown_signals
 from ..commands.wording import listed
-from ..comparison.compare import Comparison, compare, explained_signals
+from ..comparison.beyond_noise import shown_signals
+from ..comparison.compare import Comparison, compare_all, explained_signals
 from ..model import Model
 from ..simulation.simulate import DRIVING
 from .beside import Beside, beside
@@ -69,7 +69,7 @@ def shown(
 
     Raises InputError where a recording lacks the input's signal.
     """
-    compared = comparisons or [compare(recordings, model, source, step=step) for model in models]
+    compared = comparisons or compare_all(recordings, models, source, step=step)
     return Shown(recordings, tuple(compared), tuple(beside(recordings, model, source, step=step) for model in models))
 
 

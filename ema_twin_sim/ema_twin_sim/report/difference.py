@@ -36,7 +36,10 @@ class NewEffect:
 
 
 def new_effects(before: Model, after: Model, findings: Findings | None = None) -> list[NewEffect]:
-    """The active effects that ``before`` lacks; standard errors where the findings hold them for these very values."""
+    """The active effects that ``before`` lacks; standard errors where the findings hold them for these very values.
+
+    They come in the order that the findings tell them in.
+    """
     found = []
     for name, instance in after.active.items():
         if name in before.active and before.active[name].effect == instance.effect:
@@ -47,7 +50,8 @@ def new_effects(before: Model, after: Model, findings: Findings | None = None) -
             unit = after.parameter_unit(instance.effect, parameter)
             parameters[parameter] = {"value": value, "std": _std(known.get(parameter), value), "unit": unit}
         found.append(NewEffect(name, instance.effect, dict(instance.options), parameters))
-    return found
+    told = list(findings.parameters or {}) if findings else []
+    return sorted(found, key=lambda effect: told.index(effect.name) if effect.name in told else len(told))
 
 
 def moved_numbers(before: Model, after: Model, findings: Findings | None = None) -> list[tuple[str, Held]]:

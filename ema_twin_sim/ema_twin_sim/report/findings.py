@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,13 +26,18 @@ Held = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class UnseenErrors:
-    """RMSE on recordings that were not fitted to: at the start, and after each round; pooled and per recording."""
+    """RMSE on recordings that were not fitted to: at the start, and after each round; pooled and per recording.
+
+    The start is the given model with its own constants fitted, where that comes nearer.
+    """
 
     signal: str
     unit: str
     noise_floor: float
     rmse: tuple[float, ...]
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
+    given: float | None = None  # of the model as it was given; None where the file does not tell
+    given_recordings: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -70,6 +75,7 @@ class Findings:
     signatures: tuple[Signature, ...] = ()
     warnings: tuple[str, ...] = ()
     left_over: str = ""  # how large, and where along the first of ``depends_on``
+    beyond_noise: Mapping[str, float] = field(default_factory=dict)  # by signal, how many times its noise is left
 
 
 def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
@@ -121,6 +127,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
         tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
         _words(content.get("warnings", ())),
         str(content.get("left_over", "")),
+        {str(name): _number(times) for name, times in content.get("beyond_noise", {}).items()},
     )
 
 
@@ -189,12 +196,15 @@ def _step(step: Mapping[str, Any]) -> Step:
 def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
     if not unseen["rmse"]:
         raise ValueError("unseen.rmse is empty")
+    given = unseen.get("as_given", {"rmse": None, "recordings": []})
     return UnseenErrors(
         str(unseen["signal"]),
         str(unseen["unit"]),
         _number(unseen["noise_floor"]),
         _numbers(unseen["rmse"]),
         tuple((str(entry["name"]), _numbers(entry["rmse"])) for entry in unseen["recordings"]),
+        _perhaps(given["rmse"]),
+        tuple(_number(entry["rmse"]) for entry in given["recordings"]),
     )
 
 

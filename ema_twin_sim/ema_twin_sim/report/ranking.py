@@ -7,7 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ..commands.wording import effect_words, groups_sentence, listed, options_words, removed_words, verdict_of
+from ..commands.wording import (
+    effect_words,
+    groups_sentence,
+    listed,
+    no_effect_words,
+    options_words,
+    removed_words,
+    verdict_of,
+)
 from ..discovery.diagnose import Ranked
 from ..quantities import axis_unit, estimate
 from .backwards import searched_model
@@ -78,7 +86,10 @@ def _ranking(findings: Findings) -> Markup:
                 sizes,
             )
         )
-    for said, probability in (("nothing is missing", findings.none), ("something else", findings.unknown)):
+    for said, probability in (
+        (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
+        ("something else", findings.unknown),
+    ):
         rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
     note = (
         "Probability: how sure it is that the effect is missing; several may be missing at once. "

@@ -63,10 +63,15 @@ def _by_recording(shown: Shown, name: str, names: tuple[str, str]) -> Markup:
 
 
 def _unseen(unseen: UnseenErrors) -> Markup:
+    given = [unseen.rmse[0], *(values[0] for _, values in unseen.recordings)]
+    refitted = unseen.given is not None and unseen.given != unseen.rmse[0]
+    if unseen.given is not None:
+        given = [unseen.given, *unseen.given_recordings]
     rows = [
-        (name, quantity(values[0], unseen.unit), quantity(values[-1], unseen.unit))
-        for name, values in (*unseen.recordings, (ALL, unseen.rmse))
+        (name, *(quantity(value, unseen.unit) for value in (before, *(values[:1] if refitted else ()), values[-1])))
+        for before, (name, values) in zip([*given[1:], given[0]], [*unseen.recordings, (ALL, unseen.rmse)], strict=True)
     ]
     floor = quantity(unseen.noise_floor, unseen.unit)
     caption = f"RMSE of the {signal_words(unseen.signal)} (the sensors' noise: {floor})"
-    return table(("recording", "before", "after"), rows, caption=caption, stacked=False)
+    head = ("recording", "before", *(["its own constants fitted"] if refitted else []), "after")
+    return table(head, rows, caption=caption, stacked=False)

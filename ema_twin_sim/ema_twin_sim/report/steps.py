@@ -7,7 +7,18 @@ from itertools import groupby
 
 import numpy as np
 
-from ..commands.wording import change_words, effect_words, has_moved, listed, options_words, removed_words, why_step
+from ..commands.wording import (
+    REFIT,
+    REFIT_IS,
+    change_words,
+    effect_words,
+    has_moved,
+    listed,
+    options_words,
+    removed_words,
+    why_step,
+)
+from ..comparison.running_comparison import share_removed
 from ..quantities import axis_unit, estimate, quantity
 from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
@@ -29,7 +40,7 @@ def steps(content: Content, charts: Charts) -> Markup:
                 f"{'+' if step.action == 'add' else '−'} {effect_words(step.instance)}",
                 quantity(step.rmse_before, step.unit),
                 quantity(step.rmse_after, step.unit),
-                removed_words(step.error_removed),
+                removed_words(step.error_removed, step.rmse_before, step.rmse_after),
                 *(quantity(value, "rad") for value in (step.output_before, step.output_after)),
                 why_step(step),
             )
@@ -44,32 +55,45 @@ def steps(content: Content, charts: Charts) -> Markup:
             "output after",
             "runner-up, or why",
         )
-        parts.append(table(head, rows, words=(0, 6)))
+        parts.append(table(head, [*_refit(findings), *rows], words=(0, 6)))
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         parts.append(charts.add(falling(findings, findings.unseen)))
     return section("steps", "Step by step, and the numbers", *parts, *_parameters(content), *_constants(content))
 
 
+def _refit(findings: Findings) -> list[tuple[str, ...]]:
+    """The row of what fitting the model's own constants did, before any effect was added."""
+    unseen = findings.unseen
+    if unseen is None or unseen.given is None or unseen.given == unseen.rmse[0]:
+        return []
+    share = share_removed(unseen.given, unseen.rmse[0], unseen.noise_floor)
+    sizes = (quantity(value, unseen.unit) for value in (unseen.given, unseen.rmse[0]))
+    return [(REFIT, *sizes, removed_words(share, unseen.given, unseen.rmse[0]), "–", "–", REFIT_IS)]
+
+
 def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     """RMSE after each step, of all recordings together and of each by itself."""
-    scale, unit = axis_unit(max(unseen.rmse), unseen.unit)
+    whole, each = _from_the_given(unseen)
+    scale, unit = axis_unit(max(whole), unseen.unit)
     places = _places(findings, len(unseen.rmse))
+    if len(whole) > len(unseen.rmse):
+        places = ["as given", REFIT, *places[1:]]
     at = list(range(len(places)))
     traces: list[Trace] = [
         {
             "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(values) / scale,
             "name": label(name), "line": {"color": FAINT, "width": 1.2}, "marker": {"size": 5, "color": FAINT},
         }
-        for name, values in unseen.recordings
+        for name, values in each
     ]  # fmt: skip
     traces.append(
         {
-            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(unseen.rmse) / scale,
+            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(whole) / scale,
             "name": "all recordings", "line": {"color": AFTER, "width": 3.5}, "marker": {"size": 10, "color": AFTER},
         }
     )  # fmt: skip
     floor = unseen.noise_floor / scale
-    shown = [value / scale for values in (unseen.rmse, *(each for _, each in unseen.recordings)) for value in values]
+    shown = [value / scale for values in (whole, *(values for _, values in each)) for value in values]
     noise = {
         "type": "line",
         "xref": "x domain",
@@ -101,6 +125,14 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
         "annotations": [told],
     }
     return Chart(caption, _HEIGHT, layout, traces, wide=True)
+
+
+def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
+    """(pooled, by recording) RMSE after each step, the model as it was given first where its constants were fitted."""
+    if unseen.given is None or unseen.given == unseen.rmse[0]:
+        return unseen.rmse, list(unseen.recordings)
+    pairs = zip(unseen.given_recordings, unseen.recordings, strict=True)
+    return (unseen.given, *unseen.rmse), [(name, (given, *values)) for given, (name, values) in pairs]
 
 
 def _places(findings: Findings, count: int) -> list[str]:

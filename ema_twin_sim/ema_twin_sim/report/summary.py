@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from ..commands.error_cells import AT_NOISE
 from ..commands.wording import (
     NO_RUNNER_UP,
     effect_words,
     groups_sentence,
     listed,
+    no_effect_words,
+    refit_sentence,
     removed_words,
     verdict_of,
     why_step,
 )
+from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue
 from ..quantities import quantity
@@ -69,13 +71,16 @@ def _lead(content: Content) -> str:
         sizes = f"{way} from {quantity(before['rmse'], before['unit'])} to {quantity(after['rmse'], after['unit'])}"
         parts.append(f"that of the {signal_words(name)} {sizes} ({_noises(after)})")
     said = listed(parts).removeprefix("that of")
-    return f"From {content.names[0]} to {content.names[1]}, the error (RMSE) of{said}."
+    findings = content.findings
+    refit = refit_sentence(findings.unseen, searched_model(content)) if findings and findings.unseen else ""
+    alone = f" {refit} What was found takes it from there." if refit and findings and findings.added else f" {refit}"
+    return f"From {content.names[0]} to {content.names[1]}, the error (RMSE) of{said}.{alone}".strip()
 
 
 def _noises(error: SignalError) -> str:
     floor = quantity(error["noise_floor"], error["unit"])
-    if _is_noise(error):
-        return f"the sensors' noise is {floor}: nothing is left"
+    if is_noise(error):
+        return f"that is the sensors' noise, {floor}"
     return f"the sensors' noise is {floor}"
 
 
@@ -134,7 +139,7 @@ def _probabilities(content: Content) -> str:
     assert findings is not None
     found = [entry for entry in findings.ranking if entry.found]
     none, unknown = (100.0 * (share or 0.0) for share in (findings.none, findings.unknown))
-    rest = f"nothing missing: {none:.0f} %, something else: {unknown:.0f} %"
+    rest = f"{no_effect_words(findings.beyond_noise)} missing: {none:.0f} %, something else: {unknown:.0f} %"
     if not found:
         return f"Probabilities: {rest}."
     each = listed(f"{effect_words(entry.effect)} {100.0 * entry.probability:.0f} %" for entry in found)
@@ -147,14 +152,12 @@ def _left(content: Content) -> list[Markup]:
     for name in content.given.headlines:
         error = second.overall[name]
         rmse = quantity(error["rmse"], error["unit"])
-        if _is_noise(error):
-            lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise. Nothing is left to find.")
+        if is_noise(error):
+            lines.append(f"{capitalised(signal_words(name))}: {rmse}, the sensors' noise.")
             continue
-        times = error["rmse"] / error["noise_floor"] if error["noise_floor"] else float("inf")
         where = next((found.sentence() for found in second.where if found.signal == name), "")
-        lines.append(
-            f"{capitalised(signal_words(name))}: {rmse}, {times:.1f} times the sensors' noise. {where}".strip()
-        )
+        times = times_words(times_noise(error))
+        lines.append(f"{capitalised(signal_words(name))}: {rmse}, {times} the sensors' noise. {where}".strip())
     findings = content.findings
     if findings is not None and findings.stopped:
         lines.append(f"The search ended: {findings.stopped}.")
@@ -169,21 +172,20 @@ def error_table(
     rows = []
     for name in given.signals:
         before, after = first[name], second[name]
-        share = excess_removed(before, after)
-        lost = share is not None and share < 0.0 and _is_noise(after)  # a share of next to nothing
-        cells = (_against_noise(before), _against_noise(after), "–" if lost else removed_words(share))
+        share = None if is_noise(before) and is_noise(after) else excess_removed(before, after)
+        cells = (
+            _against_noise(before),
+            _against_noise(after),
+            removed_words(share, before["rmse"], after["rmse"]),
+        )
         rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *cells))
     return table(("signal", "sensors' noise", names[0], names[1], "excess over noise removed"), rows, caption=caption)
 
 
 def _against_noise(error: SignalError) -> Markup:
-    times = f" ({error['rmse'] / error['noise_floor']:.1f}×)" if error["noise_floor"] else ""
-    kind = "good" if _is_noise(error) else "plain"
+    times = f" ({times_noise(error):.1f}×)" if error["noise_floor"] else ""
+    kind = "good" if is_noise(error) else "plain"
     return tag("span", f"{quantity(error['rmse'], error['unit'])}{times}", class_=kind)
-
-
-def _is_noise(error: SignalError) -> bool:
-    return error["rmse"] <= AT_NOISE * error["noise_floor"]
 
 
 def _about(content: Content) -> Markup:

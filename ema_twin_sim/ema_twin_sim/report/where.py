@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..commands.error_cells import AT_NOISE
+from ..comparison.beyond_noise import is_noise
 from ..comparison.binning import bin_edges, quartiles, rows_by_bin
 from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, Stretch
@@ -122,7 +122,7 @@ def sentences(given: Shown) -> list[str]:
     lines = []
     for comparison in given.comparisons:
         errors = comparison.overall
-        poor = [name for name in given.headlines if errors[name]["rmse"] > AT_NOISE * errors[name]["noise_floor"]]
+        poor = [name for name in given.headlines if not is_noise(errors[name])]
         found = [next((d.sentence() for d in comparison.where if d.signal == signal), "") for signal in poor]
         said = " ".join(text for text in found if text)
         if not poor:

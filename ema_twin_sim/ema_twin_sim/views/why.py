@@ -5,7 +5,7 @@ from __future__ import annotations
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words, options_words, removed_words
+from ..commands.wording import effect_words, no_effect_words, options_words, removed_words
 from ..quantities import estimate
 from ..report.findings import Findings, Signature
 from ..report.ranking import signature_chart, worth_showing
@@ -47,9 +47,12 @@ def _ranking(findings: Findings) -> list[Bar]:
         text = f"{100.0 * entry.probability:.0f} %"
         if entry.error_removed is not None:
             removed = removed_words(entry.error_removed)
-            text += f", removes {removed} of the error" if removed.endswith("%") else f", {removed} with it"
+            text += f", removes {removed} of the error"
         bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
-    for name, share in (("nothing is missing", findings.none), ("something else", findings.unknown)):
+    for name, share in (
+        (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
+        ("something else", findings.unknown),
+    ):
         bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))
     return bars
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import traceback
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -16,6 +17,9 @@ from ...model import EffectInstance, Model, load_model
 from ...model.model import ENABLED
 from ...own_effects import load_effects
 from .frames import Answer, Job
+
+_DIGITS = 1e-6
+"""Relative: a difference that `ema-twin diff` does not show."""
 
 Kind = tuple[str, tuple[tuple[str, str], ...]]
 
@@ -86,19 +90,31 @@ def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> di
     return {**diagnosis, "verdict": verdict, "ranking": ranking, "none": none, "warnings": warnings}
 
 
+def _same(value: float, other: float) -> bool:
+    return math.isclose(value, other, rel_tol=_DIGITS)
+
+
 def settings_between(before: Model, after: Model) -> dict[str, bool | float | str]:
     """What changed from one model to the other, as a running twin's parameters (`Model.with_setting`).
 
-    Effects that `after` has, and `before` lacks or has with other numbers, are switched on with all their options and
-    parameters. None is switched off: that a window does not show it does not mean that it is not there.
+    Effects that `after` has and `before` lacks are switched on with all their options and parameters; of what both
+    have, the numbers that differ, to as many digits as a difference of models is told in. None is switched off: that a
+    window does not show it does not mean that it is not there.
     """
     settings: dict[str, bool | float | str] = {
         path: held.value
         for path, held in after.constants.items()
-        if path in before.constants and held.value != before.value(path)
+        if path in before.constants and not _same(held.value, before.value(path))
     }
     for name, instance in after.active.items():
-        if before.active.get(name) != instance:
+        old = before.active.get(name)
+        if old is not None and (old.effect, dict(old.options)) == (instance.effect, dict(instance.options)):
+            settings |= {
+                f"effects.{name}.{parameter}": value
+                for parameter, value in instance.parameters.items()
+                if not _same(value, old.parameters[parameter])
+            }
+        else:
             held: dict[str, bool | float | str] = {**instance.options, **instance.parameters, ENABLED: True}
             settings |= {f"effects.{name}.{word}": value for word, value in held.items()}
     return settings

@@ -37,7 +37,10 @@ _ENDING = 3.0
 _BUSY = "a diagnosis is being made, or applied; call again when that is over (monitor/diagnosis tells)"
 _OVER = "the monitor is ending"
 
-_VERDICTS = {"none": "nothing is missing", "unknown": "something is missing that no effect explains"}
+_VERDICTS = {
+    "none": "no effect is missing that these samples could show",
+    "unknown": "something is missing that no effect explains",
+}
 
 
 @dataclass(frozen=True)

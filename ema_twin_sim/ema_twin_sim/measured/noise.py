@@ -1,0 +1,32 @@
+"""The one noise floor of a set of recordings: all that judges, compares or shows them tells this one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ema_bench_replay.recording import Recording
+
+from ..model import Model
+from ..model.matching import matched
+from ..simulation.sensor_noise import noise_floors
+from .scales import begun_near, to_rotary_equivalent
+
+NoiseFloor = dict[str, float]
+"""RMSE per compared signal that remains where a twin is right, SI; of the drum where the machine is linear."""
+
+
+def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
+    """The noise floor of native recordings, pooled over them.
+
+    The sensors are those of the model's file. What is open in its inertia and friction is taken from the recordings, so
+    that a model has the same noise floor before and after a fit: a start value says nothing of the sensors.
+    """
+    if not recordings:
+        return noise_floors(to_rotary_equivalent(recordings, model)[1])
+    taken = [matched(recording, model) for recording in recordings]
+    recordings, near = to_rotary_equivalent(taken, begun_near(taken, model))
+    kinds = {(r.has("speed"), r.sample_period) for r in recordings}
+    floors = {kind: noise_floors(near, has_speed=kind[0], period=kind[1]) for kind in kinds}
+    each = [floors[r.has("speed"), r.sample_period] for r in recordings]
+    return {name: math.sqrt(sum(floor[name] ** 2 for floor in each) / len(each)) for name in each[0]}

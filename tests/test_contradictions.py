@@ -1,0 +1,139 @@
+"""One story: what discover, diagnose, compare, fit, the report and live say of the same recordings is told alike."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_msgs.msg import Diagnosis
+from ema_twin_sim.commands.live_keys import told
+from ema_twin_sim.commands.wording import refit_sentence, removed_words, verdict_sentence
+from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.comparison.running_comparison import RunningComparison, share_removed, told_share
+from ema_twin_sim.criteria import TOO_MUCH
+from ema_twin_sim.fitting.fit import _doubts
+from ema_twin_sim.measured.noise import noise_of
+from ema_twin_sim.nodes.diagnosing.judge import settings_between
+from ema_twin_sim.report.findings import UnseenErrors
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.accuracy.contradictions import contradictions, told_of
+
+FAR_OFF = {"machine.motor_inertia": 1.5, "machine.output_inertia": 1.5}
+"""Times the true value, where a start value is somebody's guess."""
+
+
+@pytest.fixture(scope="module")
+def guessed(stock):
+    """The stock machine as somebody drafts it: inertia and friction open, their start values wrong."""
+    constants = dict(stock.constants)
+    for path, factor in FAR_OFF.items():
+        constants[path] = replace(constants[path], value=factor * constants[path].value, tolerance=math.inf)
+    gearbox = constants["machine.gearbox_inertia"]
+    constants["machine.gearbox_inertia"] = replace(gearbox, tolerance=math.inf)
+    effects = {name: replace(held, open=True) for name, held in stock.effects.items()}
+    return replace(stock, constants=constants, effects=effects)
+
+
+def recorded(machine, *commands, setpoint=True):
+    runs = [virtual_bench(machine, parse_command(command), 8.0, seed=k) for k, command in enumerate(commands)]
+    if setpoint:
+        return runs
+    return [replace(r, signals={n: v for n, v in r.signals.items() if n != "speed_setpoint"}) for r in runs]
+
+
+@pytest.fixture(scope="module")
+def of_guessed(stock, guessed):
+    """What is said where a load is hidden and the constants are guesses."""
+    machine = stock.with_effect("gravity_load", {"torque": 0.05, "angle": 0.4})
+    commands = ("sine:0.05:0.5", "sine:0.2:0.25", "triangle:0.1:1")
+    return told_of(recorded(machine, *commands, setpoint=False), guessed, fitted=True)
+
+
+def test_all_is_told_alike_where_constants_are_guesses(of_guessed):
+    assert of_guessed.findings.added == ("gravity_load",)
+    assert contradictions(of_guessed) == []
+
+
+def test_the_constants_own_fit_is_no_merit_of_the_effect(of_guessed):
+    unseen, (step, *_) = of_guessed.content["discover"]["unseen"], of_guessed.content["discover"]["steps"]
+    given = unseen["as_given"]["rmse"]
+    assert given > 1.2 * unseen["rmse"][0] and step["rmse_before"] == unseen["rmse"][0]
+    assert 0.0 < unseen["refit_removed"] < 1.0
+    assert "its own" in of_guessed.texts["discover"]
+    assert "alone takes the error of the unexplained torque from" in of_guessed.texts["report"]
+
+
+def test_all_is_told_alike_where_nothing_is_hidden(stock):
+    told_of_none = told_of(recorded(stock, "ramp:0.05", "sine:0.05:0.25"), stock, fitted=True)
+    assert told_of_none.findings.verdict == "none" and contradictions(told_of_none) == []
+
+
+def test_one_noise_floor_whatever_the_start_values_are(stock, guessed):
+    runs = recorded(stock, "ramp:0.05", "sine:0.1:1", "triangle:0.05:0.5", setpoint=False)
+    true = {path: replace(guessed.constants[path], value=stock.value(path)) for path in FAR_OFF}
+    gearbox = "machine.gearbox_inertia"
+    true[gearbox] = guessed.constants[gearbox].at(guessed.value(gearbox) / 1.5)
+    other = replace(guessed, constants={**guessed.constants, **true})
+    assert noise_of(runs, other) == pytest.approx(noise_of(runs, guessed), rel=1e-9)
+    for model in (guessed, other):
+        floor = compare(runs, model).overall["unexplained_torque"]["noise_floor"]
+        assert floor == noise_of(runs, guessed)["unexplained_torque"]
+
+
+def test_nothing_is_missing_is_not_said_beside_what_stands_out():
+    said = verdict_sentence("none", (), (), beyond={"speed": 6.04, "current": 1.3})
+    assert said == (
+        "No effect is missing that these recordings could show, but the speed's error is 6.0 times the sensors' noise "
+        "and the current's 1.3 times."
+    )
+    assert verdict_sentence("none", (), (), beyond={}).startswith("Nothing is missing")
+
+
+def test_live_does_not_say_to_its_noise_where_health_warns(stock):
+    found = Diagnosis(verdict="none", window=12.0)
+    assert told(found, {})[0].startswith("Nothing is missing: the twin follows the bench to its sensors' noise.")
+    running = RunningComparison(stock, "setpoint")
+    noise = running.noise_floor
+    for sign in (1.0, -1.0) * 100:
+        running.add(dict.fromkeys(noise, 0.0) | {"speed": sign * 6.0 * noise["speed"]}, dict.fromkeys(noise, 0.0))
+    assert running.beyond_noise == {"speed": pytest.approx(6.0)}
+    (first, *_) = told(found, running.beyond_noise)
+    assert "to its sensors' noise" not in first and "the speed's error is 6.0 times the sensors' noise" in first
+
+
+def test_fit_leaves_it_to_diagnose_what_is_missing():
+    error = {"rmse": 11.0, "noise_floor": 1.0, "unit": "A", "driven": False, "relative": 0.1}
+    assert error["rmse"] > TOO_MUCH
+    (note,) = _doubts({"speed": error}, {"speed": error}, False)
+    left, what_to_do = note.split(": ")
+    assert left == "what is left of the speed is 11 times the sensors' noise"
+    assert what_to_do == "diagnose tells whether an effect is missing"
+
+
+def test_as_many_constants_are_refitted_as_a_difference_shows(stock):
+    name = "coulomb_friction"
+    after = stock.with_value("machine.motor_inertia", 9e-4).with_value(f"effects.{name}.torque", 0.2)
+    after = after.with_value("machine.output_inertia", stock.value("machine.output_inertia") * (1.0 + 1e-9))
+    assert settings_between(stock, after) == {"machine.motor_inertia": 9e-4, f"effects.{name}.torque": 0.2}
+
+
+@pytest.mark.parametrize(("before", "after"), [(10.0, 0.5), (10.0, 1.0), (10.0, 30.0), (1.1, 9.0)])
+def test_no_share_is_more_than_all_or_less_than_nothing(before, after):
+    share = told_share(share_removed(before, after, 1.0))
+    assert 0.0 <= share <= 1.0
+    assert (removed_words(share, before, after) == "farther") == (after > before)
+
+
+def test_a_search_that_tells_of_no_start_is_told_without():
+    assert refit_sentence(UnseenErrors("current", "A", 0.003, (0.03, 0.003), ())) == ""
+
+
+def test_a_model_that_cannot_follow_is_driven_by_the_current(stock):
+    """A twin that stands still beside its setpoint looks like a machine that lacks everything."""
+    (run,) = recorded(stock, "ramp:0.05")
+    idle = stock.with_value("drive.speed_gain", 0.0)
+    assert compare([run], idle).input == "current"
+    with pytest.raises(InputError, match="speed"):
+        compare([run], idle, "setpoint")
