@@ -10,7 +10,10 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.hypothesis import INERTIAS, null_hypothesis
+from ema_twin_sim.identification.local_minima import output_weights, starting
+from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.measured.scales import to_own_units
 from ema_twin_sim.model import load_model
 from ema_twin_sim.new_machine.shaft import positions_part, ratio_of_positions, whole_ratio
@@ -115,3 +118,17 @@ def test_a_motor_counter_that_steps_has_lost_no_counts(tmp_path):
 
 def _slow(servo: Servo) -> Servo:
     return replace(servo, top_speed=0.1 * servo.top_speed)
+
+
+def test_encoders_do_not_tell_how_heavy_all_is_behind_play(tmp_path):
+    """Inertia, friction and contact behind it are told by how they compare: the torque must tell their size."""
+    recordings, model = drafted(changed(PLAY, 500.0, ratio=10.0, hidden={"backlash": {"width": 0.03}}), tmp_path)
+    recordings, model = to_own_units(recordings, model)
+    problem = EquationErrorProblem(observe_all(recordings, model))
+    h = null_hypothesis(model).with_effect("backlash", {}, {"width": 0.03})
+    light, *_, heavy = (starting(h, factors) for factors in output_weights(h))
+    assert sum(heavy.model().value(path) for path in INERTIAS) == pytest.approx(
+        sum(light.model().value(path) for path in INERTIAS)
+    )
+    torque, apart = np.split(np.abs(problem.predict(heavy).rows - problem.predict(light).rows), [problem.size])
+    assert np.max(apart) < 1e-6 < 1.0 < np.max(torque)
