@@ -166,7 +166,7 @@ SHAKEN = 0.05
 THROWN = 2.0
 """Own s after such a throw in which the encoders' difference is not judged."""
 COUNTED = 2.5
-"""Counts of the output by which a reading may step where it is slow and its encoder coarse."""
+"""Counts of both encoders by which their readings may step where they are slow and coarse."""
 FEWEST_ROWS = 20
 """Rows of a recording that tell anything. A mean square of fewer is off by a third."""
 LEAST_ROWS = 100

@@ -10,11 +10,12 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
-from .hypothesis import Hypothesis
+from .hypothesis import INERTIAS, Hypothesis
 
 FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
 DAMPED = (0.25, 0.5, 1.0, 2.0, 4.0)
+HEAVIER = (0.6, 0.8, 1.25, 1.6)  # times all that is behind play or a spring
 HOPS = 3  # at most
 
 
@@ -48,7 +49,8 @@ def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> 
     up for which they gave way, is not one that a fit finds out of.
     """
     for _ in range(HOPS):
-        beside = [starting(best.hypothesis, hop) for hop in _hops(best.hypothesis, names)]
+        hops = (*_hops(best.hypothesis, names), *output_weights(best.hypothesis))
+        beside = [starting(best.hypothesis, hop) for hop in hops]
         costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
         better = min((fit(problem, h, 8) for h in starts), key=cost)
@@ -75,6 +77,36 @@ def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
             damped = DAMPED if f"{owner}.damping" in paths else (1.0,)
             for stiffness, damping in itertools.product(STIFFER, damped):
                 yield {f"{owner}.stiffness": stiffness, f"{owner}.damping": damping}
+
+
+def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
+    """Factors, by path, that make all behind play or a spring heavier or lighter, and the motor's side in turn.
+
+    How the encoders part tells how inertia, friction and contact behind it compare, and nothing of how large they are.
+    That is the torque's to tell, but the encoders' rows are so steep that a fit does not get there. Only where these
+    are open: else the file tells.
+    """
+    free = {one.path: one for one in h.free}
+    outer = free.get("scale.output_inertia")
+    if outer is None or outer.prior is not None:
+        return
+    model = h.model()
+    motor, output = sum(model.value(path) for path in INERTIAS[:-1]), model.value(INERTIAS[-1])
+    dry = {"motor": 0.0, "output": 0.0}
+    for name in h.base.active:
+        instance = model.effects[name]
+        if instance.effect == "coulomb_friction":
+            dry[instance.options["side"]] += instance.parameters["torque"]
+    springs = [f"effects.{name}" for name, one in h.added.items() if one.effect == "shaft_compliance"]
+    behind = ["scale.output_inertia", "scale.output_coulomb"]
+    behind += [f"{owner}.{number}" for owner in ("contact", *springs) for number in ("stiffness", "damping")]
+    for factor in HEAVIER:
+        lighter = {
+            "scale.inertia": 1.0 + (1.0 - factor) * output / max(motor, 1e-30),
+            "scale.coulomb_friction": 1.0 + (1.0 - factor) * dry["output"] / max(dry["motor"], 1e-30),
+        }
+        if min(lighter.values()) > 0.0:
+            yield {**dict.fromkeys(behind, factor), **lighter}
 
 
 def _as_in_the_model(h: Hypothesis) -> Hypothesis:

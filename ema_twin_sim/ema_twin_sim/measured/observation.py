@@ -167,7 +167,10 @@ def observe(recording: Recording, model: Model) -> Observation:
     noise = np.maximum(noise, LEAST_NOISE * largest)
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
-    count = model.turn / model.value("sensors.output_encoder_counts")
+    count = sum(  # rad of the slow shaft, of both counters
+        model.turn / model.value(f"sensors.{side}_encoder_counts") / turns
+        for side, turns in (("output", 1.0), ("motor", ratio))
+    )
     jumps = counter_jumps(difference, motion[:, SPEED] * period / ratio, COUNTED * count)
     breaks = jumps != 0.0
     motion[:, OUTPUT_ANGLE] -= np.cumsum(jumps)

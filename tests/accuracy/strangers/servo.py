@@ -47,6 +47,8 @@ class Servo:
     integral_time: float = 0.03  # s
     speed_filter: float = 1e-3  # s
     current_lag: float = 3e-4  # s
+    contact: float = 150.0  # Hz, at which the motor rings on touching teeth
+    contact_damping: float = 0.4  # times sqrt(stiffness * inertia)
 
     def of(self, effect: str, parameter: str, without: float = 0.0) -> float:
         """A parameter of what is hidden; ``without`` where that is not."""
@@ -92,6 +94,8 @@ def run(servo: Servo, setpoint: np.ndarray, period: float, origin: float) -> Run
             servo.of("cogging", "phase"),
             0.5 * servo.of("backlash", "width") * servo.ratio,
             origin,
+            servo.contact,
+            servo.contact_damping,
         ]
     )
     shown = np.zeros((len(setpoint), 4))
@@ -112,11 +116,12 @@ def _stopped(speed, by):
 @njit(cache=True)
 def _run(numbers, setpoint, step, steps, shown):
     (inertia, viscous, dry, constant, limit, ratio, behind, gain, integral_time, filtering, lag) = numbers[:11]
-    (gravity, angle, stribeck, slow, load, asymmetry, drag, cogs, phase, half_gap, origin) = numbers[11:]
+    (gravity, angle, stribeck, slow, load, asymmetry, drag, cogs, phase, half_gap, origin) = numbers[11:22]
+    (contact, damped) = numbers[22:]
     motor_inertia = inertia * (1.0 - behind)
     output_inertia = inertia * behind
-    stiffness = motor_inertia * (2.0 * math.pi * 150.0) ** 2
-    damping = 0.4 * math.sqrt(stiffness * motor_inertia)
+    stiffness = motor_inertia * (2.0 * math.pi * contact) ** 2
+    damping = damped * math.sqrt(stiffness * motor_inertia)
     speed = out_speed = motor = output = current = seen = summed = 0.0
     for sample in range(len(setpoint)):
         shown[sample] = seen, motor, output, current
