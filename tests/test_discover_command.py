@@ -200,10 +200,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     assert content["verdict"] == "none" and content["none"] > 0.9
     outputs = ("-o", tmp_path / "new.yaml", "--json", tmp_path / "n.json")
     text = done("discover", *runs, *MODEL, *outputs).stdout
-    # at reversals what the filters of the unexplained torque leave is more than the sensors' noise, of any model
-    assert text.startswith(
-        "No effect is missing that these recordings could show, but the unexplained torque's error is"
-    )
+    assert text.startswith("Nothing is missing that these recordings could show.")
     assert "efitted" in text and "within standard errors: " in text
     assert json.loads((tmp_path / "n.json").read_text())["added"] == []
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ..criteria import SMALL
+from ..criteria import NOISY, SMALL
 from .running_comparison import SignalError
 
 OPEN_LOOP = ("speed", "motor_position", "output_position")
@@ -29,8 +29,12 @@ def is_noise(error: SignalError) -> bool:
 
 
 def beyond_noise(source: str, signals: Mapping[str, SignalError]) -> dict[str, float]:
-    """By signal that stands out of its noise, its RMSE over its noise floor, the worst first."""
-    over = {name: times_noise(signals[name]) for name in shown_signals(source, signals) if not is_noise(signals[name])}
+    """By signal that stands out of its noise, its RMSE over its noise floor, the worst first.
+
+    Where a setpoint drives the twin, the current tells of torques what the unexplained torque would.
+    """
+    judged = [name for name in shown_signals(source, signals) if source == "current" or name != "unexplained_torque"]
+    over = {name: times_noise(signals[name]) for name in judged if times_noise(signals[name]) > NOISY}
     return dict(sorted(over.items(), key=lambda item: -item[1]))
 
 
