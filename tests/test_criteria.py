@@ -30,7 +30,7 @@ METHOD = {
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS",
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
-    "identification/local_minima.py": "FINALISTS STIFFER DAMPED HOPS",
+    "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/parallel.py": "_POOL _MANY",
     "identification/screening.py": "STEP",
     "identification/search_limits.py": "LATEST _POWERS",

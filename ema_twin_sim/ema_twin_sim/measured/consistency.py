@@ -21,7 +21,7 @@ from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL, TOO_MUCH
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
-from ..plant.measured_motion import MOTOR_ANGLE, SPEED
+from ..plant.measured_motion import LOAD, MOTOR_ANGLE, SPEED
 from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
@@ -293,6 +293,8 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
             continue  # whoever needs the motion will say so
         speed, place = (seen.motion[seen.rows, column] for column in (SPEED, MOTOR_ANGLE))
         loads = np.stack([np.ones(len(speed)), place, np.sin(place / ratio), np.cos(place / ratio)], axis=1)
+        if recording.has("load_torque"):  # which may drive the machine
+            loads = np.column_stack([loads, np.nan_to_num(seen.motion[seen.rows, LOAD])])
         needed = np.stack([seen.acceleration, np.sign(speed), speed], axis=1)
         if len(speed) < FEWEST * needed.shape[1]:
             continue
