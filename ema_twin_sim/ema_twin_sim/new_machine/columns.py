@@ -51,6 +51,8 @@ _NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|beschleun|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+_SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
+"""Words of positions that may be lengths."""
 _TIME_WORDS = r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|stamp|rel|abs|relative|since|start)$"
 _DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
 """Subscripts of currents and voltages that are not the quadrature axis'."""
@@ -173,7 +175,8 @@ def _is_linear(names: Sequence[HeaderWords]) -> bool:
         positions = [read.linear for read in names if not read.in_doubt and read.quantity == "position"]
         told = [linear for linear in positions if linear is not None] or sure
         return any(told)
-    return any(read.linear and len(read.words[-1]) > 1 and _word_quantity(read.words) == "position" for read in names)
+    doubted = [read for read in names if read.in_doubt and read.unit == "m"]
+    return len(doubted) == 1 and _has(doubted[0].words, _SLIDES)  # with more of them, it is the motor's subscript
 
 
 def _settled(read: HeaderWords, linear: bool) -> HeaderWords:

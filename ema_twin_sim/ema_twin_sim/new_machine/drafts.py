@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import yaml
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -79,6 +80,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in unusual_sizes(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
+    if any(guess.signal == "speed" and guess.of_output for guess in guesses.signals):
+        known = False  # the way by a speed of the output tells nothing of whose turns the position counts
     shaft = position_shaft(_farthest(recordings), given.gear_ratio, units_known=known)
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
@@ -296,12 +299,14 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             continue
         position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
         step, source = smallest_step(position), SMALLEST_STEP
+        if counts := _counts_of_the_map(recording, f"{side}_position"):
+            step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
         if step is None:  # as fine as a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
-        if step > 0.0:
-            counts = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
+        if 0.0 < step <= turn:
+            usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
             lines.append(
-                f"  {side}_encoder_counts: {{value: {counts or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
+                f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
                 f"tolerance: 0.0, source: {source}}}"
             )
     for name in ("current", "speed"):
@@ -323,6 +328,13 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     if not recording.of_points:
         lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
     return lines
+
+
+def _counts_of_the_map(recording: Recording, signal: str) -> float | None:
+    """The counts per turn by which a recording was read; None where it is no counter's."""
+    content = yaml.safe_load(recording.metadata.get("map_text", "")) or {}
+    counts = content.get("signals", {}).get(signal, {}).get("counts_per_revolution")
+    return None if counts is None else float(counts)
 
 
 def _comment(doubt: str) -> str:

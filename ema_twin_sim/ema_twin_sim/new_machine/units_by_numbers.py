@@ -44,11 +44,20 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         time_doubt = "no unit in the header; samples would come too seldom otherwise" if time_unit != "s" else ""
     seconds = (time - time[0]) * TIME_UNITS[time_unit] * 1e-9
     changed: dict[str, Guess] = {}
+    output = known.get("output_position")
+    if gear_ratio is None and position is not None and output is not None and not (_open(position) or _open(output)):
+        ratio = _steady(
+            *_differences(numbers[position.column] * _radians(position), numbers[output.column] * _radians(output))
+        )
+        gear_ratio = abs(ratio) if ratio is not None else None
     if position is not None and speed is not None:
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
         changed |= {guess.signal: guess for guess in _by_way(position, speed, ways, gear_ratio)}
+        if changed.get("speed", speed).of_output and (asked := known.get("speed_setpoint")) is not None:
+            scale = _steady(numbers[asked.column], numbers[speed.column])
+            if scale is not None and abs(scale - 1.0) < SMALL:  # told as the speed is
+                known["speed_setpoint"] = changed["speed_setpoint"] = replace(asked, of_output=True)
     motor = changed.get("motor_position", position)
-    output = known.get("output_position")
     if motor is not None and output is not None and _open(output) and not _open(motor) and gear_ratio:
         turned = numbers[motor.column] * _radians(motor) / gear_ratio
         scale = _steady(*_differences(numbers[output.column], turned))
@@ -103,11 +112,18 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
     """Position and speed with the units in which the position goes the speed's way; as they were where none is such."""
     if ways is None:
         return []
-    shafts = {1.0, 1.0 / gear_ratio if gear_ratio else 1.0}
+    shafts = (1.0,) if gear_ratio is None else (1.0, 1.0 / gear_ratio, gear_ratio)
     if speed.unit is not None and _open(position):
         one = units_of("speed")[speed.unit] / abs(ways)  # rad of one of the position's own
-        told = next((told for shaft in shafts if (told := _position_told(position, one * shaft))), None)
-        return [told] if told else []
+        for shaft in shafts:
+            if told := _position_told(position, one * shaft):
+                return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
+        return [_unusual(position, one)] if position.unit == COUNTS else []
+    if speed.unit is not None and gear_ratio is not None and abs(gear_ratio - 1.0) > SMALL:
+        times = abs(ways) * _radians(position) / units_of("speed")[speed.unit]
+        if abs(times / gear_ratio - 1.0) < NEGLIGIBLE:  # the motor turns so much farther than the speed makes it
+            return [replace(speed, of_output=True)]
+        return []
     if speed.unit is None:
         positions = (position.unit,) if position.unit not in (None, COUNTS) else _USUAL[0]
         for unit in _USUAL[1]:
@@ -125,14 +141,18 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
 def _position_told(position: Guess, one: float) -> Guess | None:
     """The position with the unit whose size [rad] it is; None where none is."""
     if position.unit == COUNTS:
-        counts, usual = 2.0 * math.pi / one, usual_counts(2.0 * math.pi / one)
-        if usual is not None:
-            return replace(position, counts=usual)
-        return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
+        usual = usual_counts(2.0 * math.pi / one)
+        return None if usual is None else replace(position, counts=usual)
     for unit in _USUAL[0]:
         if abs(one / units_of("motor_position")[unit] - 1.0) < NEGLIGIBLE:
             return replace(position, unit=unit)
     return None
+
+
+def _unusual(position: Guess, one: float) -> Guess:
+    """A counter whose counts a turn, by the speed, no usual encoder has."""
+    counts = 2.0 * math.pi / one
+    return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
 
 
 def usual_counts(counts: float) -> float | None:
