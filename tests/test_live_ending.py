@@ -18,6 +18,7 @@ import pytest
 from ema_twin_sim.commands.live_error import ErrorPrinter
 from ema_twin_sim.comparison.running_comparison import UNITS
 from ema_twin_sim.nodes.live import Pair
+from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.views import screen
 from tests.command_line import ENDING, ENVIRONMENT, MODEL, TWIN, told
 from tests.test_interrupts import listening
@@ -99,6 +100,7 @@ from ema_twin_sim.commands.live_view import LiveView
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import Pair
+from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.views.rerun_view import RerunView
 floors = noise_floors(load_model("polito_bench"))
 view = LiveView(RerunView(sys.argv[1], "a run", floors))
@@ -171,7 +173,7 @@ def test_a_run_that_does_not_start_keeps_the_bag_before(ramp, stock, tmp_path, m
 def test_the_live_line_tells_what_is_known(stock, capsys, monkeypatch, nothing_of, known):
     """Also beside a bench of which nothing was said before; and each run by itself."""
     monkeypatch.setattr("ema_twin_sim.commands.live_error.is_narrow", lambda: False)
-    printer = ErrorPrinter(stock, None)
+    printer = ErrorPrinter(noise_floors(stock), None)
 
     def pairs(stamps, value):
         residuals = {name: math.nan if name in nothing_of else value for name in UNITS}
