@@ -124,7 +124,7 @@ def guess_columns(
     names = [header_words(name) for name in header]
     linear = _is_linear(names)
     names = [_settled(read, linear) for read in names]
-    time = next((read for read in names if _is_time(read)), None)
+    time = _time_column(names, numbers or {})
     if time is not None and time.name in no_numbers:
         raise InputError(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
@@ -194,6 +194,16 @@ def _word_quantity(words: Sequence[str]) -> str | None:
         next((quantity for word in words for quantity, known in _SYMBOLS.items() if word in known), None),
     )
     return "speed" if found == "position" and "dot" in words else found
+
+
+def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
+    """The column of the time: called so, or in a unit of time; of several, one that rises."""
+    called = [read for read in names if _is_time(read)]
+    others = [read for read in names if read.quantity == "time" and read not in called]
+    if called and not numbers:
+        return called[0]
+    rising = (read for read in (*called, *others) if read.name in numbers and (np.diff(numbers[read.name]) > 0.0).all())
+    return next(rising, called[0] if called else None)
 
 
 def _is_time(read: HeaderWords) -> bool:

@@ -7,7 +7,7 @@ without a unit is taken in the largest unit in which samples come as quickly as 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -69,10 +69,35 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         ("output_command", "output_position"),
     ):
         asked, measured = known.get(setpoint), changed.get(of, known.get(of))
-        if asked is not None and asked.unit is None and measured is not None and measured.unit is not None:
+        if asked is None or asked.unit is not None or measured is None or measured.unit in (None, COUNTS):
+            continue
+        values = [numbers[asked.column], numbers[measured.column]]
+        scale = _steady(*(_differences(*values) if setpoint == "output_command" else values))
+        if scale is not None and abs(scale - 1.0) < PART:
             changed[setpoint] = replace(asked, unit=measured.unit)
     signals = tuple(changed.get(guess.signal, guess) for guess in guesses.signals)
-    return replace(guesses, time=replace(guesses.time, unit=time_unit, doubt=time_doubt), signals=signals)
+    lost = {
+        guess.column for guess in signals if guess.signal == "output_command" and not _commands(guess, signals, numbers)
+    }
+    return replace(
+        guesses,
+        time=replace(guesses.time, unit=time_unit, doubt=time_doubt),
+        signals=tuple(guess for guess in signals if guess.column not in lost),
+        left=(*guesses.left, *lost),
+    )
+
+
+def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether a commanded position is that of the output, by what the position there does; a motor's has no signal."""
+    positions = {guess.signal: guess for guess in signals if guess.signal.endswith("position")}
+    followed = positions.get("output_position", positions.get("motor_position"))
+    if followed is None or _open(followed):
+        return command.unit not in (None, COUNTS)
+    if command.unit in (None, COUNTS):
+        return False
+    asked = numbers[command.column] * units_of("output_command")[command.unit]
+    times = _steady(*_differences(asked, numbers[followed.column] * _radians(followed)))
+    return times is None or abs(times - 1.0) < PART
 
 
 def is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
@@ -119,10 +144,12 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
             if told := _position_told(position, one * shaft):
                 return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
         return [_unusual(position, one)] if position.unit == COUNTS else []
-    if speed.unit is not None and gear_ratio is not None and abs(gear_ratio - 1.0) > SMALL:
+    if speed.unit is not None:
         times = abs(ways) * _radians(position) / units_of("speed")[speed.unit]
-        if abs(times / gear_ratio - 1.0) < NEGLIGIBLE:  # the motor turns so much farther than the speed makes it
-            return [replace(speed, of_output=True)]
+        if abs(times - 1.0) < NEGLIGIBLE:
+            return [replace(speed, of_output=position.of_output)]
+        if gear_ratio is not None and abs(times / gear_ratio - 1.0) < NEGLIGIBLE:
+            return [replace(speed, of_output=True)]  # the motor turns so much farther than the speed makes it
         return []
     if speed.unit is None:
         positions = (position.unit,) if position.unit not in (None, COUNTS) else _USUAL[0]

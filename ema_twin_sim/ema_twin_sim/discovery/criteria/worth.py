@@ -87,7 +87,9 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
 def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
-    if any(_does_nothing(after, name) or _too_large(problem, after, name) for name in came):
+    if any(
+        _does_nothing(after, name) or _too_large(problem, after, name) or _within_counts(after, name) for name in came
+    ):
         return False
     over = {catalogue()[id].depends_on for id in came.values()}
     if over == {"encoders"} and _hardly_parts(problem, before, after):
@@ -151,6 +153,19 @@ def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     size = catalogue()[instance.effect].parameters[0]
     most = LARGEST_EFFECT * float(np.abs(problem.torque).max(initial=0.0))
     return size.unit == "N m" and abs(instance.parameters[size.name]) > most
+
+
+def _within_counts(f: Fit, name: str) -> bool:
+    """Whether an angle error is less than half a count of the coarser encoder: rounding looks like it, too."""
+    instance = f.hypothesis.instance(name)
+    size = catalogue()[instance.effect].parameters[0]
+    if catalogue()[instance.effect].depends_on != "encoders" or size.name != "amplitude":
+        return False
+    value = f.hypothesis.base.value
+    counts = min(
+        value("sensors.output_encoder_counts"), value("sensors.motor_encoder_counts") * value("machine.gear_ratio")
+    )
+    return abs(instance.parameters[size.name]) < 0.5 * f.hypothesis.base.turn / counts
 
 
 def _does_nothing(f: Fit, name: str) -> bool:
