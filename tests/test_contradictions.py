@@ -9,8 +9,9 @@ from ema_bench_replay.errors import InputError
 from ema_twin_msgs.msg import Diagnosis
 from ema_twin_sim.commands.live_keys import told
 from ema_twin_sim.commands.wording import refit_sentence, removed_words, verdict_sentence
+from ema_twin_sim.comparison.beyond_noise import told_share
 from ema_twin_sim.comparison.compare import compare
-from ema_twin_sim.comparison.running_comparison import RunningComparison, share_removed, told_share
+from ema_twin_sim.comparison.running_comparison import RunningComparison, share_removed
 from ema_twin_sim.criteria import TOO_MUCH
 from ema_twin_sim.fitting.fit import _doubts
 from ema_twin_sim.measured.noise import noise_of

@@ -36,7 +36,7 @@ def changed(case, rate, **constants: object):
 def drafted(case, folder):
     """A case's recordings, and its model as ``init`` drafts it."""
     files = case.write(folder)
-    init(str(folder / "servo"), files[0])
+    init(str(folder / "servo"), [files[0]])
     return [load(file, import_map=folder / "servo_map.yaml") for file in files], load_model(folder / "servo.yaml")
 
 

@@ -265,5 +265,5 @@ def test_a_file_that_cannot_be_written_is_one_line(tmp_path, stock):
 
 
 def test_a_comparison_that_was_made_is_not_made_again(given, recordings, models, monkeypatch):  # noqa: F811
-    monkeypatch.setattr("ema_twin_sim.report.content.compare", None)
+    monkeypatch.setattr("ema_twin_sim.report.content.compare_all", None)
     assert shown(recordings, models, comparisons=given.comparisons).comparisons == given.comparisons

@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..comparison.beyond_noise import times_words
-from ..comparison.running_comparison import told_share
+from ..comparison.beyond_noise import times_words, told_share
 from ..quantities import quantity
 
 if TYPE_CHECKING:

@@ -1,12 +1,15 @@
-"""Which signals of a comparison tell something, and which stand out of the sensors' noise: said alike everywhere."""
+"""Which signals of a comparison tell something, which stand out of the sensors' noise, and shares: told alike."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from ..criteria import NOISY, SMALL
-from .running_comparison import SignalError
+
+if TYPE_CHECKING:
+    from .running_comparison import SignalError
 
 OPEN_LOOP = ("speed", "motor_position", "output_position")
 """Signals that drift under the input ``current``, where nothing holds the twin's motion to the bench's."""
@@ -42,3 +45,8 @@ def times_words(times: float) -> str:
     """``5.0 times``, ``42 times``."""
     digits = max(0, 1 - int(math.log10(max(times, 1.0))))
     return f"{times:.{digits}f} times"
+
+
+def told_share(share: float) -> float:
+    """A share as it is told, from 0 to 1: what makes an error grow takes none of it away."""
+    return min(max(share, 0.0), 1.0)

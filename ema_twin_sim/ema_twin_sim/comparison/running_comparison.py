@@ -9,10 +9,11 @@ from typing import TypedDict
 
 import numpy as np
 
-from ..criteria import SMALL
+from ..criteria import NOISY
 from ..model import Model
 from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import BY_MOTOR, POINTWISE
+from .beyond_noise import told_share
 
 UNITS: dict[str, str] = {
     "current": "A",
@@ -54,11 +55,6 @@ def share_removed(before: float, after: float, noise_floor: float) -> float | No
     """
     excess = before**2 - noise_floor**2
     return (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else None
-
-
-def told_share(share: float) -> float:
-    """A share as it is told, from 0 to 1: what makes an error grow takes none of it away."""
-    return min(max(share, 0.0), 1.0)
 
 
 class RunningComparison:
@@ -189,9 +185,11 @@ class RunningComparison:
     @property
     def beyond_noise(self) -> dict[str, float]:
         """By signal that stands out of the sensors' noise in the last window, by how many times; the worst first."""
-        floor, driven = self.noise_floor, DRIVEN.get(self.source, ())
-        times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in driven and floor[n] > 0.0}
-        over = {name: value for name, value in times.items() if value > 1.0 + SMALL}
+        floor, left_out = self.noise_floor, set(DRIVEN.get(self.source, ()))
+        if self.source != "current":  # the current tells of torques what the unexplained torque would
+            left_out.add("unexplained_torque")
+        times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in left_out and floor[n] > 0.0}
+        over = {name: value for name, value in times.items() if value > NOISY}
         return dict(sorted(over.items(), key=lambda item: -item[1]))
 
     def result(self) -> dict[str, SignalError]:

@@ -11,7 +11,8 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..comparison.running_comparison import share_removed, told_share
+from ..comparison.beyond_noise import told_share
+from ..comparison.running_comparison import share_removed
 from ..criteria import CLEARLY_MORE
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit
