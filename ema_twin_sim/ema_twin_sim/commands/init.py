@@ -109,7 +109,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     from ema_bench_replay.load import load
     from ema_bench_replay.recording import AT
 
-    from ..new_machine.drafts import CHECK, checked_model
+    from ..new_machine.drafts import checked_model
     from ..new_machine.shaft import Shaft
 
     if not traces:
@@ -119,7 +119,7 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     text = checked_model(recordings, given, shaft)
     _write(place, text, force)
     _say_what_it_rests_on(place)
-    say(f"{place}: {_to_look_at(sum(CHECK in line for line in text.splitlines()[2:]))}")
+    say(f"{place}: {_to_look_at(text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
 
@@ -135,8 +135,12 @@ def _say_what_it_rests_on(place: Path) -> None:
             say(f"{text}: {', '.join(numbers)}")
 
 
-def _to_look_at(count: int) -> str:
-    return f"{count} line(s) to look at, marked CHECK" if count else "nothing was left to guess"
+def _to_look_at(text: str) -> str:
+    """How many lines of a draft a person should look at; its first two tell of the mark itself."""
+    from ..new_machine.drafts import CHECK
+
+    count = sum(CHECK in line for line in text.splitlines()[2:])
+    return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"
 
 
 def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Guess, ...]]:
@@ -224,11 +228,8 @@ def _say_next(
     files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
 ) -> None:
     """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
-    from ..new_machine.drafts import CHECK
-
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
-        count = sum(CHECK in line for line in text.splitlines()[2:])
-        say(f"{path}: {_to_look_at(count)}")
+        say(f"{path}: {_to_look_at(text)}")
     if guesses.time is None:
         say("No column of time was found: each row is taken for an operating point, at rest or at constant speed.")
     map_name, model = (quote(str(file)) for file in files)

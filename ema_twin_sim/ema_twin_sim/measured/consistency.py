@@ -120,7 +120,7 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
     def told(
         signal: str, other: str, values: np.ndarray, expected: np.ndarray, relation: _Relation
     ) -> Iterator[_Factor]:
-        value = _steady_factor(values, expected)
+        value = steady_factor(values, expected)
         if value is not None:
             yield _Factor(signal, other, value, relation)
 
@@ -142,7 +142,7 @@ def way_by_speed(recording: Recording) -> float | None:
     if not recording.has("speed", "motor_position"):
         return None
     lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
-    return _steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
+    return steady_factor(position[lag:] - position[:-lag], travelled[lag:] - travelled[:-lag])
 
 
 def is_usual_mistake(times: float) -> bool:
@@ -166,12 +166,15 @@ def _travelled(recording: Recording) -> np.ndarray:
     return np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(recording.time))])
 
 
-def _steady_factor(values: np.ndarray, expected: np.ndarray) -> float | None:
-    """How many times what was expected the values are; None where they are no steady multiple of it."""
+def steady_factor(values: np.ndarray, expected: np.ndarray, fewest: int = FEWEST) -> float | None:
+    """How many times what was expected (n,) the values (n,) are; None where they are no steady multiple of it.
+
+    ``fewest`` of them must be large enough to tell.
+    """
     both = np.isfinite(values) & np.isfinite(expected)
     values, expected = values[both], expected[both]
     large = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
-    if large.sum() < FEWEST:
+    if large.sum() < fewest:
         return None
     ratios = values[large] / expected[large]
     middle = float(np.median(ratios))

@@ -226,8 +226,6 @@ def _column(read: HeaderWords) -> _Column | None:
         return None
     if quantity is None or quantity == "time":
         return None
-    if by_words is not None and {quantity, by_words} <= {"position", "torque"} and quantity != by_words:
-        quantity = by_words if read.unit is None else quantity
     words = read.words
     axis = next((word for word in words[1:] if word in _DIRECT_OR_PHASE), None) if len(words) == 2 else None
     if quantity in ("current", "voltage") and axis is not None:

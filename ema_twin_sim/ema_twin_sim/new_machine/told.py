@@ -17,7 +17,6 @@ _TOLD = {
     "sensors.output_encoder_counts": "output encoder",
     "sensors.current_noise": "noise of the current",
     "sensors.speed_noise": "noise of the speed",
-    "sensors.sample_period": "time between samples",
 }
 ASSUMED = "assumed"
 _HOW = {

@@ -16,6 +16,7 @@ from ema_bench_replay.traces.import_map import TIME_UNITS
 from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
+from ..measured.consistency import steady_factor
 from .columns import Guess, Guesses
 from .header_words import COUNTS
 
@@ -204,10 +205,4 @@ def _differences(*ways: np.ndarray) -> list[np.ndarray]:
 
 def _steady(way: np.ndarray, expected: np.ndarray) -> float | None:
     """How many times what is expected a way goes; None where that is no steady multiple."""
-    far = np.abs(expected) > PART * np.abs(expected).max(initial=0.0)
-    if far.sum() < _FEWEST:
-        return None
-    ratios = way[far] / expected[far]
-    middle = float(np.median(ratios))
-    spread = 1.4826 * float(np.median(np.abs(ratios - middle)))
-    return middle if middle and spread < SMALL * abs(middle) else None
+    return steady_factor(way, expected, _FEWEST)

@@ -141,7 +141,7 @@ def _run(numbers, setpoint, step, steps, shown):
             uneven = 1.0 + asymmetry * side
             level = (dry + stribeck * math.exp(-abs(speed) / slow)) * uneven
             push = constant * current - viscous * uneven * speed - drag * speed * abs(speed)
-            push -= cogs * math.sin(24.0 * motor + phase)
+            push -= cogs * math.sin(COGS * motor + phase)
             pull = load + gravity * math.sin(origin + output / ratio + angle)
             if half_gap == 0.0:
                 speed = _stopped(speed + step / inertia * (push - pull), step / inertia * level)
