@@ -299,7 +299,7 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         if recording.has("load_torque"):  # which may drive the machine
             loads = np.column_stack([loads, np.nan_to_num(seen.motion[seen.rows, LOAD])])
         needed = np.stack([seen.acceleration, np.sign(speed), speed], axis=1)
-        if len(speed) < FEWEST * needed.shape[1]:
+        if len(speed) < FEWEST:
             continue
         as_read, turned = (_least_beside(loads, needed, sign * seen.torque) for sign in (1.0, -1.0))
         if turned < PART * as_read:
