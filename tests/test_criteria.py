@@ -26,7 +26,7 @@ METHOD = {
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),
-    "identification/equation.py": "NOWHERE FAR INFLATED KEPT",
+    "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS",
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
@@ -39,6 +39,7 @@ METHOD = {
     "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",
     "identification/uncertainty.py": "STEP_SHARES BLOCKS",
     "identification/wandering.py": "SHARES",
+    "identification/weighting.py": "FAR INFLATED",
     "comparison/orders.py": "_ANGLE_BINS _STEP ORDERS _REFINED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH _LARGEST",
     "comparison/torque_error.py": "BAND DECIMATED ENDS ORDER",
     "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",
@@ -64,8 +65,9 @@ METHOD = {
     "discovery/left_over.py": "_BINS _FEWEST",
     "discovery/search/found_orders.py": "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS SLOW SAME",
     "discovery/search/rivals.py": "SWAPS",
-    "discovery/search/search.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING ROUNDS_WITH_BASES",
+    "discovery/search/search.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
     "discovery/search/search_order.py": "MORE THOUGHTS",
+    "discovery/search/unknown.py": "MOST_ROUNDS TRIED",
 }
 """What says how finely or for how long something is computed: widths, grids, starts, steps, counts of tries and of what
 is shown. A number that is none of these belongs into the table."""

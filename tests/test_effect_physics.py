@@ -8,7 +8,7 @@ import pytest
 from ema_bench_replay.load import load
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.effects import catalogue
-from ema_twin_sim.identification.equation import follows_measured_motion
+from ema_twin_sim.identification.prediction import follows_measured_motion
 from ema_twin_sim.model import EffectInstance
 from ema_twin_sim.plant.layout import TORQUE
 from ema_twin_sim.plant.operating_point import OperatingPoint

@@ -7,7 +7,7 @@ from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
 from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
-from ema_twin_sim.identification.generic_bases import add_generic_bases
+from ema_twin_sim.identification.generic_bases import beside_generic_bases
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from tests.recorded import record, with_signals
@@ -18,9 +18,8 @@ RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
 def standing(recordings, model, effect, parameters):
     """The effects that stand where one is fitted to the recordings."""
     problem = EquationErrorProblem(observe_all(recordings, model))
-    f = settle(problem, fit(problem, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
-    add_generic_bases(problem)
-    return by_own_shape(problem, f)
+    f = settle(fit(problem, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
+    return by_own_shape(beside_generic_bases(f.problem), f)
 
 
 @pytest.mark.parametrize(

@@ -190,7 +190,7 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
         contest = [_Contender(name, bare, best)]
         turn = next((turn for turn in found.search.taken if name in turn.added), None)
         if turn is not None and instance.effect not in COMPLIANT_EFFECTS:
-            rivals = substitutes(problem, best, name, turn)
+            rivals = substitutes(best, name, turn)
             contest += [_Contender(list(rival.hypothesis.added)[-1], bare, rival) for rival in rivals]
         contests.setdefault(contest[0].key, contest)
     return list(contests.values())

@@ -145,41 +145,41 @@ def discover(
     found, known = _searched(problem, null, excluded, progress)
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
-    if not known and problem.weighting.wander is not None and explained(problem, found.fit, start):
+    if not known and found.problem.weighting.wander is not None and explained(found.problem, found.fit, start):
         depends_on = ("time",)  # friction that wanders is all that is left
-        found = doubted(problem, found)
+        found = doubted(found)
     elif not known:
         progress("something is left: looking for what it depends on")
-        found, depends_on = beside_the_unknown(problem, found, progress)
+        found, depends_on = beside_the_unknown(found, progress)
     progress("looking for rivals")
-    found, rivals = judged_against_rivals(problem, found, excluded)
-    found = significant(problem, found)
-    known = known and explained(problem, found.fit, start)
+    found, rivals = judged_against_rivals(found, excluded)
+    found = significant(found)
+    known = known and explained(found.problem, found.fit, start)
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
-    found = with_best_split(problem, loop, found)
-    found = with_unmoved_constants(problem, loop, found) if known else found
+    found = with_best_split(loop, found)
+    found = with_unmoved_constants(loop, found) if known else found
     progress("judging on recordings that were not fitted to")
     began = began if model.is_open else in_si(model)
-    unseen = judge_unseen(problem, as_measured, began, noise, found)
+    unseen = judge_unseen(as_measured, began, noise, found)
     if known and (idle := _idle(found, unseen)):
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
-        found = less(problem, found, idle, "the simulated loop hardly follows the recordings better with it")
+        found = less(found, idle, "the simulated loop hardly follows the recordings better with it")
         # of a machine that is not known to the noise, the rest may explain it as well as anything does
-        known = model.is_open and explained(problem, found.fit, start)
+        known = model.is_open and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
-        unseen = judge_unseen(problem, as_measured, began, noise, found)
+        unseen = judge_unseen(as_measured, began, noise, found)
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         # numbers that nobody knew are better fitted than as they were
-        bare = settle(problem, fit(problem, null)) if model.is_open else fit(problem, null, 0)
-        found = found.ended(bare, problem.weighting, "it does not improve the model given what remains unexplained")
-        unseen = judge_unseen(problem, as_measured, began, noise, found, as_given=not model.is_open)
+        bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
+        found = found.ended(bare, "it does not improve the model given what remains unexplained")
+        unseen = judge_unseen(as_measured, began, noise, found, as_given=not model.is_open)
     as_given = as_given and not model.is_open
-    best = found.fit
+    best, problem = found.fit, found.problem
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
-    rivals = tuple(rivalry for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
+    rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     errors = standard_errors(problem, best)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
@@ -242,32 +242,29 @@ def _searched(
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(problem, null, excluded, progress)
     if null.base.is_open:
-        return found, explained(problem, found.fit, found.rounds[0].before)
+        return found, explained(found.problem, found.fit, found.rounds[0].before)
     if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
         return found, False
-    found = in_another_order(problem, found, excluded, progress)
-    start = found.rounds[0].before
-    if explained(problem, found.fit, start):
-        return found, problem.weighting.wander is None or _explained_without_wander(problem, found.fit, start)
-    if problem.weighting.wander is not None:
+    found = in_another_order(found, excluded, progress)
+    start, wander = found.rounds[0].before, found.problem.weighting.wander
+    if explained(found.problem, found.fit, start):
+        return found, wander is None or _explained_without_wander(found.fit, start)
+    if wander is not None:
         return found, False
-    beside = wandering_after_all(problem, found, excluded, start, progress)
+    beside = wandering_after_all(found, excluded, start, progress)
     if beside is not None:
         return beside, False
-    if found.fit.parted or apart(problem, found.fit, start):
+    if found.fit.parted or apart(found.problem, found.fit, start):
         return found, False
     progress("something is left: thinking again of what was found")
-    return search_without_first(problem, null, excluded, found, lambda f: explained(problem, f, start), progress)
+    return search_without_first(null, excluded, found, lambda f: explained(f.problem, f, start), progress)
 
 
-def _explained_without_wander(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
+def _explained_without_wander(f: Fit, start: Fit) -> bool:
     """Whether an end of a search explains the recordings with nothing but the sensors' noise, too."""
-    kept = problem.weighting
-    problem.weighting = replace(kept, wander=None)
-    try:
-        return explained(problem, settle(problem, fit(problem, f.hypothesis)), start)
-    finally:
-        problem.weighting = kept
+    plain = f.problem.under(replace(f.problem.weighting, wander=None))
+    f = settle(fit(plain, f.hypothesis))
+    return explained(f.problem, f, start)
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:

@@ -16,7 +16,6 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import NEGLIGIBLE
-from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit
 from ..identification.hypothesis import Hypothesis
 from ..identification.parallel import simulations
@@ -46,20 +45,20 @@ class ClosedLoop:
         return self._known[-1][1]
 
 
-def with_best_split(problem: EquationErrorProblem, loop: ClosedLoop, found: Search) -> Search:
+def with_best_split(loop: ClosedLoop, found: Search) -> Search:
     """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
     best = found.fit
     if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
     shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
-    shared = best.hypothesis.at(fit(problem, shared).hypothesis.values)  # all numbers free again, where they are
+    shared = best.hypothesis.at(fit(found.problem, shared).hypothesis.values)  # all numbers free again, where they are
     teeth = shared.teeth_of_the_file()
     others = [shared, *([held_at(shared, teeth)] if teeth else [])]
     fitted, *errors = loop.errors((best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < (1.0 - NEGLIGIBLE) * fitted:
         return found
-    return found.with_numbers(fit(problem, others[least], 0))
+    return found.with_numbers(fit(found.problem, others[least], 0))
 
 
 def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:

@@ -20,12 +20,12 @@ from .search.trace import Search
 from .split import ClosedLoop, held_at
 
 
-def with_unmoved_constants(problem: EquationErrorProblem, loop: ClosedLoop, found: Search) -> Search:
+def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
     """The search, at its end the constants that did not surely move back at their file's values."""
     best = found.fit
     if best.hypothesis.base.is_open or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
-    simpler = [rest for rest in (_as_filed(problem, best), _put_back(problem, best)) if rest is not None]
+    simpler = [rest for rest in (_as_filed(best), _put_back(best)) if rest is not None]
     fitted, *errors = loop.errors(f.hypothesis for f in (best, *simpler))
     least = min([fitted, *errors])
     for rest, error in zip(simpler, errors, strict=True):
@@ -34,7 +34,7 @@ def with_unmoved_constants(problem: EquationErrorProblem, loop: ClosedLoop, foun
     return found
 
 
-def _as_filed(problem: EquationErrorProblem, best: Fit) -> Fit | None:
+def _as_filed(best: Fit) -> Fit | None:
     """The fit with all constants and the teeth at their file's values; None where no sides part.
 
     Where they do, the constants' errors lie along a ridge of shares that trade with each other: each of them may seem
@@ -45,19 +45,19 @@ def _as_filed(problem: EquationErrorProblem, best: Fit) -> Fit | None:
     h = best.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
     with_teeth = held_at(h, h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
-    return _fitted_beside(problem, with_teeth, values)
+    return _fitted_beside(best.problem, with_teeth, values)
 
 
-def _put_back(problem: EquationErrorProblem, best: Fit) -> Fit | None:
+def _put_back(best: Fit) -> Fit | None:
     """The fit with the constants that are not known to have moved at their file's values; None where all have."""
-    sure = standard_errors(problem, best)
+    sure = standard_errors(best.problem, best)
     values = best.hypothesis.by_path
     unmoved = {
         free.path: free.prior[0]
         for free in best.hypothesis.free
         if free.prior is not None and abs(values[free.path] - free.prior[0]) < LIKELY * sure.get(free.path, 0.0)
     }
-    return _fitted_beside(problem, best.hypothesis, unmoved) if unmoved else None
+    return _fitted_beside(best.problem, best.hypothesis, unmoved) if unmoved else None
 
 
 def _fitted_beside(problem: EquationErrorProblem, h: Hypothesis, values: Mapping[str, float]) -> Fit:

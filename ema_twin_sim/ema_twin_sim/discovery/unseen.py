@@ -164,7 +164,6 @@ def squares(model: Model, recording: Recording, source: str, signals: Sequence[s
 
 
 def judge_unseen(
-    problem: EquationErrorProblem,
     recordings: Sequence[Recording],
     given: Model,
     noise: Mapping[str, float],
@@ -177,7 +176,7 @@ def judge_unseen(
     ``given`` (SI) is the model as it was given, and ``noise`` the noise floor of all of them. The end is the model
     ``as_given`` where nothing of it was changed.
     """
-    base = found.fit.hypothesis.base
+    problem, base = found.problem, found.fit.hypothesis.base
     inputs = [choose_input(recording, base) for recording in recordings]
     driven = any(source == "current" for source in inputs)  # one headline for all
     if driven:

@@ -12,6 +12,7 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS, CORRELATION, DAMPING_ERROR, LAG_TOLERANCE, SIDES_ERROR
 from ..identification.equation import EquationErrorProblem
 from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_STEP, Free, Hypothesis
+from ..identification.jacobian import jacobian
 from ..identification.weighting import Weighting
 from ..model import EffectInstance, Model
 from ..plant.driven_output import RESOLVED
@@ -52,14 +53,20 @@ class EquationMisfit:
         self.freedom = FreeParameters(
             freedom.model, (*freedom.numbers, LAG_NUMBER), np.append(freedom.start, 0.0), freedom.notes
         )
-        self.equation = equation
         self.rows = equation.rows
         self.parts = equation.parts
         self._hypothesis = ModelHypothesis(freedom.model, {}, (), self.freedom.start, self.freedom)
         # an output behind play is thrown about: from the beginning, what is far off must not lead
         self._most = BESIDE_IMPACTS if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
+        self.equation = equation
         if math.isfinite(self._most):
-            equation.weighting = Weighting.even(self.rows, self._most)
+            self.equation = equation.under(Weighting.even(self.rows, self._most))
+
+    def with_outliers_from(self, scale: float) -> EquationMisfit:
+        """The same misfit with outliers that begin at one scale in all rows."""
+        other = copy(self)
+        other.equation = self.equation.under(Weighting.even(self.rows, scale))
+        return other
 
     def residual(self, values: np.ndarray) -> np.ndarray:
         """Measured minus predicted (m,) at these values (k,)."""
@@ -71,14 +78,13 @@ class EquationMisfit:
         here = self._at(values)
         with np.errstate(all="ignore"):
             return np.nan_to_num(
-                self.equation.jacobian(here, self.equation.predict(here), weights), posinf=0.0, neginf=0.0
+                jacobian(self.equation, here, self.equation.predict(here), weights), posinf=0.0, neginf=0.0
             )
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
         shift = counter_noise(self.freedom.model, "motor")
-        moved = copy(self.equation)
-        moved.observations = tuple(replace(o, motor_origin=o.motor_origin + shift) for o in self.equation.observations)
+        moved = self.equation.with_motor_zeros_off(shift)
         here, there = (equation.predict(self._at(values)).rows for equation in (self.equation, moved))
         return self.equation.centred(there - here, weights) * weights
 
@@ -113,7 +119,10 @@ class EquationMisfit:
 
     def reweigh(self, residual: np.ndarray) -> bool:
         """Let outliers begin where the bulk of each part ends; whether that changed much."""
-        return self.equation.reweigh(residual, self._most)
+        weighting = self.equation.reweighed(residual, self._most)
+        changed = weighting is not self.equation.weighting
+        self.equation = self.equation.under(weighting)
+        return changed
 
     def _at(self, values: np.ndarray) -> ModelHypothesis:
         free = tuple(

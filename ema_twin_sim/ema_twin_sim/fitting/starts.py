@@ -14,12 +14,12 @@ from ..effects import catalogue
 from ..effects.catalogue import is_own
 from ..identification.candidates import Candidate
 from ..identification.compliance import DAMPING, STIFFNESS, WIDTHS, encoder_spread
-from ..identification.equation import FAR, EquationErrorProblem
+from ..identification.equation import EquationErrorProblem
 from ..identification.excerpt import excerpt
 from ..identification.fit import fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
 from ..identification.screening import screen
-from ..identification.weighting import Weighting
+from ..identification.weighting import FAR, Weighting
 from .equation_misfit import EquationMisfit
 from .free_parameters import FreeParameters, split, waves
 from .solver import Solution, refine, solve
@@ -46,20 +46,16 @@ def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, p
         return [freedom.start]
     part_of = excerpt(equation)
     progress("trying starts of what parts the encoders")
-    misfit = EquationMisfit(part_of, freedom)
-    part_of.weighting = Weighting.even(part_of.rows, FAR_OFF_ROW)
+    near = EquationMisfit(part_of, freedom).with_outliers_from(BESIDE_IMPACTS)
+    from_afar = near.with_outliers_from(FAR_OFF_ROW)
     starts = []
     for chosen in itertools.product(*choices.values()):
-        values = misfit.freedom.start.copy()
+        values = from_afar.freedom.start.copy()
         values[list(choices)] = chosen
         starts.append(values)
-    costs = [misfit.cost(misfit.residual(values)) for values in starts]
-    finalists = []
-    for k in np.argsort(costs)[:FINALISTS]:
-        part_of.weighting = Weighting.even(part_of.rows, FAR_OFF_ROW)
-        wide = refine(misfit, starts[int(k)], STEPS)
-        part_of.weighting = Weighting.even(part_of.rows, BESIDE_IMPACTS)
-        finalists.append(refine(misfit, wide.values, STEPS))
+    costs = [from_afar.cost(from_afar.residual(values)) for values in starts]
+    wide = [refine(from_afar, starts[int(k)], STEPS).values for k in np.argsort(costs)[:FINALISTS]]
+    finalists = [refine(near, values, STEPS) for values in wide]
     finalists.sort(key=lambda solution: solution.cost)
     return [solution.values[: len(freedom.numbers)] for solution in finalists]
 
@@ -69,10 +65,8 @@ def open_start(equation: EquationErrorProblem, freedom: FreeParameters) -> np.nd
 
     From afar all rows are outliers to a fit that takes them for such, and none of them draws it nearer.
     """
-    weighting, use_encoder = equation.weighting, equation.use_encoder
-    equation.weighting, equation.use_encoder = Weighting.even(equation.rows, FAR), False
-    found = fit(equation, null_hypothesis(freedom.model)).hypothesis.model()
-    equation.weighting, equation.use_encoder = weighting, use_encoder
+    by_torque = equation.under(Weighting.even(equation.rows, FAR)).by_torque_alone()
+    found = fit(by_torque, null_hypothesis(freedom.model)).hypothesis.model()
     values = freedom.start.copy()
     for k, number in enumerate(freedom.numbers):
         part, name, parameter = split(number.path)
@@ -90,10 +84,8 @@ def _own_start(misfit: EquationMisfit, values: np.ndarray, name: str, own: Seque
     instance = freedom.model.effects[name]
     if not is_own(catalogue()[instance.effect]) or not equation.size:
         return None
-    weighting, use_encoder = equation.weighting, equation.use_encoder
     rest = replace(freedom, numbers=freedom.numbers[:-1]).at(values[:-1]).without_effect(name)
     found = screen(equation, fit(equation, null_hypothesis(rest)), [Candidate(instance.effect, instance.options)])
-    equation.weighting, equation.use_encoder = weighting, use_encoder
     if not found:
         return None
     begun = values.copy()

@@ -35,7 +35,10 @@ SPRINGY = 2.0 * math.pi * 55.0  # own rad/s: what rings faster against its play 
 
 
 def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:
-    """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some."""
+    """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some.
+
+    What is fitted stands under a weighting whose outliers begin beside impacts.
+    """
     h = with_sensors(problem, current, frozenset() if problem.size else without)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
         # a rigid train takes an output that lags behind for a lighter one
@@ -70,8 +73,8 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
             best.append(f)
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
-    problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
-    return [fit(problem, f.hypothesis, 6) for f in close]
+    whole = problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
+    return [fit(whole, f.hypothesis, 6) for f in close]
 
 
 def _springs(h: Hypothesis) -> list[dict[str, float]]:

@@ -30,8 +30,7 @@ def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
             found.append((count, o.window(first, first + length)))
     found.sort(key=lambda entry: -entry[0])
     part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])
-    part.weighting = replace(part.weighting, variance_inflation=problem.weighting.variance_inflation)
-    return part
+    return part.under(replace(part.weighting, variance_inflation=problem.weighting.variance_inflation))
 
 
 def _most_reversals(o: Observation, length: int) -> tuple[int, float]:

@@ -6,6 +6,8 @@ over the speed, over time, waves over the output's position or the motor's angle
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
@@ -19,13 +21,20 @@ MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
 
 
-def add_generic_bases(problem: EquationErrorProblem) -> None:
-    """Put all generic bases that do not depend on a fit into an equation, once."""
-    if problem.generic_bases:
-        return
-    problem.generic_bases.update(_by_speed(problem))
-    problem.generic_bases.update(_by_position(problem))
-    problem.generic_bases.update(_by_time(problem))
+def beside_generic_bases(problem: EquationErrorProblem) -> EquationErrorProblem:
+    """The problem with all generic bases that do not depend on a fit; itself where it has some."""
+    return problem if problem.generic_bases else problem.with_generic_bases(_bases(problem))
+
+
+def _bases(problem: EquationErrorProblem) -> Mapping[str, np.ndarray]:
+    """All that do not depend on a fit: kept for the next weighting beside the same wandering, under which they are the
+    same.
+    """
+    kept, wander = problem.kept_bases, problem.weighting.wander
+    if wander not in kept:
+        kept.clear()
+        kept[wander] = {**_by_speed(problem), **_by_position(problem), **_by_time(problem)}
+    return kept[wander]
 
 
 def dependence(name: str) -> str:

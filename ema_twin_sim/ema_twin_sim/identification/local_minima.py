@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
+from .comparable import cheapest, costs_no_more
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 from .hypothesis import INERTIAS, Hypothesis
@@ -29,41 +30,37 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
     """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
-    problem.weighting = problem.weighting.from_outliers(FAR_OFF_ROW)
+    problem = problem.under(problem.weighting.from_outliers(FAR_OFF_ROW))
     costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(family)]
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
 def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
     """The best fit of a ranked family: from its best few, then from beside there."""
-    problem.weighting = problem.weighting.from_outliers(FAR_OFF_ROW)
-    finalists = [fit(problem, h, 8).hypothesis for _, h in family[:FINALISTS]]
-    problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
-    return hopped(problem, min((fit(problem, h, 8) for h in finalists), key=cost), family[0][1].added)
+    from_afar = problem.under(problem.weighting.from_outliers(FAR_OFF_ROW))
+    finalists = [fit(from_afar, h, 8).hypothesis for _, h in family[:FINALISTS]]
+    near = problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
+    return hopped(cheapest(fit(near, h, 8) for h in finalists), family[0][1].added)
 
 
-def hopped(problem: EquationErrorProblem, best: Fit, names: Collection[str]) -> Fit:
+def hopped(best: Fit, names: Collection[str]) -> Fit:
     """The best of a fit and those that start beside it, where the springs of these effects are others.
 
     One start has all constants as the model file has them: a valley that was entered without the last effect, to make
     up for which they gave way, is not one that a fit finds out of.
     """
+    problem = best.problem
     for _ in range(HOPS):
         hops = (*_hops(best.hypothesis, names), *output_weights(best.hypothesis))
         beside = [starting(best.hypothesis, hop) for hop in hops]
         costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
-        better = min((fit(problem, h, 8) for h in starts), key=cost)
-        much = cost(better) < (1.0 - NEGLIGIBLE) * cost(best)
-        best = min(best, better, key=cost)
+        better = cheapest(fit(problem, h, 8) for h in starts)
+        much = costs_no_more(better, best, 1.0 - NEGLIGIBLE)
+        best = cheapest((best, better))
         if not much:
             break
     return best
-
-
-def cost(f: Fit) -> float:
-    """What a fit makes small."""
-    return f.misfit + f.variance_inflation * f.prior_cost
 
 
 def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:

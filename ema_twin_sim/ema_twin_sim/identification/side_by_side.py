@@ -13,7 +13,7 @@ from ..plant.measured_motion import MOTOR_ANGLE, TIME
 from ..plant.measured_motion_many import LANE, inverse_dynamics_many
 from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import Assembly
-from .equation import seen_output
+from .prediction import seen_output
 
 LEAST = 3  # models from which on side by side is quicker than one after another
 

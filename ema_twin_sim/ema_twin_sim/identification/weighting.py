@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .wander import Wander
+
+FAR = 1e9  # noise standard deviations that no row is away: least squares
+INFLATED = 0.2  # share by which a variance moves before all is fitted again
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,3 +39,16 @@ class Weighting:
     def from_outliers(self, scale: float) -> Weighting:
         """The same with outliers that begin at one scale in all rows."""
         return replace(self, cauchy_scale=np.full(len(self.cauchy_scale), scale))
+
+    def inflated(self, variance: float) -> Weighting:
+        """The same with a noise of so many times the sensors' variance; itself where that is no other by much."""
+        moved = abs(math.log(variance / self.variance_inflation)) > INFLATED
+        return replace(self, variance_inflation=variance) if moved else self
+
+    def is_that_of(self, other: Weighting) -> bool:
+        """Whether both let all rows, and the priors, count alike."""
+        return self is other or (
+            self.wander is other.wander
+            and self.variance_inflation == other.variance_inflation
+            and np.array_equal(self.cauchy_scale, other.cauchy_scale)
+        )

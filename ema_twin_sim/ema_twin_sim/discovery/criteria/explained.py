@@ -23,7 +23,7 @@ from ...criteria import (
 )
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
-from ...identification.generic_bases import add_generic_bases
+from ...identification.generic_bases import beside_generic_bases
 from ...identification.screening import screen_generic_bases
 from ...plant.measured_motion import SPEED
 from .plausible import only_constants, strained
@@ -88,8 +88,7 @@ def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
 
 def depends(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether what is left depends on anything."""
-    add_generic_bases(problem)
-    return any(gained > DEPENDS for gained, _ in screen_generic_bases(problem, f)[:1])
+    return any(gained > DEPENDS for gained, _ in screen_generic_bases(beside_generic_bases(problem), f)[:1])
 
 
 def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...criteria import MOSTLY, NEGLIGIBLE
 from ...effects import catalogue
+from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, order_bases
@@ -29,26 +30,22 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     over = catalogue()[f.hypothesis.added[name].effect].depends_on
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
-    kept = problem.generic_bases
     if f.hypothesis.added[name].effect in ENCODER_ONLY:
         left = 1.0 - MOSTLY
         return _of_the_encoders(problem, f) <= left * _of_the_encoders(problem, bare)
-    try:
-        problem.generic_bases = _over(problem, bare, over)
-        if not problem.generic_bases:  # of what shows over this, there is no other shape
-            return True
-        took = bare.misfit - f.misfit
-        if took < NEGLIGIBLE * f.judged:
-            return False
-        best = next((found for _, found in screen_generic_bases(problem, bare)), None)
-        if best is None:
-            return True
-        any_shape = fit(
-            problem, bare.hypothesis.with_generic_basis(best, problem.generic_bases[best].shape[1]), 3, known=bare
-        )
-        return took >= (1.0 - NEGLIGIBLE) * (bare.misfit - any_shape.misfit)
-    finally:
-        problem.generic_bases = kept
+    shapes = _over(problem, bare, over)
+    if not shapes:  # of what shows over this, there is no other shape
+        return True
+    refuse_different_weightings(bare, f)
+    took = bare.misfit - f.misfit
+    if took < NEGLIGIBLE * f.judged:
+        return False
+    beside = problem.with_generic_bases(shapes)
+    best = next((found for _, found in screen_generic_bases(beside, bare)), None)
+    if best is None:
+        return True
+    any_shape = fit(beside, bare.hypothesis.with_generic_basis(best, shapes[best].shape[1]), 3, known=bare)
+    return took >= (1.0 - NEGLIGIBLE) * (bare.misfit - any_shape.misfit)
 
 
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:

@@ -26,6 +26,7 @@ from ...criteria import (
     SMALL,
 )
 from ...effects import catalogue
+from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
@@ -50,7 +51,11 @@ def complexity_penalty(f: Fit) -> float:
 
 
 def penalised_gain(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
-    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less."""
+    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less.
+
+    Raises DifferentWeightings where they do not compare, as do all that hold one fit against another.
+    """
+    refuse_different_weightings(before, after)
     return (
         (before.misfit - after.misfit) / noise_per_unit(problem, before, after)
         + complexity_penalty(before)
@@ -60,6 +65,7 @@ def penalised_gain(problem: EquationErrorProblem, before: Fit, after: Fit) -> fl
 
 def noise_per_unit(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
     """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
+    refuse_different_weightings(before, after)
     shaky = SHAKY if before.parted and after.parted else 1.0
     return shaky * min(before.temperature, after.temperature)
 
@@ -70,6 +76,7 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
     Beside a gearbox that bounces or rings, a torque must show in the torque, and not right after an impact: what lies
     there, and where the output comes to rest, no contact law gets right.
     """
+    refuse_different_weightings(before, after)
     came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
     by_torque = before.parted and after.parted and not came & ENCODER_ONLY
     fell = after.weights**2 * (before.raw**2 - after.raw**2)
@@ -86,6 +93,7 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
 
 def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
     """Whether a step is large enough to be named."""
+    refuse_different_weightings(before, after)
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
     if any(
         _does_nothing(after, name) or _too_large(problem, after, name) or _within_counts(after, name) for name in came

@@ -21,6 +21,7 @@ from ema_bench_replay.recording import Recording
 from ...criteria import CLEARLY_MORE, DECIDED, MOSTLY, RIVAL_MARGIN, STANDSTILL
 from ...identification.equation import EquationErrorProblem
 from ...identification.hypothesis import Hypothesis
+from ...identification.jacobian import jacobian
 from ...measured.observation import Observation, observe
 from ...model.own_units import shown
 from ...plant.measured_motion import SPEED, TIME
@@ -188,7 +189,7 @@ class _Field:
         missed = problem.centred(truth - predicted.rows, even)
         best, rows = float(missed @ missed) / heat, missed
         for _ in range(steps):
-            slopes = problem.jacobian(h.at(contender.hypothesis.values + moved), predicted, even)
+            slopes = jacobian(problem, h.at(contender.hypothesis.values + moved), predicted, even)
             a = slopes.T @ slopes / heat + known
             scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
             g = (slopes.T @ missed / heat - known @ moved) * scale

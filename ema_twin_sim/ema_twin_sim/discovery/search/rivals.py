@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...criteria import RIVAL_MARGIN
+from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
-from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
-from ...identification.local_minima import DAMPED, cost, hopped, starting
+from ...identification.local_minima import DAMPED, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import prune
 from .trace import Round, Search, Trial, new_names
@@ -27,41 +27,39 @@ class Rivalry:
     group: tuple[str, ...]  # the effect and what the data cannot tell from it, sorted
     fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
 
+    def beside(self, end: Fit) -> Rivalry:
+        """The rivalry with its substitutes under the weighting of an ``end`` that the search came to later."""
+        return replace(self, fits=tuple(as_compares(f, end.problem) for f in self.fits))
 
-def judged_against_rivals(
-    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
-) -> tuple[Search, tuple[Rivalry, ...]]:
+
+def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) -> tuple[Search, tuple[Rivalry, ...]]:
     """The search with every effect that a rival beats replaced by it, and what still comes near.
 
     Effects ``without`` which it was made are no rivals.
     """
-    rivals = rivalries(problem, found, without)
+    rivals = rivalries(found, without)
     for _ in range(SWAPS):
         better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None or better.behind > -1.0:
             break
-        other = swapped(problem, found, better.fits[0])
-        if penalised_gain(problem, found.fit, other.fit) <= 0.0:
+        other = swapped(found, better.fits[0])
+        if penalised_gain(found.problem, found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
         found = other
-        rivals = rivalries(problem, found, without)
+        rivals = rivalries(found, without)
     return found, rivals
 
 
-def rivalries(
-    problem: EquationErrorProblem, found: Search, without: frozenset[str] = frozenset()
-) -> tuple[Rivalry, ...]:
+def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:
     """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
-    best = found.fit
+    best, problem = found.fit, found.problem
     judged = []
     for name, instance in best.hypothesis.added.items():
         turn = next((t for t in found.taken if name in t.added), None)
         compliant = instance.effect in COMPLIANT_EFFECTS
         if turn is None or (compliant and problem.size):
             continue
-        stands_in = (
-            other_structures(problem, best, name, without) if compliant else substitutes(problem, best, name, turn)
-        )
+        stands_in = other_structures(best, name, without) if compliant else substitutes(best, name, turn)
         fits = sorted(stands_in, key=lambda f: -penalised_gain(problem, best, f))
         worth = [penalised_gain(problem, best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
@@ -72,7 +70,7 @@ def rivalries(
     return tuple(judged)
 
 
-def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round) -> list[Fit]:
+def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
     """The end of the search with an effect replaced by each that came near it in its round."""
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
     bare = best.hypothesis.without(name)
@@ -87,11 +85,11 @@ def substitutes(problem: EquationErrorProblem, best: Fit, name: str, turn: Round
         if ENCODER_ONLY & {effect, other.effect}:  # what no torque shows stands in for no torque
             continue
         start = trial.fit.hypothesis.instance(trial.names[0])
-        found.append(fit(problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
+        found.append(fit(best.problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
     return found
 
 
-def other_structures(problem: EquationErrorProblem, best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
+def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
     """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
 
     A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
@@ -100,10 +98,9 @@ def other_structures(problem: EquationErrorProblem, best: Fit, name: str, withou
     effect = best.hypothesis.added[name].effect
     if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:
         return []
-    weighting = problem.weighting
+    problem = best.problem
     bare = fit(problem, best.hypothesis.without(name))
     tried = structural_fits(problem, bare, without | {effect})
-    problem.weighting = weighting  # that which the end of the search was fitted under
     found = []
     for f in tried:
         came = list(f.hypothesis.added)[-1]
@@ -111,13 +108,13 @@ def other_structures(problem: EquationErrorProblem, best: Fit, name: str, withou
         if effect == "backlash":  # of a spring and the friction that winds it up, slow motion tells but the ratio
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
-        found.append(hopped(problem, min((fit(problem, h) for h in starts), key=cost), [came]))
+        found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))
     return found
 
 
-def swapped(problem: EquationErrorProblem, found: Search, rival: Fit) -> Search:
+def swapped(found: Search, rival: Fit) -> Search:
     """The search with one more round, in which a rival took the place of one effect, or of several."""
-    best = found.fit
+    best, problem = found.fit, found.problem
     added, removed = new_names(best, rival), new_names(rival, best)
     bare = best.hypothesis
     for name in removed:
@@ -127,6 +124,6 @@ def swapped(problem: EquationErrorProblem, found: Search, rival: Fit) -> Search:
         Trial(names, f, penalised_gain(problem, nothing, f), largest_rms_reduction(problem, nothing, f))
         for names, f in ((added, rival), (removed, best))
     )
-    after = prune(problem, fit(problem, rival.hypothesis))
+    after = prune(fit(problem, rival.hypothesis))
     turn = Round(best, tried, after, added, removed, "others explain more in its place")
-    return replace(found, fit=after, rounds=(*found.rounds, turn), weighting=problem.weighting)
+    return found.further(after, [turn])

@@ -21,15 +21,17 @@ from ...criteria import (
 )
 from ...effects import catalogue
 from ...identification.candidates import candidates
+from ...identification.comparable import as_compares, cheapest, costs_no_more
 from ...identification.compliance import structural_fits
-from ...identification.equation import FAR, EquationErrorProblem
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import add_generic_bases, dependence, order_bases
+from ...identification.generic_bases import beside_generic_bases, dependence
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
-from ...identification.local_minima import cost, hopped
+from ...identification.local_minima import hopped
 from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
+from ...identification.weighting import FAR
 from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
 from .found_orders import order_candidates, resolved
@@ -38,25 +40,24 @@ from .trace import NEEDLESS, Round, Search, Trial, new_names
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
-ROUNDS_WITH_BASES = 4  # the same, with generic bases: what an unknown depends on shows in the first rounds
 LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
 """What a gearbox that rings or bounces looks like in the torque alone."""
 
 
-def settle(problem: EquationErrorProblem, f: Fit) -> Fit:
-    """Fit, take weight from outliers, fit again."""
+def settle(f: Fit) -> Fit:
+    """Take weight from outliers, fit again: the fit under a weighting that suits what it leaves over."""
     for _ in range(4):
-        moved = problem.reweigh(f.raw, BESIDE_IMPACTS if f.parted else math.inf)
-        if not (problem.inflate(f.temperature) or moved):
+        weighting = f.problem.reweighed(f.raw, BESIDE_IMPACTS if f.parted else math.inf).inflated(f.temperature)
+        if weighting is f.problem.weighting:
             break
-        f = fit(problem, f.hypothesis)
+        f = fit(f.problem.under(weighting), f.hypothesis)
     return f
 
 
-def parted_encoders(problem: EquationErrorProblem, f: Fit) -> bool:
+def parted_encoders(f: Fit) -> bool:
     """Whether the encoders part by more than their noise."""
     return any(
-        p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > CLEARLY_MORE for p in problem.encoder_parts
+        p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > CLEARLY_MORE for p in f.problem.encoder_parts
     )
 
 
@@ -75,50 +76,49 @@ def search(
     gearbox can only be simulated with the right loads. Where what is left of the torque is friction that wanders, and
     ``may_wander``, the search begins anew with that as part of the noise.
     """
-    problem.weighting = problem.weighting.begun_anew(FAR)
-    bare = settle(problem, fit(problem, null))
+    bare = settle(fit(problem.under(problem.weighting.begun_anew(FAR)), null))
     if null.base.value("machine.output_inertia") == 0.0:
         without = without | set(COMPLIANT_EFFECTS)  # there is nothing behind the teeth
     if not problem.size:
-        return _by_encoders_alone(problem, bare, without, progress, most)
-    parts = parted_encoders(problem, bare) and not without >= {*COMPLIANT_EFFECTS, *ENCODER_ONLY}
-    problem.use_encoder = not parts
+        return _by_encoders_alone(bare, without, progress, most)
+    parts = parted_encoders(bare) and not without >= {*COMPLIANT_EFFECTS, *ENCODER_ONLY}
     # without the encoders calling for it, what they alone show has no place
     by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
     if parts:
         progress("looking at the torque alone")
-    begun = fit(problem, bare.hypothesis) if parts else bare
-    current, rounds = add_effects(problem, begun, by_torque, progress, most=most)
-    if may_wander and problem.weighting.wander is None and not null.base.is_open:
-        current, rounds = _beside_wander(problem, null, current, rounds, by_torque, progress, most)
+    begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
+    current, rounds = add_effects(begun, by_torque, progress, most=most)
+    if may_wander and current.problem.weighting.wander is None and not null.base.is_open:
+        current, rounds = _beside_wander(null, current, rounds, by_torque, progress, most)
     if parts:
-        problem.use_encoder = True
-        problem.weighting = problem.weighting.from_outliers(BESIDE_IMPACTS)
-        current = fit(problem, current.hypothesis)
-        if parted_encoders(problem, current):
+        current = fit(_beside_impacts(current.problem.with_encoders()), current.hypothesis)
+        if parted_encoders(current):
             progress("looking at the gearbox")
-            current, by_gearbox = _add_structure(problem, current, without)
+            current, by_gearbox = _add_structure(current, without)
             rounds += by_gearbox
-        current, by_all = add_effects(problem, current, without, progress, most=most)
+        current, by_all = add_effects(current, without, progress, most=most)
         rounds += by_all
-    return significant(problem, Search(current, tuple(rounds), problem.weighting))
+    return significant(Search(current, tuple(rounds)))
 
 
-def _by_encoders_alone(
-    problem: EquationErrorProblem, bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
-) -> Search:
+def _beside_impacts(problem: EquationErrorProblem) -> EquationErrorProblem:
+    """The problem under the weighting that play and springs are looked for under."""
+    return problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
+
+
+def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int) -> Search:
     """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
     current = bare
     rounds: list[Round] = []
     # an encoder's error may be larger than the play beside it, which shows once that error is found
-    while len(rounds) < most and parted_encoders(problem, current) and not _gives_way(current):
+    while len(rounds) < most and parted_encoders(current) and not _gives_way(current):
         progress("looking at the gearbox")
-        current, turns = _add_structure(problem, current, without)
+        current, turns = _add_structure(current, without)
         rounds += turns
         if not turns[-1].added:
             break
-    current, further = add_effects(problem, current, without, progress, most=most)
-    return significant(problem, Search(current, (*rounds, *further), problem.weighting))
+    current, further = add_effects(current, without, progress, most=most)
+    return significant(Search(current, (*rounds, *further)))
 
 
 def _gives_way(f: Fit) -> bool:
@@ -127,7 +127,6 @@ def _gives_way(f: Fit) -> bool:
 
 
 def _beside_wander(
-    problem: EquationErrorProblem,
     null: Hypothesis,
     current: Fit,
     rounds: list[Round],
@@ -140,31 +139,30 @@ def _beside_wander(
     Asked where something is left, or where it took suspiciously many effects to leave nothing.
     """
     many = len(current.hypothesis.added) > USUAL_EFFECTS
-    if torque_left(problem, current) <= MISFIT_LEFT and not many:
+    if torque_left(current) <= MISFIT_LEFT and not many:
         return current, rounds
-    plain, wander = problem.weighting, wandering(problem, rounds[1].after if many else current)
+    plain = current.problem
+    wander = wandering(plain, rounds[1].after if many else current)
     if wander is None:
         return current, rounds
-    cost_of_many = _torque_cost(problem, current) if many else math.inf
+    cost_of_many = _torque_cost(current) if many else math.inf
     progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
-    problem.weighting = replace(plain.begun_anew(FAR), wander=wander)
-    beside, rounds_beside = add_effects(problem, settle(problem, fit(problem, null)), without, progress, most=most)
-    weighting, left = problem.weighting, torque_left(problem, beside)
-    too_dear = _torque_cost(problem, beside) + wander.complexity_penalty > cost_of_many
-    problem.weighting = plain
-    paid = left + CORRELATION * wander.complexity_penalty / problem.size
-    if left > MISFIT_LEFT or too_dear or depends_on_more(problem, beside.hypothesis, paid):
+    anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
+    beside, rounds_beside = add_effects(settle(fit(anew, null)), without, progress, most=most)
+    left = torque_left(beside)
+    too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
+    paid = left + CORRELATION * wander.complexity_penalty / plain.size
+    if left > MISFIT_LEFT or too_dear or depends_on_more(plain, beside.hypothesis, paid):
         return current, rounds
-    problem.weighting = weighting
     return beside, rounds_beside
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
     """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
 
-    Or hardly more of it than ``at_most``, in misfit per row.
+    Or hardly more of it than ``at_most``, in misfit per row. The ``problem`` is one in which nothing wanders.
     """
-    add_generic_bases(problem)
+    problem = beside_generic_bases(problem)
     f = fit(problem, h)
     name = next((name for _, name in screen_generic_bases(problem, f) if dependence(name) != "time"), None)
     if name is None:
@@ -172,42 +170,41 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
     columns = problem.generic_bases[name].shape[1]
     beside = fit(problem, h.with_generic_basis(name, columns))
     return (
-        torque_left(problem, beside) + CORRELATION * COST_OF_BASIS_COLUMN * columns / problem.size
+        torque_left(beside) + CORRELATION * COST_OF_BASIS_COLUMN * columns / problem.size
         < at_most + MISFIT_DOUBTED - 1.0
     )
 
 
-def _torque_cost(problem: EquationErrorProblem, f: Fit) -> float:
+def _torque_cost(f: Fit) -> float:
     """What a hypothesis costs by the torque, as twice a negative log-likelihood, its price paid."""
-    return float(problem.costs(f.raw)[: problem.size].sum()) / CORRELATION + complexity_penalty(f)
+    return float(f.problem.costs(f.raw)[: f.problem.size].sum()) / CORRELATION + complexity_penalty(f)
 
 
-def torque_left(problem: EquationErrorProblem, f: Fit) -> float:
+def torque_left(f: Fit) -> float:
     """What a row of torque adds to the misfit, in the mean: one where nothing but noise is left."""
-    return float(problem.costs(f.raw)[: problem.size].mean())
+    return float(f.problem.costs(f.raw)[: f.problem.size].mean())
 
 
-def significant(problem: EquationErrorProblem, found: Search) -> Search:
+def significant(found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that."""
     uncertain: frozenset[str] = frozenset()
-    while name := insignificant(problem, found.fit):
+    while name := insignificant(found.problem, found.fit):
         uncertain |= {found.fit.hypothesis.added[name].effect}
-        found = less(problem, found, [name], "too uncertain to be named")
+        found = less(found, [name], "too uncertain to be named")
         once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
         if back := (once & catalogue().keys()) - uncertain - {*found.fit.hypothesis.effects}:
-            after, rounds = add_effects(problem, found.fit, frozenset(catalogue()) - back, most=len(back))
-            found = replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)
+            found = found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
     return found
 
 
-def less(problem: EquationErrorProblem, found: Search, names: Sequence[str], reason: str) -> Search:
+def less(found: Search, names: Sequence[str], reason: str) -> Search:
     """The search with one more round, in which effects were taken out, and what is needless without them."""
     if not names:
         return found
     h = found.fit.hypothesis
     for name in names:
         h = _without(h, name)
-    return found.ended(prune(problem, settle(problem, fit(problem, h))), problem.weighting, reason)
+    return found.ended(prune(settle(fit(found.problem, h))), reason)
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
@@ -216,31 +213,19 @@ def _misleading(null: Hypothesis) -> frozenset[str]:
 
 
 def add_effects(
-    problem: EquationErrorProblem,
     current: Fit,
     without: frozenset[str],
     progress: Callable[[str], None] = lambda text: None,
-    with_bases: bool = False,
     most: int = MOST_EFFECTS,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
     banned: frozenset[str] = frozenset()
-    for _ in range(ROUNDS_WITH_BASES if with_bases else most):
+    for _ in range(most):
         progress("trying all effects")
-        tried = [with_one_more(problem, current, h) for h in entrants(problem, current, without | banned)]
-        if with_bases:
-            problem.generic_bases.update(order_bases(problem, current))
-            for name in [name for _, name in screen_generic_bases(problem, current) if name not in banned][:2]:
-                tried.append(
-                    fit(
-                        problem,
-                        current.hypothesis.with_generic_basis(name, problem.generic_bases[name].shape[1]),
-                        3,
-                        known=current,
-                    )
-                )
-        turn = _turn(problem, current, tried)
+        turn = take_best(
+            current, [with_one_more(current, h) for h in entrants(current.problem, current, without | banned)]
+        )
         rounds.append(turn)
         if not turn.added:
             break
@@ -250,54 +235,59 @@ def add_effects(
     return current, rounds
 
 
-def with_one_more(problem: EquationErrorProblem, current: Fit, h: Hypothesis) -> Fit:
+def with_one_more(current: Fit, h: Hypothesis) -> Fit:
     """A fit of a hypothesis that has one effect more, from where a regression would start it.
 
     Or, if a straight line led too far, from a typical size, or from where the effect does next to nothing.
     """
     name = next(n for n in h.added if n not in current.hypothesis.added)
     size = catalogue()[h.added[name].effect].parameters[0]
-    tried = [fit(problem, h, 6, known=current)]
+    tried = [fit(current.problem, h, 6, known=current)]
     begun = h.instance(name).parameters[size.name]
     if size.neutral is not None:
         for value in (size.default, size.neutral + NEXT_TO_NOTHING * (begun - size.neutral)):
-            if cost(tried[-1]) <= cost(current):
+            if costs_no_more(tried[-1], current):
                 break
             near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": value})
-            tried.append(fit(problem, near, 6, known=current))
-    return min(tried, key=lambda f: cost(f) if math.isfinite(cost(f)) else math.inf)
+            tried.append(fit(current.problem, near, 6, known=current))
+    return cheapest(tried)
 
 
-def _add_structure(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
+def _add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
-    tried = structural_fits(problem, current, without) if gearbox_shows(problem, current) else []
+    tried, begun = [], current
+    if gearbox_shows(current.problem, current):
+        tried = structural_fits(current.problem, current, without)
+        current = as_compares(current, _beside_impacts(current.problem))
     by_torque = frozenset(
         c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
     )
-    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | by_torque)]
-    turn = _turn(problem, current, tried)
-    return turn.after, [turn]
+    tried += [fit(current.problem, h, 6) for h in entrants(current.problem, current, without | by_torque)]
+    turn = take_best(current, tried)
+    return turn.after if turn.added else begun, [turn]
 
 
-def _turn(problem: EquationErrorProblem, current: Fit, tried: Sequence[Fit]) -> Round:
+def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
     """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
-    trials = _ranked(_trial(problem, current, g) for g in tried)
-    took = _best(problem, current, trials)
+    trials = _ranked(trial_of(current, g) for g in tried)
+    took = _best(current, trials)
     if took is None and not current.parted:
         # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
-        again = [_trial(problem, current, fit(problem, t.fit.hypothesis)) for t in near]
+        again = [trial_of(current, fit(t.fit.problem, t.fit.hypothesis)) for t in near]
         trials = _ranked([*again, *(t for t in trials if t not in near)])
-        took = _best(problem, current, trials)
+        took = _best(current, trials)
     if took is None:
         return Round(current, trials, current)
-    whole = fit(problem, took.fit.hypothesis.balanced())
+    whole = fit(took.fit.problem, took.fit.hypothesis.balanced())
     fresh = [name for name in took.names if name in whole.hypothesis.added]
-    after = prune(problem, settle(problem, hopped(problem, whole, fresh) if whole.parted else whole))
+    after = prune(settle(hopped(whole, fresh) if whole.parted else whole))
     return Round(current, trials, after, took.names, new_names(after, took.fit))
 
 
-def _trial(problem: EquationErrorProblem, before: Fit, after: Fit) -> Trial:
+def trial_of(before: Fit, after: Fit) -> Trial:
+    """What a fit holds that another has not, and what that gains."""
+    problem = before.problem
     return Trial(
         new_names(before, after),
         after,
@@ -312,9 +302,9 @@ def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
     return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.generic_bases})]))
 
 
-def _best(problem: EquationErrorProblem, current: Fit, trials: Iterable[Trial]) -> Trial | None:
+def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
     """The first that is worth its price, and large enough to be named."""
-    return next((t for t in trials if t.gain > 0.0 and has_effect_size(problem, current, t.fit)), None)
+    return next((t for t in trials if t.gain > 0.0 and has_effect_size(current.problem, current, t.fit)), None)
 
 
 def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
@@ -337,8 +327,9 @@ def _more(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothes
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
-def prune(problem: EquationErrorProblem, f: Fit) -> Fit:
+def prune(f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included."""
+    problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
         trials = [fit(problem, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
         trials += [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]

@@ -8,11 +8,9 @@ is sought without it, and then it may come back.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from ...criteria import USUAL_EFFECTS
 from ...effects import catalogue
-from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import Hypothesis
 from ..criteria.plausible import strained
@@ -25,14 +23,12 @@ MORE = 2  # effects that may join those that came in first
 THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
 
 
-def in_another_order(
-    problem: EquationErrorProblem, found: Search, without: frozenset[str], progress: Callable[[str], None]
-) -> Search:
+def in_another_order(found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
     """The search with other effects in the place of those that show over the speed, where these explain more together.
 
     Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
     """
-    best = found.fit
+    best, problem = found.fit, found.problem
     alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
     if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
         return found
@@ -44,22 +40,18 @@ def in_another_order(
     others = without | {id for id in catalogue() if not _by_speed(id)}
     for effect in sorted(catalogue().keys() - others):
         for h in entrants(problem, start, frozenset(catalogue().keys() - {effect}))[:1]:
-            other, _ = add_effects(problem, with_one_more(problem, start, h), others, most=MORE)
-            problem.weighting = found.weighting  # misfits compare under one weighting only
-            other = fit(problem, other.hypothesis)
+            other, _ = add_effects(with_one_more(start, h), others, most=MORE)
+            other = fit(problem, other.hypothesis)  # misfits compare under one weighting only
             if penalised_gain(problem, best, other) > 1.0:
                 best = other
     if best is not found.fit:
-        better = significant(problem, swapped(problem, found, best))
-        problem.weighting = found.weighting
+        better = significant(swapped(found, best))
         if penalised_gain(problem, found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
-            problem.weighting = better.weighting
             return better
     return found
 
 
 def search_without_first(
-    problem: EquationErrorProblem,
     null: Hypothesis,
     excluded: frozenset[str],
     found: Search,
@@ -72,16 +64,12 @@ def search_without_first(
     """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:
-        other = search(problem, null, excluded | {effect}, progress, most=USUAL_EFFECTS, may_wander=False)
+        other = search(found.problem, null, excluded | {effect}, progress, most=USUAL_EFFECTS, may_wander=False)
         if other.fit.parted:
             continue
-        after, rounds = add_effects(problem, other.fit, excluded | ENCODER_ONLY, progress, most=MORE)
-        other = significant(
-            problem, replace(other, fit=after, rounds=(*other.rounds, *rounds), weighting=problem.weighting)
-        )
+        other = significant(other.further(*add_effects(other.fit, excluded | ENCODER_ONLY, progress, most=MORE)))
         if content(other.fit):
             return other, True
-    problem.weighting = found.weighting
     return found, False
 
 

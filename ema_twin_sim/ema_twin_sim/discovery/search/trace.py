@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
-from ...identification.weighting import Weighting
 
 
 def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
@@ -50,8 +51,12 @@ class Search:
 
     fit: Fit
     rounds: tuple[Round, ...]
-    weighting: Weighting  # that the end was fitted under
     loosest: Fit | None = None  # the end before numbers of it were put back, where they were
+
+    @property
+    def problem(self) -> EquationErrorProblem:
+        """What the end was fitted to, under its weighting."""
+        return self.fit.problem
 
     @property
     def changes(self) -> tuple[Round, ...]:
@@ -83,7 +88,11 @@ class Search:
         """The end with all its numbers where the equation error has them: what others may be held against."""
         return self.loosest or self.fit
 
-    def ended(self, after: Fit, weighting: Weighting, reason: str) -> Search:
+    def further(self, after: Fit, rounds: Iterable[Round]) -> Search:
+        """The search with more rounds, which end at a fit."""
+        return replace(self, fit=after, rounds=(*self.rounds, *rounds))
+
+    def ended(self, after: Fit, reason: str) -> Search:
         """The search with one more round, which ends at a fit that holds less."""
         turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
-        return replace(self, fit=after, rounds=(*self.rounds, turn), weighting=weighting, loosest=None)
+        return replace(self, fit=after, rounds=(*self.rounds, turn), loosest=None)

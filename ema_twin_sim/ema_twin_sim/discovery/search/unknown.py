@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+
+import numpy as np
 
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit
-from ...identification.generic_bases import add_generic_bases, dependence
+from ...identification.fit import Fit, fit
+from ...identification.generic_bases import beside_generic_bases, dependence, order_bases
 from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.own_shape import by_own_shape
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
-from .search import add_effects, less, significant
-from .trace import Search
+from .search import less, significant, take_best
+from .trace import Round, Search
+
+MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
+TRIED = 2  # bases that are fitted in a round
 
 
 def beside_the_unknown(
-    problem: EquationErrorProblem,
     found: Search,
     progress: Callable[[str], None],
 ) -> tuple[Search, tuple[str, ...]]:
@@ -29,22 +32,21 @@ def beside_the_unknown(
     An effect stands that explains by its own shape what any shape over its quantity would. The others may be nothing
     but the likeness of the unknown, as is what made constants implausible.
     """
-    if not problem.size:  # no torque was measured that could depend on anything
+    if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
-    add_generic_bases(problem)
     if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
-        return found, _most_likely(problem, found.fit)
+        return found, _most_likely(beside_generic_bases(found.problem), found.fit)
     start = found.rounds[0].before
-    found = doubted(problem, found)
+    found = doubted(found)
     progress("asking what the rest depends on")
     known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
-    problem.generic_bases = {
-        name: columns for name, columns in problem.generic_bases.items() if dependence(name) not in known
+    every = beside_generic_bases(found.problem).generic_bases
+    bases: Mapping[str, np.ndarray] = {
+        name: columns for name, columns in every.items() if dependence(name) not in known
     }
-    after, rounds = add_effects(problem, found.fit, frozenset(catalogue()), progress, with_bases=True)
-    found = significant(
-        problem, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)
-    )
+    after, rounds, bases = _add_dependences(found.fit, bases, progress)
+    found = significant(found.further(after, rounds))
+    problem = found.problem.with_generic_bases(bases)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
     # what comes and goes is an outlier to a fit, and no lasting dependence
@@ -52,9 +54,34 @@ def beside_the_unknown(
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
 
 
-def doubted(problem: EquationErrorProblem, found: Search) -> Search:
+def _add_dependences(
+    current: Fit, bases: Mapping[str, np.ndarray], progress: Callable[[str], None]
+) -> tuple[Fit, list[Round], Mapping[str, np.ndarray]]:
+    """One generic basis a round, until none is worth its price: the end, the rounds, and all bases that were tried.
+
+    With each round go the orders that its residual shows most.
+    """
+    rounds: list[Round] = []
+    banned: frozenset[str] = frozenset()
+    for _ in range(MOST_ROUNDS):
+        progress("trying all effects")
+        bases = {**bases, **order_bases(current.problem, current)}
+        problem = current.problem.with_generic_bases(bases)
+        names = [name for _, name in screen_generic_bases(problem, current) if name not in banned][:TRIED]
+        more = [current.hypothesis.with_generic_basis(name, bases[name].shape[1]) for name in names]
+        turn = take_best(current, [fit(problem, h, 3, known=current) for h in more])
+        rounds.append(turn)
+        if not turn.added:
+            break
+        progress("found " + " and ".join(turn.added))
+        banned |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
+        current = turn.after
+    return current, rounds, bases
+
+
+def doubted(found: Search) -> Search:
     """A search less the effects that may be nothing but the likeness of something unknown."""
-    add_generic_bases(problem)
+    problem = beside_generic_bases(found.problem)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
     strange = strained(found.fit)
@@ -63,7 +90,7 @@ def doubted(problem: EquationErrorProblem, found: Search) -> Search:
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
     stands -= {name for name in added if lags and over[name] == "encoders"}
     reason = "may be nothing but the likeness of what is unknown"
-    return less(problem, found, [name for name in added if name not in stands], reason)
+    return less(found, [name for name in added if name not in stands], reason)
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:

@@ -10,34 +10,27 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...criteria import BESIDE_IMPACTS, CORRELATION
-from ...identification.equation import FAR, EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.wandering import wandering
+from ...identification.weighting import FAR
 from ..criteria.explained import explained
 from .search import add_effects, depends_on_more, settle, significant, torque_left
 from .trace import Search
 
 
 def wandering_after_all(
-    problem: EquationErrorProblem, found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
+    found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
 ) -> Search | None:
     """The search, its end beside friction that wanders, where nothing else is left then; None where more is."""
-    wander = None if found.weighting.wander is not None else wandering(problem, found.fit)
+    plain = found.problem
+    wander = None if plain.weighting.wander is not None else wandering(plain, found.fit)
     if wander is None:
         return None
     progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
-    plain = problem.weighting
-    problem.weighting = replace(plain.begun_anew(BESIDE_IMPACTS if found.fit.parted else FAR), wander=wander)
-    after, rounds = add_effects(problem, settle(problem, fit(problem, found.fit.hypothesis)), without, progress)
-    beside = significant(
-        problem, replace(found, fit=after, rounds=(*found.rounds, *rounds), weighting=problem.weighting)
-    )
-    allowed = torque_left(problem, beside.fit) + CORRELATION * wander.complexity_penalty / problem.size
-    if explained(problem, beside.fit, start):
-        weighting = problem.weighting
-        problem.weighting = plain
-        if not depends_on_more(problem, beside.fit.hypothesis, allowed):
-            problem.weighting = weighting
-            return beside
-    problem.weighting = plain
+    begun = plain.weighting.begun_anew(BESIDE_IMPACTS if found.fit.parted else FAR)
+    anew = fit(plain.under(replace(begun, wander=wander)), found.fit.hypothesis)
+    beside = significant(found.further(*add_effects(settle(anew), without, progress)))
+    allowed = torque_left(beside.fit) + CORRELATION * wander.complexity_penalty / plain.size
+    if explained(beside.problem, beside.fit, start) and not depends_on_more(plain, beside.fit.hypothesis, allowed):
+        return beside
     return None

@@ -1,0 +1,81 @@
+"""Slopes of a prediction to the free numbers of its hypothesis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..model import EffectInstance
+from .equation import EquationErrorProblem
+from .hypothesis import LAG, Free, Hypothesis
+from .parallel import predictions
+from .prediction import Prediction, Predictor, acts_at_the_motor
+
+AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
+
+
+def jacobian(
+    problem: EquationErrorProblem,
+    h: Hypothesis,
+    predicted: Prediction,
+    weights: np.ndarray,
+    known: Mapping[str, np.ndarray] | None = None,
+    predictor: Predictor | None = None,
+) -> np.ndarray:
+    """Slopes of the weighted prediction (m, k) to the free numbers; ``known`` are slopes, unweighted, to keep.
+
+    The ``predictor`` is what made the prediction, where that was not the problem itself.
+    """
+    known = known or {}
+    predictor = predictor or problem
+    sought = dict.fromkeys(
+        free.path.split(".")[1] for free in h.free if free.path.startswith("effects.") and free.path not in known
+    )
+    now = {name: h.instance(name) for name in sought}
+    torques = {name: problem.alone(predicted, instance) for name, instance in now.items()}
+    steps = [f.step if v + f.step <= f.upper else -f.step for f, v in zip(h.free, h.values, strict=True)]
+    moved = [h.put({free.path: h.values[k] + steps[k]}) for k, free in enumerate(h.free)]
+    two_inertia = predicted.plant["two_inertia"][0] != 0.0
+
+    def at_the_motor(free: Free) -> bool:
+        kind, name, *_ = free.path.split(".")
+        return acts_at_the_motor(now[name]) if kind == "effects" else free.path in AT_THE_MOTOR
+
+    def moves_output(free: Free) -> bool:
+        kind, *rest = free.path.split(".")
+        if free.path in known or free.path == LAG or kind == "basis":
+            return False
+        return not at_the_motor(free) and (kind != "effects" or torques[rest[0]] is None)
+
+    moving = [k for k, free in enumerate(h.free) if two_inertia and moves_output(free)]
+    simulated = dict(zip(moving, predictor.rows_of([moved[k] for k in moving]), strict=True)) if moving else {}
+
+    def column(k: int) -> np.ndarray:
+        free = h.free[k]
+        if free.path in known:
+            return known[free.path] * weights
+        if free.path.startswith("basis."):
+            _, name, place = free.path.split(".")
+            return problem.generic_bases[name][:, int(place)] * weights
+        if free.path == LAG:
+            rows = np.zeros(problem.rows)
+            rows[: problem.size] = problem.rate / problem.noise
+            return problem.whitened(rows) * weights
+        kind, _, rest = free.path.partition(".")
+        if kind == "effects":
+            name, _, parameter = rest.partition(".")
+            held, here = now[name], torques[name]
+            if here is not None:
+                values = {**held.parameters, parameter: held.parameters[parameter] + steps[k]}
+                there = problem.alone(predicted, EffectInstance(held.effect, held.options, values))
+                assert there is not None  # what acts alone does so with all its numbers
+                return (there - here) / steps[k] * weights
+        if k in simulated:
+            there = simulated[k]
+        else:
+            beside = predicted if two_inertia and at_the_motor(free) else None
+            there = predictor.predict(moved[k], beside=beside).rows
+        return problem.centred((there - predicted.rows) / steps[k], weights) * weights
+
+    return np.stack(list(predictions(problem.samples, column, range(len(h.free)))), 1)

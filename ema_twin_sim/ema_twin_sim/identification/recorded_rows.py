@@ -1,0 +1,83 @@
+"""What several recordings measured, as rows: built once, and never changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER
+from ..measured.observation import Observation
+from ..plant.measured_motion import SPEED
+from .search_limits import Reached, reached
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class RecordedRows:
+    """Rows of several recordings: torque rows of all (s,), then encoder rows of all (e,), together (m,)."""
+
+    observations: tuple[Observation, ...]
+    torque: np.ndarray  # (s,) N m
+    noise: np.ndarray  # (s,) N m, of the torque
+    acceleration: np.ndarray  # (s,) rad/s^2
+    rate: np.ndarray  # (s,) N m/s, of the torque
+    encoder: np.ndarray  # (e,) rad, by how much the encoders differ
+    encoder_noise: np.ndarray  # (e,) rad
+    in_noise: np.ndarray  # (m,) all that was measured, in units of the sensors' noise
+    samples: int
+    size: int  # rows of torque
+    rows: int  # of all
+    torque_parts: list[slice]  # by recording
+    encoder_parts: list[slice]  # by recording
+    encoder_pieces: list[slice]  # of a recording, between jumps of a counter
+    parts: list[tuple[int, slice]]  # (recording, rows) of all that is measured
+    fastest: float  # rad/s, of the motor
+    outlier: float  # times the bulk of a residual, where outliers begin
+    reached: Reached
+
+    def __init__(self, observations: Sequence[Observation]) -> None:
+        torque = np.concatenate([o.torque for o in observations])
+        noise = np.concatenate([o.torque_noise for o in observations])
+        encoder = np.concatenate([o.encoder for o in observations])
+        encoder_noise = np.concatenate([o.encoder_noise for o in observations])
+        edges = np.cumsum([0, *(len(o.rows) for o in observations)])
+        torque_parts = [slice(a, b) for a, b in pairwise(edges)]
+        size = int(edges[-1])
+        edges = size + np.cumsum([0, *(len(o.encoder_rows) for o in observations)])
+        encoder_parts = [slice(a, b) for a, b in pairwise(edges)]
+        in_noise = np.concatenate([torque / noise, encoder / encoder_noise])
+        speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
+        vars(self).update(
+            observations=tuple(observations),
+            torque=torque,
+            noise=noise,
+            acceleration=np.concatenate([o.acceleration for o in observations]),
+            rate=np.concatenate([o.torque_rate for o in observations]),
+            encoder=encoder,
+            encoder_noise=encoder_noise,
+            in_noise=in_noise,
+            samples=sum(len(o.motion) for o in observations),
+            size=size,
+            rows=len(in_noise),
+            torque_parts=torque_parts,
+            encoder_parts=encoder_parts,
+            encoder_pieces=[
+                slice(part.start + int(a), part.start + int(b))
+                for o, part in zip(observations, encoder_parts, strict=True)
+                for a, b in pairwise((0, *(np.flatnonzero(np.diff(o.encoder_piece)) + 1), len(o.encoder_piece)))
+                if b > a
+            ],
+            parts=[
+                *enumerate(torque_parts),
+                *((k, part) for k, part in enumerate(encoder_parts) if part.stop > part.start),
+            ],
+            fastest=float(np.quantile(speeds, NEARLY_ALL)) if len(speeds) else 0.0,
+            outlier=OUTLIER if any(o.geared for o in observations) else MISSHAPEN,
+            reached=reached(observations),
+        )
+
+    def noise_of_encoders(self, part: slice) -> np.ndarray:
+        """Noise [rad] of some of the encoders' rows; ``part`` counts from the first of all rows."""
+        return self.encoder_noise[part.start - self.size : part.stop - self.size]

@@ -1,0 +1,124 @@
+"""Recordings under one weighting: what a prediction leaves of them, and how much each row of that counts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+
+from ..criteria import SMALL
+from ..measured.observation import Observation
+from .recorded_rows import RecordedRows
+from .weighting import FAR, Weighting
+
+S = TypeVar("S", bound="WeightedRows")
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class WeightedRows(RecordedRows):
+    """Recordings, their weighting, and whether the encoders count beside the torque.
+
+    It is never changed: ``under`` and the like give another one of the same rows, which cost nothing.
+    """
+
+    weighting: Weighting
+    use_encoder: bool
+    measured: np.ndarray  # (m,) in units of all that acts as noise, what wanders included
+
+    def __init__(self, observations: Sequence[Observation]) -> None:
+        super().__init__(observations)
+        vars(self).update(weighting=Weighting.even(self.rows, FAR), use_encoder=True, measured=self.in_noise)
+
+    def under(self: S, weighting: Weighting) -> S:
+        """The same rows under another weighting."""
+        if weighting.wander is self.weighting.wander:
+            return self._but(weighting=weighting)
+        wander = weighting.wander
+        measured = self.in_noise if wander is None else wander.whitened(self.in_noise)
+        return self._but(weighting=weighting, measured=measured)
+
+    def by_torque_alone(self: S) -> S:
+        """The same with the encoders' rows counting for nothing."""
+        return self._but(use_encoder=False)
+
+    def with_encoders(self: S) -> S:
+        """The same with the encoders' rows counting too."""
+        return self._but(use_encoder=True)
+
+    def _but(self: S, **changed: object) -> S:
+        other = copy(self)
+        vars(other).update(changed)
+        return other
+
+    def compares_with(self, other: WeightedRows) -> bool:
+        """Whether misfits to both say the same: of the same rows, which count alike."""
+        return (
+            self.observations is other.observations
+            and self.use_encoder == other.use_encoder
+            and self.weighting.is_that_of(other.weighting)
+        )
+
+    @property
+    def judged(self) -> int:
+        """How many rows are judged."""
+        return self.rows if self.use_encoder else self.size
+
+    def whitened(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, in those of all that acts as noise."""
+        return rows if self.weighting.wander is None else self.weighting.wander.whitened(rows)
+
+    def unexplained(self, predicted: np.ndarray) -> np.ndarray:
+        """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
+        rows = self.measured - predicted
+        if not self.use_encoder:
+            rows[self.size :] = 0.0
+            return rows
+        for e in self.encoder_pieces:
+            noise = self.noise_of_encoders(e)
+            part = rows[e] - np.median(rows[e] * noise) / noise
+            w = 1.0 / (1.0 + (part / self.weighting.cauchy_scale[e]) ** 2)
+            rows[e] = part - float(w @ (part / noise)) / float(w @ noise**-2.0) / noise
+        return rows
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Square roots (m,) of what each row counts: less and less as an outlier."""
+        weights = 1.0 / np.sqrt(1.0 + (residual / self.weighting.cauchy_scale) ** 2)
+        if not self.use_encoder:
+            weights[self.size :] = 0.0
+        return weights
+
+    def misfit(self, residual: np.ndarray) -> float:
+        """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
+        return float(self.costs(residual).sum())
+
+    def costs(self, residual: np.ndarray) -> np.ndarray:
+        """What each row (m,) adds to the misfit."""
+        with np.errstate(over="ignore"):  # what has blown up costs infinitely much
+            return self.weighting.cauchy_scale**2 * np.log1p((residual / self.weighting.cauchy_scale) ** 2)
+
+    def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Rows with the weighted mean of each recording's encoder rows taken out."""
+        rows = rows.copy()
+        for e in self.encoder_pieces:
+            noise = self.noise_of_encoders(e)
+            w = weights[e] ** 2
+            if not w.any():  # the torque alone is looked at
+                continue
+            rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
+        return rows
+
+    def reweighed(self, residual: np.ndarray, most: float = math.inf) -> Weighting:
+        """The weighting by which outliers begin where the bulk of a residual (m,) ends, at ``most`` at the latest.
+
+        The same one where that is no other by much.
+        """
+        scale = np.full(self.rows, FAR)
+        for _, part in self.parts:
+            if part.stop > part.start:
+                scale[part] = min(most, self.outlier * max(1.0, 1.4826 * float(np.median(np.abs(residual[part])))))
+        moved = bool((np.abs(np.log(scale / self.weighting.cauchy_scale)) > SMALL).any())
+        return replace(self.weighting, cauchy_scale=scale) if moved else self.weighting
