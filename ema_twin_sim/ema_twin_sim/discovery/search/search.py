@@ -255,16 +255,16 @@ def with_one_more(current: Fit, h: Hypothesis) -> Fit:
 
 def _add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
     """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
-    tried, begun = [], current
-    if gearbox_shows(current.problem, current):
-        tried = structural_fits(current.problem, current, without)
-        current = as_compares(current, _beside_impacts(current.problem))
+    tried, problem = [], current.problem
+    if gearbox_shows(problem, current):
+        tried = structural_fits(problem, current, without)
+        problem = _beside_impacts(problem)
     by_torque = frozenset(
         c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
     )
-    tried += [fit(current.problem, h, 6) for h in entrants(current.problem, current, without | by_torque)]
-    turn = take_best(current, tried)
-    return turn.after if turn.added else begun, [turn]
+    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | by_torque)]
+    turn = take_best(as_compares(current, problem), tried)
+    return turn.after if turn.added else current, [turn]
 
 
 def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
