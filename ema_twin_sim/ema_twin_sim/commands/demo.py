@@ -20,7 +20,7 @@ from .live_error import ErrorPrinter
 from .live_view import LiveView
 from .output import console, say, status
 from .rerun_file import write_rrd
-from .wording import effect_words, listed
+from .wording import effect_words, fit_sentences, listed
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery
@@ -58,6 +58,8 @@ def run(
     from ..measured.noise import noise_of
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
+    from ..report.content import ROLES
+    from ..report.fitted import fit_findings_of
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
 
@@ -123,8 +125,8 @@ def run(
 
     _chapter("5", "The error falls", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three")
     say(
-        "polito_bench is the model as it came; better has what was found; fitted is better with every number fitted to "
-        "the simulated loop, since the timing of impacts needs numbers known to 0.1 %.\n"
+        "Three models: polito_bench as it came; better.yaml, which has what was found; and fitted.yaml, the same with "
+        "every number fitted to the simulated loop, since the timing of impacts needs numbers known to 0.1 %.\n"
     )
     better = load_model(better_file)
     after = compare_models(recordings, better, noise=noise)
@@ -132,14 +134,15 @@ def run(
         fitted = fit_model(recordings, better, progress=progress)
     fitted_file = save_model(fitted.model, output / "fitted.yaml", force=True)
     console.print(errors_table(fitted))
-    last = compare_models(recordings, load_model(fitted_file), noise=noise)
-    compare.show([before, after, last])
-    errors = [quantity(each.overall["current"]["rmse"], "A") for each in (before, after, last)]
-    floor = quantity(last.overall["current"]["noise_floor"], "A")
-    unseen = quantity(fitted.after["current"]["rmse"], "A")
+    models, fit = (stock, better, load_model(fitted_file)), fit_findings_of(fitted)
+    comparisons = (before, after, compare_models(recordings, models[2], noise=noise))
+    compare.show(comparisons)
+    errors = [each.overall for each in comparisons]
+    falls = " to ".join(quantity(error["current"]["rmse"], "A") for error in errors[:2])
+    floor = quantity(errors[0]["current"]["noise_floor"], "A")
     say(
-        f"\nThe current's error fell from {errors[0]} to {errors[1]} with what was found, and to {errors[2]} with its "
-        f"numbers fitted ({unseen} on recordings not fitted to); the sensors' noise is {floor}.",
+        f"\nThe current's error fell from {falls} with what was found; the sensors' noise is {floor}. "
+        f"{fit_sentences(errors[1], errors[2], ['current'], fit)}",
         style="bold",
     )
 
@@ -151,15 +154,17 @@ def run(
     views = output / "found.rrd"
     with status() as progress:
         progress("writing the report and the views")
-        models, labels, findings = (stock, better), ("polito_bench", better_file), report.weighed(found)
-        report.write_page(page, recordings, models, labels, findings, story=story, force=True)
-        write_rrd(views, recordings, models, labels, findings, comparisons=(before, after), force=True)
+        labels, findings = ("polito_bench", better_file, fitted_file), report.weighed(found)
+        report.write_page(
+            page, recordings, models, labels, findings, fit=fit, comparisons=comparisons, story=story, force=True
+        )
+        write_rrd(views, recordings, models, labels, findings, comparisons=comparisons, names=ROLES, force=True)
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
-    console.print(f"  {page}   the report: before and after, in any browser")
+    console.print(f"  {page}   the report: your model, with what was found, and fitted; in any browser")
     console.print(f"  {views}   the same as views, and the gear train turning: .venv/bin/rerun {views}")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")
-    console.print(f"  {better_file}   the model with what was found; {fitted_file} with all its numbers fitted")
+    console.print(f"  {better_file}   the model with what was found; {fitted_file}: the same, all its numbers fitted")
     console.print("\nNow your own machine, from its CSVs (docs/tutorial_own_recordings.md):")
     console.print("  .venv/bin/ema-twin init YOUR_*.csv -o mine --torque-constant N_M_PER_A")
     console.print("  .venv/bin/ema-twin discover YOUR_*.csv --map mine_map.yaml --model mine.yaml -o found.yaml")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..model import Model
     from ..report.findings import Findings
 
-MOST_MODELS = 2
+MOST_MODELS = 3
 
 
 def check_rrd_name(path: Path | None, models: int = 1) -> None:
@@ -29,7 +29,7 @@ def check_rrd_name(path: Path | None, models: int = 1) -> None:
     if path.suffix != ".rrd":
         raise InputError(f"--rrd {path}: rerun opens files by their names; name it .rrd")
     if models > MOST_MODELS:
-        raise InputError(f"--rrd {path}: shows one model, or two side by side; --model was given {models} times")
+        raise InputError(f"--rrd {path}: shows one to three models side by side; --model was given {models} times")
 
 
 def write_rrd(
@@ -42,19 +42,20 @@ def write_rrd(
     source: str | None = None,
     step: float | None = None,
     comparisons: Sequence[Comparison] = (),
+    names: Sequence[str] = (),
     force: bool = False,
 ) -> list[str]:
     """Write the views of recordings beside models; returns the tabs. ``labels`` tell models of one name apart.
 
-    ``comparisons`` are these, where they were made already. Raises InputError where the file cannot be written.
+    ``comparisons`` are these, where they were made already; ``names`` are what to call the models, where not their own.
+    Raises InputError where the file cannot be written.
     """
     from ..report.content import shown
     from ..views.recording_views import write_views
     from .report import told_apart
 
     given = shown(recordings, models, source, step=step, comparisons=comparisons)
-    names = told_apart((models[0], models[1]), labels) if len(models) > 1 else (models[0].name,)
-    return write_views(path, given, models, names, findings, force=force)
+    return write_views(path, given, models, names or told_apart(models, labels), findings, force=force)
 
 
 def tell_of_rrd(path: Path, tabs: Sequence[str]) -> None:

@@ -36,7 +36,7 @@ def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
         say(_in_words(names[0], first, other), style="bold")
     say(
         f"{_CLOSER.capitalize()}: the error of {first.model} above the sensors' noise, the root of RMSE² less noise "
-        "floor², over that of the other model."
+        "floor², over that of the other model; ≥ where what that leaves over is lost in the noise."
     )
 
 
@@ -113,17 +113,17 @@ def _number(times: float) -> str:
 
 
 def _in_words(name: str, first: Comparison, other: Comparison) -> str:
-    """``better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (ramp_0.02).``"""
+    """``Model better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (sine).``"""
     from ..comparison.closeness import closer
 
     found = closer(first, other)
     signal = name.replace("_", " ")
     if name not in found.overall:
-        return f"{other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
+        return f"Model {other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
     overall = found.overall[name]
     if overall.times < 1.0:
-        return f"{other.model}: {_number(1.0 / overall.times)} × farther off than {first.model} in the {signal}."
-    text = f"{other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
+        return f"Model {other.model}: {_number(1.0 / overall.times)} × farther off than {first.model} in the {signal}."
+    text = f"Model {other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
     if len(each) > 1:
         at = dict(found.recordings)

@@ -6,14 +6,16 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..comparison.beyond_noise import times_words, told_share
+from ..comparison.beyond_noise import is_noise, times_words, told_share
 from ..quantities import quantity
 
 if TYPE_CHECKING:
+    from ..comparison.running_comparison import SignalError
     from ..discovery.discover import Discovery, Step
     from ..discovery.unseen import Unseen
     from ..model import Model
     from ..report.findings import Findings, UnseenErrors
+    from ..report.fitted import FitFindings
 
 NO_RUNNER_UP = "none came near"
 YOURS = "Your model"
@@ -76,9 +78,39 @@ def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
     """What fitting a model's own constants did to its error, before any effect was added; empty where nothing."""
     if unseen.given is None or unseen.given == unseen.rmse[0]:
         return ""
-    sizes = f"from {quantity(unseen.given, unseen.unit)} to {quantity(unseen.rmse[0], unseen.unit)}"
+    before, after = quantity(unseen.given, unseen.unit), quantity(unseen.rmse[0], unseen.unit)
     whose = f"{model[:1].lower()}{model[1:]}" if model == YOURS else model
-    return f"Fitting the constants of {whose} alone takes the error of the {unseen.signal.replace('_', ' ')} {sizes}."
+    error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    does = f"leaves {error} at {after}" if before == after else f"takes {error} from {before} to {after}"
+    return f"Fitting the constants of {whose} alone {does}."
+
+
+def fit_sentences(
+    found: Mapping[str, SignalError],
+    fitted: Mapping[str, SignalError],
+    signals: Sequence[str],
+    fit: FitFindings | None = None,
+) -> str:
+    """What fitting the numbers of the model that was found did to its errors, and what it is worth elsewhere.
+
+    ``signals`` are those by which models are judged; ``fit`` has the errors on what was not fitted to.
+    """
+    telling = [name for name in signals if not (is_noise(found[name]) and is_noise(fitted[name]))]
+    if not telling:
+        return "Fitting the numbers of the model found to the simulated loop leaves it at the sensors' noise."
+    each = []
+    for name in telling:
+        before, after = (quantity(errors[name]["rmse"], errors[name]["unit"]) for errors in (found, fitted))
+        each.append(f"that of the {name.replace('_', ' ')} from {before} to {after}")
+    errors = listed(each).removeprefix("that ")
+    said = f"Fitting the numbers of the model found to the simulated loop takes the error {errors}."
+    worst = max(telling, key=lambda name: fitted[name]["rmse"] / max(fitted[name]["noise_floor"], 1e-300))
+    if fit is None or worst not in fit.after:
+        return said
+    before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
+    gain = "" if fit.after[worst] < fit.before[worst] else ", so that fitting gains nothing there"
+    which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
+    return f"{said} On what was not fitted to ({fit.judged_on}), {which} goes from {before} to {after}{gain}."
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:

@@ -90,7 +90,7 @@ class Dependence:
             if self.is_largest_there:
                 there, elsewhere = quantity(self.rmse_there, self.unit), quantity(self.rmse_elsewhere, self.unit)
                 where = f"; it is largest {self.place}: {there} there, {elsewhere} elsewhere"
-            return f"The error of the {signal} follows none of these variables alone{where}."
+            return f"The error of the {signal} depends on neither speed, direction, position nor time alone{where}."
         share = f"{100.0 * self.share:.0f} % of its power"
         if self.periodicity is not None:
             found = self.periodicity

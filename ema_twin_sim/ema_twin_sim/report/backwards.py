@@ -13,13 +13,13 @@ _FARTHER = 0.95
 
 def gone_effects(content: Content) -> list[NewEffect]:
     """The effects that only the earlier model has."""
-    before, after = content.models
+    before, after = content.before_and_after
     return new_effects(after, before)
 
 
 def backwards(content: Content) -> str:
     """That the later model lacks effects of the earlier or is farther from the recordings; empty where neither is."""
-    before, after = content.names
+    before, after = content.names[:2]
     gone = list(dict.fromkeys(effect_words(effect.name) for effect in gone_effects(content)))
     farther, everywhere = _farther(content)
     parts = []
@@ -38,13 +38,13 @@ def backwards(content: Content) -> str:
 def searched_model(content: Content) -> str:
     """The name of the model beside which the search was made: that which lacks what was found."""
     added = content.findings.added if content.findings is not None else ()
-    first, second = ({instance.effect for instance in model.active.values()} for model in content.models)
+    first, second = ({instance.effect for instance in model.active.values()} for model in content.before_and_after)
     return content.names[1] if added and set(added) <= first - second else content.names[0]
 
 
 def _farther(content: Content) -> tuple[list[str], bool]:
     """The headline signals in which the later model is farther off, and whether it is closer in none."""
-    times = closer(*content.given.comparisons).overall
+    times = closer(*content.given.comparisons[:2]).overall
     told = [name for name in content.given.headlines if name in times]
     farther = [name for name in told if times[name].times < _FARTHER]
     return farther, bool(farther) and all(times[name].times <= 1.0 for name in told)

@@ -16,10 +16,13 @@ from .markup import Markup, tag
 
 Trace = dict[str, Any]
 
-BENCH, BEFORE, AFTER, RIVAL, FAINT, BAND = (
-    f"@{name}" for name in ("bench", "before", "after", "rival", "faint", "band")
+BENCH, BEFORE, AFTER, FITTED, RIVAL, FAINT, BAND = (
+    f"@{name}" for name in ("bench", "before", "after", "fitted", "rival", "faint", "band")
 )
 """Colours by name: the page's style sheet says what they are, on light ground and on dark."""
+MODELS = (BEFORE, AFTER, FITTED)
+"""The colours of models, the earliest first."""
+_OF_THREE = (1.0, 2.0, 0.8)
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,11 @@ class Charts:
 def _packed(values: np.ndarray) -> dict[str, str]:
     """An array (n,) as plotly reads it, in single precision: seven digits are more than a screen shows."""
     return {"dtype": "f4", "bdata": base64.b64encode(np.asarray(values, "<f4").tobytes()).decode()}
+
+
+def widths(models: int) -> tuple[float, ...]:
+    """How much wider than usual each model's lines are: the third lies thin on the second."""
+    return _OF_THREE if models > 2 else (1.0, 1.0)
 
 
 def label(text: str) -> str:

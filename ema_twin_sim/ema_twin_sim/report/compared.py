@@ -1,4 +1,4 @@
-"""Measured against both twins, with what is left over below, a recording at a time."""
+"""Measured against the twins, with what is left over below, a recording at a time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ..comparison.compare import Signals
 from ..quantities import axis_unit
 from .beside import Beside
-from .chart import AFTER, BEFORE, BENCH, Chart, Charts, axis, line, noise_band
+from .chart import BENCH, MODELS, Chart, Charts, axis, line, noise_band, widths
 from .content import Content, Shown, signal_words
 from .envelope import envelope_rows
 from .markup import Markup, capitalised, section, tag
@@ -33,15 +33,17 @@ def compared(content: Content, charts: Charts) -> Markup:
         for chosen in ([{"selected": ""}] if k == content.given.telling else [{}])
     ]
     choice = tag("label", "Recording ", tag("select", *options, id="recording"), class_="choice")
-    key = _key(content.names)
+    key = _key(content.labels)
     signals = signals_drawn(content.given)
-    points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (6 * len(names) * max(1, len(signals)))))
+    points = max(_FEWEST_POINTS, min(_MOST_POINTS, _BUDGET // (_arrays(content) * len(names) * max(1, len(signals)))))
     figures = [
-        charts.add(_chart(name, parts, content.names, points, wide=place == 0 and len(signals) != 2))
+        charts.add(_chart(name, parts, content.labels, points, wide=place == 0 and len(signals) != 2))
         for place, name in enumerate(signals)
     ]
     longest = max(len(recording) for part in parts for recording in part.recordings)
     drawn = " Of long recordings, the least and the largest of each stretch are drawn." if longest > points else ""
+    over = " Where the fitted model hardly differs, its thin line lies on the thick one of what was found."
+    drawn += over if len(content.models) > 2 else ""
     how = f"Drag in a plot to zoom, all follow in time; double-click to see all again.{drawn}"
     return section(
         "compare",
@@ -52,13 +54,19 @@ def compared(content: Content, charts: Charts) -> Markup:
     )
 
 
-def _key(names: tuple[str, str]) -> Markup:
+def _arrays(content: Content) -> int:
+    """How many arrays a plot of one recording holds: the time, what was measured, and two of each twin."""
+    return 2 + 2 * len(content.models)
+
+
+def _key(names: Sequence[str]) -> Markup:
     """What the colours mean; each entry hides and shows its curves."""
+    roles = [colour.removeprefix("@") for colour in (BENCH, *MODELS)]
     entries = [
         tag(
             "button", tag("span", "", class_=f"swatch {role}"), name, type="button", data_role=role, aria_pressed="true"
         )
-        for role, name in (("bench", "measured"), ("before", names[0]), ("after", names[1]))
+        for role, name in zip(roles, ("measured", *names), strict=False)
     ]
     band = tag("span", tag("span", "", class_="swatch band"), "two standard deviations of the sensors' noise")
     return tag("div", *entries, band, class_="key")
@@ -70,12 +78,13 @@ def signals_drawn(given: Shown) -> list[str]:
     return there[:MOST]
 
 
-def _chart(name: str, parts: Sequence[Shown], names: tuple[str, str], points: int, *, wide: bool) -> Chart:
+def _chart(name: str, parts: Sequence[Shown], names: Sequence[str], points: int, *, wide: bool) -> Chart:
     errors: list[Signals] = [recording.signals for part in parts for recording in part.comparisons[0].recordings]
-    pairs = [pair for part in parts for pair in zip(part.curves[0], part.curves[1], strict=True)]
-    choices = [_choice(name, *pair, error, names, points) for pair, error in zip(pairs, errors, strict=True)]
+    besides = [each for part in parts for each in zip(*part.curves, strict=True)]
+    choices = [_choice(name, each, error, names, points) for each, error in zip(besides, errors, strict=True)]
     title = signal_words(name)
-    caption = f"{capitalised(title)}: measured and both twins; below, measured minus twin"
+    twins = "both twins" if len(names) == 2 else "all twins"
+    caption = f"{capitalised(title)}: measured and {twins}; below, measured minus twin"
     layout = {"xaxis": {"anchor": "y2"}, "yaxis": {"domain": [0.46, 1.0]}, "yaxis2": {"domain": [0.0, 0.40]}}
     return Chart(
         caption,
@@ -88,10 +97,10 @@ def _chart(name: str, parts: Sequence[Shown], names: tuple[str, str], points: in
 
 
 def _choice(
-    name: str, before: Beside, after: Beside, errors: Signals, names: tuple[str, str], points: int
+    name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int
 ) -> dict[str, Any]:
     """What is drawn of one recording; nothing where it lacks the signal."""
-    if name not in before.curves or name not in after.curves:
+    if any(name not in beside.curves for beside in besides):
         lacks = {
             "text": f"this recording has no {signal_words(name)}",
             "showarrow": False,
@@ -99,24 +108,30 @@ def _choice(
             "yref": "paper",
         }
         return {"traces": [], "layout": {"annotations": [{**lacks, "x": 0.5, "y": 0.5}]}}
-    values, order, along = abscissa(before)
-    first, second = before.curves[name], after.curves[name]
-    rows = order[envelope_rows([curve[order] for curve in (first.measured, first.residual, second.residual)], points)]
+    values, order, along = abscissa(besides[0])
+    twins = [beside.curves[name] for beside in besides]
+    first = twins[0]
+    drawn = [first.measured, *(twin.residual for twin in twins)]
+    rows = order[envelope_rows([curve[order] for curve in drawn], points)]
     at = values[rows]
     whole, unit = axis_unit(_largest(first.measured), first.unit)
-    small, of_residual = axis_unit(max(_largest(first.residual), _largest(second.residual)), first.unit)
+    small, of_residual = axis_unit(max(_largest(twin.residual) for twin in twins), first.unit)
     measured = first.measured[rows]
-    mode = {"mode": "markers", "marker": {"size": 4}} if before.of_points else {}
+    mode = {"mode": "markers", "marker": {"size": 4}} if besides[0].of_points else {}
 
     def curve(values: np.ndarray, role: str, title: str, axis_name: str, width: float) -> dict[str, Any]:
         return line(at, values, title, role, width=width, yaxis=axis_name, meta=role.removeprefix("@"), **mode)
 
     traces = [
         curve(measured / whole, BENCH, "measured", "y", 2.5),
-        curve((measured - first.residual[rows]) / whole, BEFORE, names[0], "y", 1.4),
-        curve((measured - second.residual[rows]) / whole, AFTER, names[1], "y", 1.4),
-        curve(first.residual[rows] / small, BEFORE, names[0], "y2", 1.2),
-        curve(second.residual[rows] / small, AFTER, names[1], "y2", 1.2),
+        *(
+            curve((measured - twin.residual[rows]) / whole, colour, title, "y", 1.4 * width)
+            for twin, colour, title, width in zip(twins, MODELS, names, widths(len(names)), strict=False)
+        ),
+        *(
+            curve(twin.residual[rows] / small, colour, title, "y2", 1.2 * width)
+            for twin, colour, title, width in zip(twins, MODELS, names, widths(len(names)), strict=False)
+        ),
     ]
     if name == "unexplained_torque":
         traces[0]["name"] = "torque of the motor, measured"

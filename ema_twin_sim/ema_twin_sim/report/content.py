@@ -15,11 +15,15 @@ from ..model import Model
 from ..simulation.simulate import DRIVING
 from .beside import Beside, beside
 from .findings import Findings
+from .fitted import FitFindings, TwoValues, two_values
+
+ROLES = ("your model", "with what was found", "fitted")
+"""What a page or a view of three models calls them, in its tables and in the keys of its plots."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """Recordings beside models, before and after or one: the errors as ``compare`` gives them, and the curves."""
+    """Recordings beside one to three models, the earliest first: errors as ``compare`` gives them, and the curves."""
 
     recordings: Sequence[Recording]
     comparisons: tuple[Comparison, ...]
@@ -75,16 +79,38 @@ def shown(
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """Everything that a report tells; ``names`` are the models', before and after, told apart."""
+    """Everything that a report tells; ``names`` are the models', told apart.
 
-    models: tuple[Model, Model]
-    names: tuple[str, str]
+    The models are those before and after (what was found), and perhaps a third: the second with its numbers fitted.
+    """
+
+    models: tuple[Model, ...]
+    names: tuple[str, ...]
     given: Shown
     held_out: Shown | None
     findings: Findings | None
     version: str
     story: str = ""  # said below the verdict
     undiagnosed: str = ""  # why there are no findings
+    fit: FitFindings | None = None
+    note: str = ""  # said below the table of errors
+
+    @property
+    def before_and_after(self) -> tuple[Model, Model]:
+        """The first two models, of which the verdict is told."""
+        return self.models[0], self.models[1]
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """What tables and keys call the models."""
+        return self.names if len(self.models) == 2 else ROLES
+
+    @property
+    def fitted_numbers(self) -> list[TwoValues]:
+        """What fitting changed; empty where there is no third model."""
+        if len(self.models) == 2:
+            return []
+        return two_values(self.models[1], self.models[2], self.findings, self.fit)
 
 
 def dates(recordings: Sequence[Recording]) -> str:

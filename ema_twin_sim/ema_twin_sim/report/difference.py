@@ -11,7 +11,7 @@ from ..model import Model
 from ..quantities import estimate
 from .findings import Findings, Held
 
-_SAME = 1e-6  # relative: numbers that went through a file and back
+SAME = 1e-6  # relative: numbers that went through a file and back
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def new_effects(before: Model, after: Model, findings: Findings | None = None) -
         parameters = {}
         for parameter, value in instance.parameters.items():
             unit = after.parameter_unit(instance.effect, parameter)
-            parameters[parameter] = {"value": value, "std": _std(known.get(parameter), value), "unit": unit}
+            parameters[parameter] = {"value": value, "std": std_of(known.get(parameter), value), "unit": unit}
         found.append(NewEffect(name, instance.effect, dict(instance.options), parameters))
     told = list(findings.parameters or {}) if findings else []
     return sorted(found, key=lambda effect: told.index(effect.name) if effect.name in told else len(told))
@@ -70,13 +70,13 @@ def moved_numbers(before: Model, after: Model, findings: Findings | None = None)
                 pairs.append((f"{name}.{parameter}", old.parameters[parameter], value, unit))
     moved: list[tuple[str, Held]] = []
     for path, nominal, value, unit in pairs:
-        if not math.isclose(value, nominal, rel_tol=_SAME):
+        if not math.isclose(value, nominal, rel_tol=SAME):
             part, _, name = path.partition(".")
-            std = _std(known.get(part, {}).get(name), value)
+            std = std_of(known.get(part, {}).get(name), value)
             moved.append((path, {"value": value, "std": std, "unit": unit, "nominal": nominal}))
     return moved
 
 
-def _std(held: Held | None, value: float) -> float | None:
+def std_of(held: Held | None, value: float) -> float | None:
     """The standard error that was found for this value, where it was."""
-    return held["std"] if held is not None and math.isclose(held["value"], value, rel_tol=_SAME) else None
+    return held["std"] if held is not None and math.isclose(held["value"], value, rel_tol=SAME) else None

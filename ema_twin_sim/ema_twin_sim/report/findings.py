@@ -111,12 +111,12 @@ def _read(content: Mapping[str, Any]) -> Findings:
         verdict,
         _words(added),
         ranking,
-        _number(content["none"]) if ranking else None,
-        _number(content["unknown"]) if ranking else None,
+        number(content["none"]) if ranking else None,
+        number(content["unknown"]) if ranking else None,
         tuple(_step(step) for step in content.get("steps", ())),
-        {str(name): _checked_entry(entry) for name, entry in content.get("parameters", {}).items()},
+        {str(name): checked_entry(entry) for name, entry in content.get("parameters", {}).items()},
         {
-            str(part): {str(name): _checked(held) for name, held in entries.items()}
+            str(part): {str(name): checked(held) for name, held in entries.items()}
             for part, entries in content.get("constants", {}).items()
         },
         tuple(_words(group) for group in content["groups"]),
@@ -127,22 +127,23 @@ def _read(content: Mapping[str, Any]) -> Findings:
         tuple(_signature(step) for step in content.get("evidence", {}).get("steps", ()) if step["views"]),
         _words(content.get("warnings", ())),
         str(content.get("left_over", "")),
-        {str(name): _number(times) for name, times in content.get("beyond_noise", {}).items()},
+        {str(name): number(times) for name, times in content.get("beyond_noise", {}).items()},
     )
 
 
-def _number(value: Any) -> float:
+def number(value: Any) -> float:
+    """A finite number of a file. Raises ValueError where it is none."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise ValueError(f"{value!r} is no number")
     return float(value)
 
 
 def _perhaps(value: Any) -> float | None:
-    return None if value is None else _number(value)
+    return None if value is None else number(value)
 
 
 def _numbers(values: Sequence[Any]) -> tuple[float, ...]:
-    return tuple(_number(value) for value in values)
+    return tuple(number(value) for value in values)
 
 
 def _words(values: Sequence[Any]) -> tuple[str, ...]:
@@ -151,15 +152,17 @@ def _words(values: Sequence[Any]) -> tuple[str, ...]:
     return tuple(str(value) for value in values)
 
 
-def _checked(held: Held) -> dict[str, Any]:
-    numbers = {"value": _number(held["value"]), "std": _perhaps(held["std"])}
-    nominal = {"nominal": _number(held["nominal"])} if "nominal" in held else {}
+def checked(held: Held) -> dict[str, Any]:
+    """``{value, std, unit}`` of a file. Raises KeyError or ValueError where it is not that."""
+    numbers = {"value": number(held["value"]), "std": _perhaps(held["std"])}
+    nominal = {"nominal": number(held["nominal"])} if "nominal" in held else {}
     return {**numbers, "unit": str(held["unit"]), **nominal}
 
 
-def _checked_entry(entry: Mapping[str, Any]) -> dict[str, Any]:
+def checked_entry(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """An effect of a file: its id, its options, and each of its numbers ``checked``."""
     head = {"effect": str(entry["effect"]), "options": _options(entry["options"])}
-    return head | {str(name): _checked(held) for name, held in entry.items() if name not in head}
+    return head | {str(name): checked(held) for name, held in entry.items() if name not in head}
 
 
 def _options(options: Mapping[str, Any]) -> dict[str, str]:
@@ -170,9 +173,9 @@ def _ranked(entry: Mapping[str, Any]) -> Ranked:
     return Ranked(
         str(entry["effect"]),
         _options(entry["options"]),
-        _number(entry["probability"]),
+        number(entry["probability"]),
         _perhaps(entry["error_removed"]),
-        {str(name): _checked(held) for name, held in entry["parameters"].items()},
+        {str(name): checked(held) for name, held in entry["parameters"].items()},
         bool(entry["found"]),
     )
 
@@ -182,14 +185,14 @@ def _step(step: Mapping[str, Any]) -> Step:
         effect=str(step["effect"]),
         instance=str(step["instance"]),
         action=str(step["action"]),
-        rmse_before=_number(step["rmse_before"]),
-        rmse_after=_number(step["rmse_after"]),
+        rmse_before=number(step["rmse_before"]),
+        rmse_after=number(step["rmse_after"]),
         unit=str(step["unit"]),
         output_before=_perhaps(step["output_before"]),
         output_after=_perhaps(step["output_after"]),
         error_removed=_perhaps(step["error_removed"]),
         reason=str(step["reason"]),
-        tried=tuple({"names": list(_words(t["names"])), "gain": _number(t["gain"])} for t in step["tried"]),
+        tried=tuple({"names": list(_words(t["names"])), "gain": number(t["gain"])} for t in step["tried"]),
     )
 
 
@@ -200,11 +203,11 @@ def _unseen(unseen: Mapping[str, Any]) -> UnseenErrors:
     return UnseenErrors(
         str(unseen["signal"]),
         str(unseen["unit"]),
-        _number(unseen["noise_floor"]),
+        number(unseen["noise_floor"]),
         _numbers(unseen["rmse"]),
         tuple((str(entry["name"]), _numbers(entry["rmse"])) for entry in unseen["recordings"]),
         _perhaps(given["rmse"]),
-        tuple(_number(entry["rmse"]) for entry in given["recordings"]),
+        tuple(number(entry["rmse"]) for entry in given["recordings"]),
     )
 
 

@@ -28,7 +28,7 @@
       hovermode: "closest", hoverlabel: { bgcolor: "@raised", bordercolor: "@rule", font: { color: "@text" } },
       dragmode: coarse ? false : "zoom", modebar: { bgcolor: "rgba(0,0,0,0)", color: "@faint", activecolor: "@text" },
       ...chart.layout, ...(chosen && chosen.layout),
-      margin: { l: 56, r: 12, t: 12, b: 44, ...chart.layout.margin },
+      margin: { l: 56, r: 12, t: 28, b: 44, ...chart.layout.margin }, // at the top, room for the buttons
     };
     for (const name of ["xaxis", "yaxis", "yaxis2"]) {
       const own = { ...chart.layout[name], ...(chosen && chosen.layout && chosen.layout[name]) };

@@ -78,7 +78,8 @@ def _contents() -> Markup:
 def _next(content: Content) -> Markup:
     """What to record next, and what the machine's reader should know of the recordings."""
     findings = content.findings
-    warnings = dict.fromkeys((*content.given.comparisons[1].warnings, *(findings.warnings if findings else ())))
+    of_models = (text for each in content.given.comparisons[1:] for text in each.warnings)
+    warnings = dict.fromkeys((*of_models, *(findings.warnings if findings else ())))
     told = [tag("p", "Warning: ", text, class_="warning") for text in warnings]
     if findings is None:
         line = content.undiagnosed or "Not told: no search was made."

@@ -24,6 +24,8 @@ from .content import Content
 from .findings import CURVES, Findings, Signature
 from .markup import Markup, bar, capitalised, section, table, tag
 
+REFUSED = "nearest to what is left, but not added: it explains too little"
+"""Said of the signature of an effect that the search tried last."""
 _LEAST = 0.005  # probability that is shown as more than none
 _UNLIKELY = 3  # effects below it that are shown
 _HEIGHT = 300  # pixels
@@ -47,7 +49,7 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
     if findings.groups:
         parts.append(tag("p", groups_sentence(findings.groups)))
     parts.append(_tried(findings))
-    figures = [charts.add(signature_chart(signature)) for signature in findings.signatures if signature.curves]
+    figures = [charts.add(signature_chart(signature)) for signature in told_signatures(findings)]
     if figures:
         key = tag(
             "p",
@@ -59,6 +61,12 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
         )
         parts += [tag("h3", "The signature that each effect explains"), key, tag("div", *figures, class_="grid")]
     return section("diagnosis", title, *parts)
+
+
+def told_signatures(findings: Findings) -> list[Signature]:
+    """The signatures of what was found; of what was refused only where something is left that nothing explains."""
+    wanted = findings.verdict == "unknown"
+    return [each for each in findings.signatures if each.curves and (each.taken or wanted)]
 
 
 def worth_showing(findings: Findings) -> list[Ranked]:
@@ -115,8 +123,10 @@ def _tried(findings: Findings) -> Markup:
         took = next((trial for trial in tried if step.instance in trial["names"]), None)
         if took is None or not took["gain"] > 0.0:
             continue
-        others = {_named(trial): trial for trial in reversed(tried) if step.instance not in trial["names"]}
-        for trial in (took, *[*reversed(others.values())][:_UNLIKELY]):
+        best = sorted(tried, key=lambda trial: float(trial["gain"]))  # of those of one name the best comes last
+        others = {_named(trial): trial for trial in best if step.instance not in trial["names"]}
+        rivals = sorted(others.values(), key=lambda trial: -float(trial["gain"]))
+        for trial in (took, *rivals[:_UNLIKELY]):
             share = max(0.0, trial["gain"] / took["gain"])
             said = f"{100.0 * share:.0f} %" if share >= 0.01 or share == 0.0 else "below 1 %"
             name = _named(trial)
@@ -177,7 +187,7 @@ def signature_chart(signature: Signature) -> Chart:
     against = signature.against.replace("_", " ") + (
         f", folded at order {signature.order:g}" if signature.order is not None else ""
     )
-    refused = "" if signature.taken else " (tried last, and refused)"
+    refused = "" if signature.taken else f" ({REFUSED})"
     rival = f"; runner-up: {_plain(signature.runner_up)}" if signature.runner_up else ""
     ways = (
         " Forward solid, backward dotted."

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from ..commands.error_cells import ALL
 from ..commands.side_by_side import closeness_cell
 from ..commands.wording import by_number
-from ..comparison.closeness import closer
+from ..comparison.closeness import Closeness, closer
+from ..comparison.compare import Signals
 from ..quantities import quantity
 from .content import Content, Shown, signal_words
 from .findings import UnseenErrors
@@ -15,10 +18,12 @@ from .summary import error_table
 
 def recordings(content: Content) -> Markup:
     """The tables a recording."""
-    tables = [_by_recording(content.given, name, content.names) for name in content.given.headlines]
+    tables = [_by_recording(content.given, name, content.labels) for name in content.given.headlines]
+    other = "the model after" if len(content.models) == 2 else "the other model"
     told = (
-        "Times closer: the error of the model before, above the sensors' noise (the root of RMSE² less noise floor²), "
-        "over that of the model after."
+        f"Times closer: the error of {'the model before' if len(content.models) == 2 else 'your model'}, above the "
+        f"sensors' noise (the root of RMSE² less noise floor²), over that of {other}. ≥: what the later model leaves "
+        "over is lost in the noise."
     )
     return section("recordings", "Recording by recording", *tables, tag("p", told, class_="aside"))
 
@@ -28,9 +33,9 @@ def held_out(content: Content) -> Markup:
     title = "On recordings that were held out"
     if content.held_out is not None:
         shown = content.held_out
-        whole = error_table(shown, content.names, "RMSE, measured minus twin, recordings held out")
+        whole = error_table(shown, content.labels, "RMSE, measured minus twin, recordings held out")
         return section(
-            "held-out", title, whole, *(_by_recording(shown, name, content.names) for name in shown.headlines)
+            "held-out", title, whole, *(_by_recording(shown, name, content.labels) for name in shown.headlines)
         )
     unseen = content.findings.unseen if content.findings is not None else None
     if unseen is not None and len(unseen.recordings) > 1:
@@ -43,23 +48,29 @@ def held_out(content: Content) -> Markup:
     return section("held-out", title, tag("p", told))
 
 
-def _by_recording(shown: Shown, name: str, names: tuple[str, str]) -> Markup:
-    """Table 5.1 of the thesis: a row a recording, a column a model, and how many times closer the later one is."""
-    first, second = shown.comparisons
+def _by_recording(shown: Shown, name: str, names: Sequence[str]) -> Markup:
+    """Table 5.1 of the thesis: a row a recording, a column a model, and how many times closer each later one is."""
+    first, *others = shown.comparisons
     unit = first.overall[name]["unit"]
-    closest = closer(first, second)
-    together = zip(first.recordings, second.recordings, closest.recordings, strict=True)
-    each = [(a.name, a.signals, b.signals, times) for a, b, (_, times) in together if name in a.signals]
+    closest = [closer(first, other) for other in others]
+
+    def cells(errors: Sequence[Signals], times: Sequence[Mapping[str, Closeness]]) -> list[str]:
+        before, *after = (quantity(error[name]["rmse"], unit) for error in errors)
+        pairs = zip(after, times, strict=True)
+        return [before, *(cell for rmse, each in pairs for cell in (rmse, closeness_cell(each.get(name))))]
+
     rows: list[list[str]] = []
-    for title, before, after, times in sorted(each, key=lambda row: by_number(row[0])):
-        errors = (before[name]["rmse"], after[name]["rmse"])
-        rows.append([title, *(quantity(error, unit) for error in errors), closeness_cell(times.get(name))])
-    errors = (first.overall[name]["rmse"], second.overall[name]["rmse"])
-    whole = [ALL, *(quantity(error, unit) for error in errors), closeness_cell(closest.overall.get(name))]
-    rows.append([tag("strong", cell) for cell in whole])
+    for k in sorted(range(len(first.recordings)), key=lambda k: by_number(first.recordings[k].name)):
+        recording = first.recordings[k]
+        if name in recording.signals:
+            errors = [comparison.recordings[k].signals for comparison in shown.comparisons]
+            rows.append([recording.name, *cells(errors, [each.recordings[k][1] for each in closest])])
+    overall = [comparison.overall for comparison in shown.comparisons]
+    rows.append([tag("strong", cell) for cell in (ALL, *cells(overall, [each.overall for each in closest]))])
     floor = quantity(first.overall[name]["noise_floor"], unit)
     caption = f"RMSE of the {signal_words(name)} (the sensors' noise: {floor})"
-    return table(("recording", *names, "times closer"), rows, caption=caption, stacked=False)
+    heads = [head for later in names[1:] for head in (later, "times closer")]
+    return table(("recording", names[0], *heads), rows, caption=caption, stacked=False)
 
 
 def _unseen(unseen: UnseenErrors) -> Markup:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from ..commands.wording import (
     REFIT_IS,
     change_words,
     effect_words,
-    has_moved,
     listed,
     options_words,
     removed_words,
@@ -24,10 +23,12 @@ from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
 from .content import Content, signal_words
 from .difference import NewEffect, moved_numbers, new_effects
-from .findings import Findings, UnseenErrors
+from .findings import Findings, Held, UnseenErrors
+from .fitted import TwoValues, apart
 from .markup import Markup, section, table, tag
 
 _HEIGHT = 340  # pixels
+_LEAST_CHANGE = 0.0005  # of a constant: a smaller one would be told as 0.0 %
 
 
 def steps(content: Content, charts: Charts) -> Markup:
@@ -148,12 +149,16 @@ def _places(findings: Findings, count: int) -> list[str]:
 
 def _parameters(content: Content) -> list[Markup]:
     """The parameters of the effects that came, and of those that went."""
-    before, after = content.names
-    came = _of_effects(new_effects(*content.models, content.findings), f"{after} has and {before} lacks")
-    return [*came, *_of_effects(gone_effects(content), f"{before} has and {after} lacks")]
+    before, after = content.names[:2]
+    came = new_effects(*content.before_and_after, content.findings)
+    if len(content.models) == 2:
+        told = _of_effects(came, f"Parameters of what {after} has and {before} lacks")
+    else:
+        told = _of_fitted_effects(came, content, "Parameters of what was found, and fitted; ± is one standard error")
+    return [*told, *_of_effects(gone_effects(content), f"Parameters of what {before} has and {after} lacks")]
 
 
-def _of_effects(effects: Sequence[NewEffect], whose: str) -> list[Markup]:
+def _of_effects(effects: Sequence[NewEffect], caption: str) -> list[Markup]:
     rows = []
     for effect in effects:
         first = (effect_words(effect.name), options_words(effect.options))
@@ -164,22 +169,63 @@ def _of_effects(effects: Sequence[NewEffect], whose: str) -> list[Markup]:
     if not rows:
         return []
     head = ("effect", "options", "parameter", "value ± standard error", "relative error")
-    return [table(head, rows, words=range(3), caption=f"Parameters of what {whose}")]
+    return [table(head, rows, words=range(3), caption=caption)]
+
+
+def _of_fitted_effects(effects: Sequence[NewEffect], content: Content, caption: str) -> list[Markup]:
+    """The parameters as they were found and as they were fitted."""
+    fitted = {(each.part, each.name): each for each in content.fitted_numbers}
+    rows = []
+    for effect in effects:
+        first = (effect_words(effect.name), options_words(effect.options))
+        for name, held in effect.parameters.items():
+            both = fitted.get((effect.name, name))
+            cells = ("the same", "") if both is None else (_estimate(both.fitted), _moved(both))
+            rows.append((*first, name, _estimate(held), *cells))
+            first = ("", "")
+    if not rows:
+        return []
+    head = ("effect", "options", "parameter", *content.labels[1:], "moved by fitting")
+    return [table(head, rows, words=range(3), caption=caption)]
+
+
+def _estimate(held: Held) -> str:
+    return estimate(held["value"], held["std"], held["unit"])
+
+
+def _moved(both: TwoValues) -> str:
+    moved = change_words({**both.fitted, "nominal": both.found["value"]})
+    return moved if both.differ else f"{moved}, within its standard error".removeprefix(", ")
 
 
 def _constants(content: Content) -> list[Markup]:
     """The constants that moved: by more than their standard error in a table, the others in a line."""
     rows, slightly = [], []
-    for path, held in moved_numbers(*content.models, content.findings):
+    for path, values in _moved_constants(content).items():
         part, _, constant = path.partition(".")
         name = f"{effect_words(part)}: {constant.replace('_', ' ')}"
-        if has_moved(held):
-            values = (estimate(held["nominal"], None, held["unit"]), estimate(held["value"], held["std"], held["unit"]))
-            rows.append((name, *values, change_words(held)))
-        else:
-            slightly.append(f"{name} {change_words(held)}")
-    parts = [table(("constant", *content.names, "change"), rows, caption="Constants that moved")] if rows else []
+        change = change_words({**values[-1], "nominal": values[0]["value"]})
+        if any(apart(before, after) for before, after in pairwise(values)):
+            rows.append((name, *map(_estimate, values), change))
+        elif abs(values[-1]["value"] - values[0]["value"]) > _LEAST_CHANGE * abs(values[0]["value"]):
+            slightly.append(f"{name} {change}")
+    caption = "Constants that moved"
+    parts = [table(("constant", *content.labels, "change"), rows, caption=caption)] if rows else []
     if slightly:
         told = f"Moved within standard errors: {listed(slightly)}."
         parts.append(tag("p", told, class_="aside"))
     return parts
+
+
+def _moved_constants(content: Content) -> dict[str, list[Held]]:
+    """By path, the values in all models of the numbers that the first has too and that any later one changed."""
+    came = {effect.name for effect in new_effects(*content.before_and_after)}
+    found = dict(moved_numbers(*content.before_and_after, content.findings))
+    fitted = {f"{each.part}.{each.name}": each for each in content.fitted_numbers if each.part not in came}
+    moved: dict[str, list[Held]] = {}
+    for path in dict.fromkeys((*found, *fitted)):
+        second = found[path] if path in found else fitted[path].found
+        moved[path] = [{**second, "value": second.get("nominal", second["value"]), "std": None}, second]
+        if len(content.models) > 2:
+            moved[path].append(fitted[path].fitted if path in fitted else second)
+    return moved

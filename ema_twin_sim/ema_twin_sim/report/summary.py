@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..commands.wording import (
     NO_RUNNER_UP,
     effect_words,
+    fit_sentences,
     groups_sentence,
     listed,
     no_effect_words,
@@ -27,8 +30,8 @@ def verdict(content: Content) -> str:
     """What the earlier model lacks, in one plain sentence."""
     if said := backwards(content):
         return said
-    before, after = content.names
-    new = new_effects(*content.models, content.findings)
+    before, after = content.names[:2]
+    new = new_effects(*content.before_and_after, content.findings)
     findings = content.findings
     if findings is not None and _agrees(content, new):
         return verdict_of(findings, before)
@@ -43,13 +46,29 @@ def head(content: Content) -> Markup:
     cards = (
         _card("What was wrong", *_wrong(content)),
         _card("How sure that is", *_sure(content)),
-        _card("What is left", *_left(content)),
+        _card("What is left" if len(content.models) == 2 else "What is left with what was found", *_left(content)),
     )
     lead = tag("p", _lead(content), class_="lead")
-    errors = error_table(content.given, content.names)
+    errors = error_table(content.given, content.labels)
+    notes = [tag("p", note, class_="aside") for note in (_called(content), content.note) if note]
     return tag(
-        "header", tag("h1", verdict(content)), lead, *story, tag("div", *cards, class_="cards"), errors, _about(content)
+        "header",
+        tag("h1", verdict(content)),
+        lead,
+        *story,
+        tag("div", *cards, class_="cards"),
+        errors,
+        *notes,
+        _about(content),
     )
+
+
+def _called(content: Content) -> str:
+    """Which model is called what, where that is not its name."""
+    if content.labels == content.names:
+        return ""
+    pairs = zip(content.names, content.labels, strict=True)
+    return f"Names of the models: {', '.join(f'{name} ({label})' for name, label in pairs)}."
 
 
 def _agrees(content: Content, new: list[NewEffect]) -> bool:
@@ -61,7 +80,7 @@ def _agrees(content: Content, new: list[NewEffect]) -> bool:
 
 def _lead(content: Content) -> str:
     """The errors that fell, in a sentence."""
-    first, second = content.given.comparisons
+    first, second = content.given.comparisons[:2]
     if not content.given.headlines:
         return "These recordings hold no signal whose error tells one model from another."
     parts = []
@@ -73,8 +92,17 @@ def _lead(content: Content) -> str:
     said = listed(parts).removeprefix("that of")
     findings = content.findings
     refit = refit_sentence(findings.unseen, searched_model(content)) if findings and findings.unseen else ""
-    alone = f" {refit} What was found takes it from there." if refit and findings and findings.added else f" {refit}"
-    return f"From {content.names[0]} to {content.names[1]}, the error (RMSE) of{said}.{alone}".strip()
+    alone = f" {refit} What was found did the rest." if refit and findings and findings.added else f" {refit}"
+    of = f"From {content.names[0]} to {content.names[1]}" if len(content.models) == 2 else "With what was found"
+    return f"{of}, the error (RMSE) of{said}.{alone} {_fitted(content)}".strip()
+
+
+def _fitted(content: Content) -> str:
+    """What fitting the numbers of the second model did; empty where there is no third."""
+    if len(content.models) == 2:
+        return ""
+    found, fitted = (comparison.overall for comparison in content.given.comparisons[1:])
+    return fit_sentences(found, fitted, content.given.headlines, content.fit)
 
 
 def _noises(error: SignalError) -> str:
@@ -89,7 +117,7 @@ def _card(title: str, *content: str) -> Markup:
 
 
 def _wrong(content: Content) -> list[Markup]:
-    new, gone = new_effects(*content.models, content.findings), gone_effects(content)
+    new, gone = new_effects(*content.before_and_after, content.findings), gone_effects(content)
     if not new and not gone:
         return [tag("p", "Both models have the same effects. What differs is in their numbers, listed below.")]
     left_out = [tag("p", f"{content.names[1]} leaves out:"), items(*map(_described, gone))] if gone else []
@@ -115,7 +143,7 @@ def _sure(content: Content) -> list[Markup]:
     if findings is None:
         return [tag("p", content.undiagnosed or "Not asked: no search was made.")]
     lines = []
-    new = new_effects(*content.models, findings)
+    new = new_effects(*content.before_and_after, findings)
     if not _agrees(content, new):
         said = verdict_of(findings, searched_model(content))
         lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
@@ -165,21 +193,24 @@ def _left(content: Content) -> list[Markup]:
 
 
 def error_table(
-    given: Shown, names: tuple[str, str], caption: str = "RMSE, measured minus twin, all recordings"
+    given: Shown, names: Sequence[str], caption: str = "RMSE, measured minus twin, all recordings"
 ) -> Markup:
-    """The errors of both models beside the sensors' noise, a row a signal."""
-    first, second = (comparison.overall for comparison in given.comparisons)
+    """The errors of all models beside the sensors' noise, a row a signal, and what each later model removes."""
     rows = []
     for name in given.signals:
-        before, after = first[name], second[name]
-        share = None if is_noise(before) and is_noise(after) else excess_removed(before, after)
-        cells = (
-            _against_noise(before),
-            _against_noise(after),
-            removed_words(share, before["rmse"], after["rmse"]),
-        )
-        rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *cells))
-    return table(("signal", "sensors' noise", names[0], names[1], "excess over noise removed"), rows, caption=caption)
+        before, *others = (comparison.overall[name] for comparison in given.comparisons)
+        shares = (_removed(before, after) for after in others)
+        errors = map(_against_noise, (before, *others))
+        rows.append((signal_words(name), quantity(before["noise_floor"], before["unit"]), *errors, *shares))
+    removed = "excess over noise removed"
+    heads = [removed] if len(names) == 2 else [f"{removed}, {name}" for name in names[1:]]
+    said = f"{caption}; in brackets, times the sensors' noise. Excess: the mean square above that of the noise."
+    return table(("signal", "sensors' noise", *names, *heads), rows, caption=said)
+
+
+def _removed(before: SignalError, after: SignalError) -> str:
+    share = None if is_noise(before) and is_noise(after) else excess_removed(before, after)
+    return removed_words(share, before["rmse"], after["rmse"])
 
 
 def _against_noise(error: SignalError) -> Markup:

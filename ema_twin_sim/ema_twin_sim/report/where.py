@@ -13,7 +13,7 @@ from ..comparison.orders import ORDERS, Periodicity, find_order
 from ..comparison.where import FEWEST_SAMPLES, Stretch
 from ..model import Model
 from ..quantities import axis_unit, quantity
-from .chart import AFTER, BEFORE, FAINT, Chart, Charts, Trace, axis, label, line, log_axis, noise_band
+from .chart import FAINT, MODELS, Chart, Charts, Trace, axis, label, line, log_axis, noise_band, widths
 from .content import Content, Shown, signal_words, signals_listed
 from .markup import Markup, capitalised, items, joined, section, table, tag
 
@@ -25,7 +25,7 @@ _BEYOND = 1.6  # times the highest order that the model names
 _NEAR = 0.03  # orders that are taken to be a named one
 _APART = 0.09  # decades between the numbers over a spectrum, so that none covers another
 _HEIGHT = 300  # pixels
-_ROLES = (BEFORE, AFTER)
+_SYMBOLS = dict(zip(MODELS, ("circle", "square", "diamond"), strict=True))
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def where(content: Content, charts: Charts) -> Markup:
     """The section with the residuals against what they may depend on."""
     figures: list[Markup] = []
     orders: dict[str, list[list[str]]] = {}
-    for each in failures(content.given, content.models[0], content.names):
+    for each in failures(content.given, content.models[0], content.labels):
         figures += [charts.add(chart) for chart in each.charts]
         if each.orders is not None:
             figures.append(charts.add(each.orders.chart))
@@ -78,14 +78,14 @@ def where(content: Content, charts: Charts) -> Markup:
         return section("where", "Where the models fail", tag("p", f"It cannot be told: that takes {takes}."))
     key = tag(
         "p",
-        *_swatches(content.names),
+        *_swatches(content.labels),
         "Line: median; shaded: between the quartiles; grey: two standard deviations of the sensors' noise.",
         class_="key",
     )
     named = [_orders_table(content, orders)] if orders else []
     told = [
         joined([tag("strong", name), f": {said}"])
-        for name, said in zip(content.names, sentences(content.given), strict=True)
+        for name, said in zip(content.labels, sentences(content.given), strict=True)
     ]
     return section("where", "Where the models fail", items(*told), key, tag("div", *figures, class_="grid"), *named)
 
@@ -95,7 +95,7 @@ def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -
     named = _named_orders(content.models[0])
     if not named:
         return tag("p", f"{content.names[0]} names no orders (`orders:` in its file).", class_="aside")
-    columns = [f"{signal}, {model}" for signal in amplitudes for model in content.names]
+    columns = [f"{signal}, {model}" for signal in amplitudes for model in content.labels]
     rows = [
         (f"{k + 1}: {name}", f"{order:g}", *(cell for each in amplitudes.values() for cell in each[k]))
         for k, (order, name) in enumerate(named)
@@ -110,10 +110,10 @@ def _named_orders(model: Model) -> list[tuple[float, str]]:
     return sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= ORDERS[-1])
 
 
-def _swatches(names: tuple[str, str]) -> list[Markup]:
+def _swatches(names: Sequence[str]) -> list[Markup]:
     return [
-        tag("span", tag("span", "", class_=f"swatch {role}"), name)
-        for role, name in zip(("before", "after"), names, strict=True)
+        tag("span", tag("span", "", class_=f"swatch {colour.removeprefix('@')}"), name)
+        for colour, name in zip(MODELS, names, strict=False)
     ]
 
 
@@ -132,12 +132,13 @@ def sentences(given: Shown) -> list[str]:
 
 
 class _Signal:
-    """One signal's residuals of both models."""
+    """One signal's residuals of all models."""
 
     def __init__(self, name: str, given: Shown, models: Sequence[str], stretches: Sequence[Sequence[Stretch]]) -> None:
         error, first = given.comparisons[0].overall[name], given.curves[0][0]
         self.words, self.models, self.base = signal_words(name), models, error["unit"]
-        self.roles = _ROLES[: len(models)]
+        self.roles = MODELS[: len(models)]
+        self.widths = dict(zip(MODELS, widths(len(models)), strict=False))
         self.way, self.still = first.way, first.still
         self.stretches = stretches
         self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
@@ -197,7 +198,6 @@ class _Signal:
                 "thickness": 2,
                 "width": 7,
             }
-            symbol = "circle" if role == BEFORE else "square"
             traces.append(
                 {
                     "type": "scatter",
@@ -206,7 +206,7 @@ class _Signal:
                     "y": median,
                     "name": label(model),
                     "error_y": spread,
-                    "marker": {"color": role, "size": 10, "symbol": symbol},
+                    "marker": {"color": role, "size": 10 if self.widths[role] >= 1.0 else 6, "symbol": _SYMBOLS[role]},
                 }
             )
         return self._chart("the direction of motion", axis("direction", type="category"), traces)
@@ -228,7 +228,7 @@ class _Signal:
         scale, unit = axis_unit(max(float(values.max()) for values in peaks), self.base)
         at = [np.array([ORDERS[band[values[band].argmax()]] for band in bands]) for values in lines]
         traces = [
-            line(x, values / scale, name, role, width=1.6)
+            line(x, values / scale, name, role, width=1.6 * self.widths[role])
             for x, values, name, role in zip(at, peaks, self.models, self.roles, strict=True)
         ]
         named = _named_orders(model)
@@ -239,7 +239,7 @@ class _Signal:
             "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),
             "shapes": marks,
             "annotations": numbers,
-            "margin": {"t": 26},
+            "margin": {"t": 46},  # the numbers, and above them the buttons
         }
         said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
         chart = Chart(said, _HEIGHT, layout, traces)
@@ -264,7 +264,7 @@ class _Signal:
         return [
             line(centres, lower, name, role, width=0.0, **edge),
             line(centres, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge),
-            line(centres, median, name, role, width=2.5, dash=dash),
+            line(centres, median, name, role, width=2.5 * self.widths[role], dash=dash),
         ]
 
     def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:

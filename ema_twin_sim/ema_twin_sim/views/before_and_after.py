@@ -1,4 +1,4 @@
-"""After: what each step of the discovery took off the error, and both models' errors beside the sensors' noise."""
+"""After: what each step of the discovery took off the error, and all models' errors beside the sensors' noise."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words
+from ..commands.wording import effect_words, listed
 from ..quantities import axis_unit, quantity
 from ..report.content import Shown, signal_words
 from ..report.findings import Findings
@@ -23,14 +23,16 @@ from .palette import AFTER
 from .sheet import Sheet, linear_axis, log_axis, named_axis
 
 ROOT = "after"
+_COLOURS = ("orange", "blue", "pink")
 
 
 def log_after(stream: rr.RecordingStream, given: Shown, names: Sequence[str], findings: Findings | None) -> None:
-    """Draw both models' errors, and how they fell step by step where a search was made."""
+    """Draw all models' errors, and how they fell step by step where a search was made."""
     bars = _errors(given, names)
     highest = max([10.0, *(bar.value for bar in bars)])
     axis = log_axis(0.5, 1.2 * highest, "RMSE over the sensors' noise: 1 is the best that can be")
-    draw_bars(stream, f"{ROOT}/errors", bars, axis, f"{names[0]} (orange) and {names[-1]} (blue)")
+    heading = listed(f"{name} ({colour})" for name, colour in zip(names, _COLOURS, strict=False))
+    draw_bars(stream, f"{ROOT}/errors", bars, axis, heading)
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         draw(stream, f"{ROOT}/falling", falling(findings, findings.unseen)).done()
     if findings is not None and len(outputs := _outputs(findings)) > 1:
@@ -80,7 +82,7 @@ def _log_outputs(stream: rr.RecordingStream, outputs: Sequence[tuple[str, float]
 
 
 def after_tab(findings: Findings | None) -> rrb.Container:
-    """Both models' errors on the left, how they fell on the right."""
+    """All models' errors on the left, how they fell on the right."""
     steps = []
     if findings is not None and findings.unseen is not None and len(findings.unseen.rmse) > 1:
         words = signal_words(findings.unseen.signal)

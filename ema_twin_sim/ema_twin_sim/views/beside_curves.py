@@ -12,11 +12,10 @@ from ..quantities import axis_unit
 from ..report.beside import Beside, Curves
 from ..report.compared import abscissa, signals_drawn
 from ..report.content import Shown, signal_words
-from .palette import AFTER, BEFORE, MEASURED, QUIET, Colour
+from .palette import MEASURED, MODELS, QUIET, Colour
 from .stream import path_of, send, send_level, style
 
 ROOT = "compare"
-_MODELS = (BEFORE, AFTER)
 _TYPICAL = 0.98  # the quantile of a residual whose size its axis's unit fits
 
 
@@ -39,7 +38,7 @@ def _log_signal(
     scale, unit = residual_unit(curves)
     style(stream, f"{at}/curves/measured", f"measured [{curves[0].unit}]", MEASURED, 2.5)
     send(stream, f"{at}/curves/measured", time, curves[0].measured[order])
-    for model, curve, colour in zip(models, curves, _MODELS, strict=False):
+    for model, curve, colour in zip(models, curves, MODELS, strict=False):
         twin = path_of(f"twin {model}")
         style(stream, f"{at}/curves{twin}", f"twin {model}", colour, 1.5)
         send(stream, f"{at}/curves{twin}", time, (curve.measured - curve.residual)[order])
@@ -102,4 +101,4 @@ def signal_column(
 
 def colour_of(model: int) -> Colour:
     """The colour of a model, the earlier 0."""
-    return _MODELS[model]
+    return MODELS[model]

@@ -16,11 +16,22 @@ MEASURED: Colour = (145, 156, 167)
 """What is measured in rerun's own charts, whose ground is as dark or as light as the desktop."""
 BEFORE: Colour = (255, 154, 77)
 AFTER: Colour = (93, 184, 245)
+FITTED: Colour = (255, 122, 198)
+MODELS = (BEFORE, AFTER, FITTED)
+"""The colours of models, the earliest first."""
 RIVAL: Colour = (199, 155, 230)
 FAINT: Colour = (125, 135, 145)
 GOOD: Colour = (90, 208, 122)
 
-NAMED = {"bench": BENCH, "before": BEFORE, "after": AFTER, "rival": RIVAL, "faint": FAINT, "band": FAINT}
+NAMED = {
+    "bench": BENCH,
+    "before": BEFORE,
+    "after": AFTER,
+    "fitted": FITTED,
+    "rival": RIVAL,
+    "faint": FAINT,
+    "band": FAINT,
+}
 """The colours that the report's charts name."""
 _DIM = 0.28  # of a colour that lies behind others
 

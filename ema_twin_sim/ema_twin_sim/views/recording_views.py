@@ -1,4 +1,4 @@
-"""All views of recordings beside one model or two, as the tabs of one rerun file."""
+"""All views of recordings beside one to three models, as the tabs of one rerun file."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ def write_views(
     *,
     force: bool = False,
 ) -> list[str]:
-    """Write the views of recordings beside models (one, or before and after) as an .rrd; returns the names of its tabs.
+    """Write the views of recordings beside models (one, before and after, or a fitted one too) as an .rrd.
 
+    Returns the names of its tabs.
     Raises InputError where the file exists (without ``force``) or cannot be written.
     """
     found = failures(given, models[0], names)
@@ -53,7 +54,7 @@ def write_views(
         log_curves(stream, given, names)
         log_failures(stream, found, sentences(given), names)
         if findings is not None:
-            log_why(stream, findings, verdict_of(findings, names[0]))
+            log_why(stream, findings, verdict_of(findings, models[0].name))
         if len(models) > 1:
             log_after(stream, given, names, findings)
         if gearing is not None and motion is not None:

@@ -8,7 +8,7 @@ import rerun.blueprint as rrb
 from ..commands.wording import effect_words, no_effect_words, options_words, removed_words
 from ..quantities import estimate
 from ..report.findings import Findings, Signature
-from ..report.ranking import signature_chart, worth_showing
+from ..report.ranking import REFUSED, signature_chart, told_signatures, worth_showing
 from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
 from .failing import sheet_view
@@ -30,9 +30,8 @@ def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> Non
     if sizes:
         draw_bars(stream, f"{ROOT}/sizes", sizes, linear_axis(0.0, 200.0, "% of the value that was found"),
                   "How well are the numbers known?  white: ± one standard error")  # fmt: skip
-    for number, signature in enumerate(findings.signatures):
-        if signature.curves:
-            draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
+    for number, signature in enumerate(told_signatures(findings)):
+        draw(stream, f"{ROOT}/signature_{number}", signature_chart(signature)).done()
     heading = "#" if len(verdict) < _LONG else "###"
     stream.log(
         f"{ROOT}/verdict", rr.TextDocument(f"{heading} {verdict}", media_type=rr.MediaType.MARKDOWN), static=True
@@ -73,7 +72,7 @@ def _sizes(findings: Findings) -> list[Bar]:
 
 def _title(signature: Signature) -> str:
     effects = effect_words(signature.title)
-    refused = "" if signature.taken else " (tried last, refused)"
+    refused = "" if signature.taken else f" ({REFUSED})"
     return f"{effects}{refused}: the {_EXPLAINED.get(signature.left_over, signature.left_over)} that it explains"
 
 
@@ -86,8 +85,7 @@ def why_tab(findings: Findings) -> rrb.Container:
         bars.append(sheet_view(f"{ROOT}/sizes", "the numbers that were found, with their standard errors"))
     signatures = [
         sheet_view(f"{ROOT}/signature_{number}", _title(signature))
-        for number, signature in enumerate(findings.signatures)
-        if signature.curves
+        for number, signature in enumerate(told_signatures(findings))
     ]
     rows: list[rrb.Container] = [rrb.Horizontal(*bars)] if bars else []
     pages = [
