@@ -21,7 +21,7 @@ class Configuration(Kept):
 
 STAND_INS = {
     "launch": {"LaunchDescription": list},
-    "launch.actions": {"DeclareLaunchArgument": Kept, "OpaqueFunction": Kept},
+    "launch.actions": {"DeclareLaunchArgument": Kept, "OpaqueFunction": Kept, "Shutdown": Kept},
     "launch.launch_context": {"LaunchContext": dict},
     "launch.substitutions": {"LaunchConfiguration": Configuration},
     "launch_ros": {},

@@ -108,7 +108,7 @@ def test_a_fit_that_leaves_much_says_so(method, stock):
         for note in fitted.notes
     )
     right = fit_model(bench(stock, SLOW), stock, method=method)
-    assert not any("times the sensors' noise" in note or "as it was is better" in note for note in right.notes)
+    assert not any("times the sensors' noise" in note or "the model as it was" in note for note in right.notes)
 
 
 def test_what_rest_does_not_give_is_no_number_of_the_fit():

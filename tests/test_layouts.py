@@ -94,6 +94,7 @@ def test_launch_file(arguments, expected):
     assert [node["executable"] for node in nodes] == expected
     for node in nodes:
         module = NODES[node["executable"]]
+        assert "node has ended" in node["on_exit"].named["reason"]  # none runs on without the others
         assert module.__name__.startswith(node["package"])
         known = {declaration.name: declaration for declaration in module.PARAMETERS}
         for name, value in node["parameters"][0].items():

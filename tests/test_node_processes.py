@@ -77,6 +77,8 @@ def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, n
     assert "Traceback" not in "".join(outputs.values())
     assert "FATAL" not in "".join(outputs.values())
     assert "stopped after" in outputs["replay"]
+    said = {"twin": "answers every sample", "monitor": "compares", "record": "writes", "replay": f"plays {trace.stem}"}
+    assert all(words in outputs[name] for name, words in said.items())  # that it is well
     # health keeps one message only, and a busy machine may let it pass; of the samples none may be lost
     lost = outputs["record"].partition("lost: ")[2]
     assert "messages of" in outputs["record"] and "/state" not in lost and "/residual" not in lost

@@ -70,7 +70,7 @@ class TestCompare:
     def test_names_and_units(self, views, recordings):  # noqa: F811
         at = f"/compare/{recordings[0].name}/output_position"
         assert views.name(f"{at}/curves/measured") == "measured [rad]"
-        assert views.name(f"{at}/curves/twin\\ better") == "twin better"
+        assert views.name(f"{at}/curves/twin\\ better") == "twin: better"
         assert {"output position [rad]: measured and twin", "current [A]: measured and twin"} <= views.view_names
         assert {recording.name for recording in recordings} <= views.view_names
         assert views.application == "ema-twin"

@@ -1,11 +1,11 @@
 """Replay, twin and monitor: `ros2 launch ema_twin_config ema_twin.launch.py recording:=RUN.mcap model:=polito_bench`.
 
 Without `recording:=`, the twin answers whatever publishes `/bench/state`: the real bench. `record:=FOLDER` keeps all
-topics.
+topics. A node that ends, as one does that refuses its recording or model, ends the others too.
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.launch_context import LaunchContext
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -26,18 +26,19 @@ ARGUMENTS = {
 def nodes(context: LaunchContext) -> list[Node]:
     """The nodes that these arguments ask for."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    shown = {"output": "screen", "on_exit": Shutdown(reason="a node has ended; its last lines say why")}
     from_start = bool(given["recording"])
     standalone = given["input"] == "standalone"
     twin = {"model": given["model"], "input": given["input"], "from_start": from_start, "command": given["command"]}
     if given["effect_files"]:
         twin["effect_files"] = given["effect_files"].split(",")
-    started = [Node(package="ema_twin_sim", executable="twin", parameters=[twin], output="screen")]
+    started = [Node(package="ema_twin_sim", executable="twin", parameters=[twin], **shown)]
     if not standalone:
         monitor = {name: value for name, value in twin.items() if name != "command"}
-        started.append(Node(package="ema_twin_sim", executable="monitor", parameters=[monitor], output="screen"))
+        started.append(Node(package="ema_twin_sim", executable="monitor", parameters=[monitor], **shown))
     if given["record"]:
         record = {"output": given["record"]}
-        started.append(Node(package="ema_bench_replay", executable="record", parameters=[record], output="screen"))
+        started.append(Node(package="ema_bench_replay", executable="record", parameters=[record], **shown))
     if given["recording"] and not standalone:
         replay = {
             "recording": given["recording"],
@@ -48,7 +49,7 @@ def nodes(context: LaunchContext) -> list[Node]:
             "subscribers": len(started),
             "patience": 60.0,  # the first time, the twin compiles its model's equations before it listens
         }
-        started.append(Node(package="ema_bench_replay", executable="replay", parameters=[replay], output="screen"))
+        started.append(Node(package="ema_bench_replay", executable="replay", parameters=[replay], **shown))
     return started
 
 

@@ -77,6 +77,11 @@ class RecordNode(Node):
         steady_timer(self, _FLUSH, self._flush)
 
     @property
+    def ready_words(self) -> str:
+        """What the node says when it runs."""
+        return f"writes {', '.join(self._patterns)} to {self._writer.path}"
+
+    @property
     def subscriptions(self) -> Iterator[Subscription]:
         """Those that an executor serves: none of the recorded topics."""
         recorded = {id(subscription) for subscription in self._recorded.values()}
@@ -180,7 +185,7 @@ class RecordNode(Node):
     def _doubt(self) -> str:
         """Of which topics losses are not known, in words."""
         unknown = [topic for topic, numbers in self._numbers.items() if not numbers.known]
-        return f" (not known of {', '.join(unknown)}: several publish there, or do not number)" if unknown else ""
+        return f" (losses of {', '.join(unknown)} are not counted: its messages bear no numbers)" if unknown else ""
 
 
 def _matching(offered: Sequence[QoSProfile]) -> QoSProfile:

@@ -121,6 +121,12 @@ class ReplayNode(Node):
         self._timer = steady_timer(self, _LOOK_AROUND, self._wait_for_readers)
 
     @property
+    def ready_words(self) -> str:
+        """What the node says when it runs."""
+        recording = self._recording
+        return f"plays {recording.name}: {len(recording)} samples, {recording.duration:.1f} s"
+
+    @property
     def ended(self) -> bool:
         """Whether the last sample was sent."""
         return self._playback.ended

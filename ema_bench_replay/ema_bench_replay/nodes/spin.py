@@ -95,6 +95,8 @@ def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> T
 def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
     """Run one node in this process until it says `finished`, or SIGINT or SIGTERM arrives.
 
+    It logs that it runs: what its `ready_words` say, where it has any.
+
     `arguments` are the command line's, program name included, where they are not the process's own.
 
     Returns:
@@ -106,6 +108,7 @@ def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -
             _initialise(list(sys.argv if arguments is None else arguments))
             node = make_node()
             executor = make_executor([node])
+            node.get_logger().info(getattr(node, "ready_words", "") or "running")
             spin(executor, until=lambda: getattr(node, "finished", False))
             executor.shutdown()
         except InputError as error:

@@ -40,6 +40,11 @@ ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.js
 
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
 
+STEPS_ARE = (
+    "Excess: the mean square above that of the sensors' noise. Runner-up: what would have been added instead, and how "
+    "much of the step's gain that has."
+)
+"""What the columns of the table of steps are."""
 _LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none
 
 
@@ -164,6 +169,7 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
         say(refit_sentence(found.unseen))
     if found.steps:
         console.print(_steps(found))
+        say(STEPS_ARE)
         if _is_crowded(found):
             for step in found.steps:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"

@@ -26,6 +26,14 @@ def _wanted_width() -> int | None:
     return int(columns) if columns.isdecimal() and int(columns) >= _LEAST_WIDTH else None
 
 
+def _width_of_screen() -> int | None:
+    """The width of the terminal that shows what this output is piped through (``| less``); None where there is none."""
+    try:
+        return max(os.get_terminal_size(sys.stderr.fileno()).columns, _LEAST_WIDTH)
+    except (OSError, ValueError, AttributeError):
+        return None
+
+
 _folds = sys.stdout.isatty() or _wanted_width() is not None
 
 
@@ -35,7 +43,10 @@ class _Output(Console):
         raise BrokenPipeError
 
 
-console = _Output(highlight=False, width=_wanted_width() or (None if sys.stdout.isatty() else _WIDTH_WITHOUT_TERMINAL))
+console = _Output(
+    highlight=False,
+    width=_wanted_width() or (None if sys.stdout.isatty() else _width_of_screen() or _WIDTH_WITHOUT_TERMINAL),
+)
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _BARS = "▁▂▃▄▅▆▇█"

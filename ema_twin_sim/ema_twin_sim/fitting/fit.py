@@ -245,7 +245,8 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
         )
     for signal, error in told.items():
         if error["rmse"] > (1.0 + SMALL) * max(before[signal]["rmse"], NOISY * error["noise_floor"]):
-            notes.append(f"{signal.replace('_', ' ')}: on what was not fitted to, the model as it was is better")
+            said = signal.replace("_", " ")
+            notes.append(f"on what was not fitted to, the {said} is nearer with the model as it was")
     return notes
 
 

@@ -88,7 +88,7 @@ def _descend(
         residual = raw * weights
         if ended or turn == iterations:
             break
-        progress(f"misfit {math.sqrt(plain / misfit.rows):.3g} times the noise")
+        progress(f"round {turn + 1}: misfit {math.sqrt(plain / misfit.rows):.3g}")
         curvature = slopes.T @ slopes / misfit.variance + np.diag(inverse**2)
         downhill = slopes.T @ residual / misfit.variance + inverse * known
         # numbers held on a bound that they push against

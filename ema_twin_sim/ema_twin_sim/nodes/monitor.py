@@ -125,6 +125,12 @@ class MonitorNode(Node):
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
     @property
+    def ready_words(self) -> str:
+        """What the node says when it runs."""
+        bench, twin = (self.resolve_topic_name(f"{side}/state") for side in ("bench", "twin"))
+        return f"compares {bench} with {twin}; health on {self.resolve_topic_name('monitor/health')}"
+
+    @property
     def expected(self) -> int:
         """Samples of the present run that will come, as announced on `bench/run`; 0 where that is not known."""
         announced = self.announced

@@ -72,6 +72,14 @@ class TwinNode(Node):
         """Why the twin cannot go on; None while it can."""
         return self.mode.failure
 
+    @property
+    def ready_words(self) -> str:
+        """What the node says when it runs."""
+        model = self.mode.twin.model.name
+        if isinstance(self.mode, OwnClock):
+            return f"runs {model} by itself, with a command of its own"
+        return f"answers every sample of {self.resolve_topic_name('bench/state')} with the model {model}"
+
     def model_as_it_stands(self, begun: Model) -> Model:
         """What runs: the model that it began with, as it was changed, and what was switched on since."""
         present = self.mode.twin.model

@@ -40,9 +40,9 @@ def _log_signal(
     send(stream, f"{at}/curves/measured", time, curves[0].measured[order])
     for model, curve, colour in zip(models, curves, MODELS, strict=False):
         twin = path_of(f"twin {model}")
-        style(stream, f"{at}/curves{twin}", f"twin {model}", colour, 1.5)
+        style(stream, f"{at}/curves{twin}", f"twin: {model}", colour, 1.5)
         send(stream, f"{at}/curves{twin}", time, (curve.measured - curve.residual)[order])
-        style(stream, f"{at}/residual{twin}", f"− twin {model}", colour, 1.2)
+        style(stream, f"{at}/residual{twin}", f"− twin: {model}", colour, 1.2)
         send(stream, f"{at}/residual{twin}", time, curve.residual[order] / scale)
     log_noise(stream, f"{at}/residual", time, floor / scale, unit)
 

@@ -16,6 +16,8 @@ from .palette import TEXT
 from .sheet import HIGH, RIGHT, TOP, WIDE
 
 ROOT = "where_it_fails"
+_SHARES, _SHARES_OF_THREE = [2, 1], [3, 2]
+"""How wide the charts and the words are: a column of amplitudes grows with every model."""
 _PLACES = ("speed", "output_position", "direction")
 _STANDS_OUT = 2.0  # times the usual amplitude of the orders about it: from there on an order is a peak
 _ABOUT = 0.25  # of the order, to either side
@@ -78,8 +80,8 @@ def _told(each: Failures, said: Sequence[str], names: Sequence[str]) -> str:
     return "\n".join(lines)
 
 
-def failing_tab(found: Sequence[Failures]) -> rrb.Container:
-    """A tab a signal: four charts, and beside them what they say."""
+def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
+    """A tab a signal: four charts, and beside them what they say of so many models."""
     tabs = []
     for each in found:
         at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)
@@ -98,7 +100,7 @@ def failing_tab(found: Sequence[Failures]) -> rrb.Container:
             rrb.Horizontal(
                 rrb.Grid(*views, grid_columns=2),
                 told,
-                column_shares=[2, 1],
+                column_shares=_SHARES_OF_THREE if models > 2 else _SHARES,
                 name=words,
             )
         )

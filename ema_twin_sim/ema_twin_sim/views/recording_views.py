@@ -38,7 +38,7 @@ def write_views(
     found = failures(given, models[0], names)
     tabs: list[rrb.Container] = [curves_tab(given)]
     if found:
-        tabs.append(failing_tab(found))
+        tabs.append(failing_tab(found, len(models)))
     if findings is not None:
         tabs.append(why_tab(findings))
     if len(models) > 1:
