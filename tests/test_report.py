@@ -19,9 +19,10 @@ from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
-from ema_twin_sim.report.findings import read_findings
+from ema_twin_sim.report.findings import Signature, read_findings
 from ema_twin_sim.report.markup import table, tag
 from ema_twin_sim.report.page import page
+from ema_twin_sim.report.ranking import signature_chart, told_signatures
 from tests.command_line import done, refused
 from tests.recorded import record, with_signals
 
@@ -138,7 +139,8 @@ def charts_of(text):
 def test_the_head_tells_what_was_wrong_how_sure_that_is_and_what_is_left(written):
     text = Read(written).text
     assert "polito_bench lacks backlash (or encoder delay)." in text
-    assert "width 4.000 ± 0.020 mrad" in text and "Runner-up to backlash: encoder delay, 12 % of the gain." in text
+    assert "width 4.000 ± 0.020 mrad" in text
+    assert "Runner-up to backlash: encoder delay, explaining 12 % as much." in text
     assert "Probability of each: backlash 98 %" in text
     assert "cannot tell apart: backlash or encoder delay" in text
     assert "no date in the files" in text and "2 recordings, 10.0 s" in text and "ema-twin 1.2.3" in text
@@ -236,6 +238,19 @@ def test_nothing_found_is_told_honestly(models, recordings, folder, stock):
         (folder / "other.json").write_text(json.dumps({**told, "parameters": {}, "constants": {}}))
         given = content_of((stock, stock), recordings[:1], read_findings(folder / "other.json"))
         assert said in Read(page(given)).text.split("What was wrong")[0]
+
+
+def test_what_was_refused_is_shown_only_where_something_is_left(findings):
+    """A plot of an effect that the search did not add explains nothing where all is explained."""
+    curve = {"name": "after", "direction": "both", "x": (0.0,), "median": (1.0,), "lower": (0.0,), "upper": (2.0,)}
+    found, refused_last = (
+        Signature(name, taken, "", "torque", "N m", "speed", "rad/s", None, (curve,))
+        for name, taken in (("backlash", True), ("mesh_friction", False))
+    )
+    both = replace(findings, signatures=(found, refused_last))
+    assert told_signatures(both) == told_signatures(replace(both, verdict="none")) == [found]
+    assert told_signatures(replace(both, verdict="unknown")) == [found, refused_last]
+    assert "not added: it explains too little" in signature_chart(refused_last).caption
 
 
 def test_a_search_that_came_to_another_end_is_told(models, recordings, folder):

@@ -2,8 +2,10 @@
 
 import pytest
 
+from ema_twin_sim.report.page import page
 from tests.browser import CHROMIUM, Browser
 from tests.test_report import LARGEST, content_of, findings, folder, models, recordings, written  # noqa: F401
+from tests.test_report_of_three_models import content, three, told  # noqa: F401
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is missing: sudo apt install chromium")
 
@@ -104,3 +106,16 @@ def test_it_prints_on_light_ground(browser, report, tmp_path):
     browser.wait(f"{colour} === '{dark}' && document.querySelector('.main-svg').clientWidth > 660")
     browser.print(tmp_path / "report.pdf")
     assert browser.ask("window.printed") and (tmp_path / "report.pdf").read_bytes().count(b"/Type /Page\n") >= 4
+
+
+def test_three_models_are_in_every_chart_and_in_the_key(browser, tmp_path, content):  # noqa: F811
+    (tmp_path / "three.html").write_text(page(content))
+    browser.errors.clear()
+    browser.look(tmp_path / "three.html")
+    assert browser.ask(DRAWN) == browser.ask(PLACES) and browser.errors == [] and browser.ask(TOO_WIDE) == []
+    colours = "[...document.querySelectorAll('.controls .swatch')].map(s => getComputedStyle(s).backgroundColor)"
+    assert len(set(browser.ask(colours))) == 5  # measured, three models, the noise
+    shown = "document.querySelector('.chart').data.filter(trace => trace.visible).length"
+    assert browser.ask(shown) == 7
+    browser.ask("document.querySelector('button[data-role=fitted]').click()")
+    browser.wait(f"{shown} === 5")

@@ -1,10 +1,13 @@
 """What the commands print fits the terminal that it is printed on, and a number is never broken."""
 
+import fcntl
 import io
 import os
 import pty
 import re
+import struct
 import subprocess
+import termios
 import threading
 
 import pytest
@@ -13,7 +16,7 @@ from rich.text import Text
 
 from ema_twin_sim.commands import tables
 from ema_twin_sim.commands.output import fold
-from tests.command_line import LONGEST, MODEL, TWIN, done
+from tests.command_line import ENVIRONMENT, LONGEST, MODEL, TWIN, done
 
 BROKEN = re.compile(r"(\d|±|\bN|\bkg)$")  # at a line's end: what must have its unit, or the rest of it, beside it
 
@@ -59,6 +62,17 @@ def check(lines, columns=80):
     for line in lines:  # a unit alone in its cell has lost its number
         cells = re.split(r"\s{2,}", line.strip())
         assert not re.match(r"^([nµm]?(A|rad|rad/s)|[mnµ]?N m|m|%)$", cells[0]), line
+
+
+def test_what_is_piped_is_as_wide_as_the_terminal_that_it_is_read_on():
+    """``ema-twin effects | less``: only the error output still is the terminal."""
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 70, 0, 0))
+    piped = subprocess.run([TWIN, "effects"], stdout=subprocess.PIPE, stderr=theirs, env=ENVIRONMENT, check=True)
+    os.close(theirs)
+    os.close(ours)
+    cells = [line for line in piped.stdout.decode().splitlines() if line.startswith("  ")]
+    assert len(cells) > 100 and max(map(len, cells)) <= 70  # sentences stay whole in a pipe, to be searched
 
 
 @pytest.fixture(scope="module")

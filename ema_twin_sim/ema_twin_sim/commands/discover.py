@@ -42,7 +42,7 @@ ema-twin discover recordings --model polito_bench -o better.yaml --without sprin
 
 STEPS_ARE = (
     "Excess: the mean square above that of the sensors' noise. Runner-up: what would have been added instead, and how "
-    "much of the step's gain that has."
+    "much of the misfit to torque and encoders that explains, beside what the step explains."
 )
 """What the columns of the table of steps are."""
 _LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none

@@ -26,12 +26,13 @@ def _wanted_width() -> int | None:
     return int(columns) if columns.isdecimal() and int(columns) >= _LEAST_WIDTH else None
 
 
-def _width_of_screen() -> int | None:
-    """The width of the terminal that shows what this output is piped through (``| less``); None where there is none."""
+def _width_without_terminal() -> int:
+    """How wide output is that goes into a pipe: as the terminal that errors go to (``| less``), where there is one."""
     try:
-        return max(os.get_terminal_size(sys.stderr.fileno()).columns, _LEAST_WIDTH)
-    except (OSError, ValueError, AttributeError):
-        return None
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns
+    except (OSError, ValueError, AttributeError):  # no terminal, or no error output at all
+        return _WIDTH_WITHOUT_TERMINAL
+    return min(max(columns, _LEAST_WIDTH), _WIDTH_WITHOUT_TERMINAL)
 
 
 _folds = sys.stdout.isatty() or _wanted_width() is not None
@@ -44,8 +45,7 @@ class _Output(Console):
 
 
 console = _Output(
-    highlight=False,
-    width=_wanted_width() or (None if sys.stdout.isatty() else _width_of_screen() or _WIDTH_WITHOUT_TERMINAL),
+    highlight=False, width=_wanted_width() or (None if sys.stdout.isatty() else _width_without_terminal())
 )
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 

@@ -244,8 +244,8 @@ def _runner_up(step: Step) -> str:
     if share <= 0.0:
         return f"{name}, not worth its price"
     if share >= 0.995:
-        return f"{name}, as much gain alone"
-    return f"{name}, {f'{100.0 * share:.0f}' if share >= 0.01 else '<1'} % of the gain"
+        return f"{name}, explaining as much by itself"
+    return f"{name}, explaining {f'{100.0 * share:.0f} %' if share >= 0.01 else 'less than 1 %'} as much"
 
 
 def change_words(held: Mapping[str, Any]) -> str:
