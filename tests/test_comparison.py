@@ -175,8 +175,8 @@ def dependence(variable, share, there, elsewhere, place):
         ),
         (
             dependence("speed", 0.05, 1.08e-3, 8.01e-3, "at 1 to 2 rad/s"),
-            "nowhere more than elsewhere",
-            "alone; nowhere more than elsewhere.",
+            "about the same everywhere",
+            "alone; about the same everywhere.",
         ),
         (
             dependence("order", 0.05, 1.08e-3, 8.01e-3, "24 times per motor revolution"),
@@ -185,8 +185,8 @@ def dependence(variable, share, there, elsewhere, place):
         ),
         (
             dependence("constant", 0.05, 8.01e-3, 8.01e-3, "everywhere"),
-            "-2.00 mA of it on average, everywhere",
-            "alone; -2.00 mA of it on average, everywhere.",
+            "-2.00 mA everywhere, on average",
+            "alone; -2.00 mA everywhere, on average.",
         ),
     ],
 )

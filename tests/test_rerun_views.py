@@ -245,9 +245,9 @@ class TestCommands:
         for verb in ("compare", "diagnose", "live"):
             refused(verb, *run, "--rrd", tmp_path / "run.mcap", naming=("run.mcap", ".rrd"))
 
-    def test_more_than_two_models_are_refused(self, run, tmp_path):
-        more = ["--model", "polito_bench", "--model", "polito_bench"]
-        refused("compare", *run, *more, "--rrd", tmp_path / "run.rrd", naming=("--rrd", "3 times"))
+    def test_more_than_three_models_are_refused(self, run, tmp_path):
+        more = ["--model", "polito_bench"] * 3
+        refused("compare", *run, *more, "--rrd", tmp_path / "run.rrd", naming=("--rrd", "4 times"))
 
     def test_what_stands_in_the_way_of_the_viewer_is_said(self, monkeypatch):
         monkeypatch.setattr(screen, "display_available", lambda: False)

@@ -75,8 +75,8 @@ class Dependence:
         if self.variable == "order":
             return f"{there} of it repeat {self.place}"
         if self.variable == "constant":
-            return f"{quantity(self._mean, self.unit)} of it on average, everywhere"
-        return self.place if self.is_largest_there else "nowhere more than elsewhere"
+            return f"{quantity(self._mean, self.unit)} everywhere, on average"
+        return self.place if self.is_largest_there else "about the same everywhere"
 
     @property
     def _mean(self) -> float:
