@@ -16,7 +16,7 @@ from ..quantities import quantity
 from . import compare, options, report
 from . import discover as discover_verb
 from .fit import errors_table
-from .live_error import ErrorPrinter
+from .live_error import LINES_ARE, ErrorPrinter
 from .live_view import LiveView
 from .output import console, say, status
 from .rerun_file import write_rrd
@@ -99,6 +99,7 @@ def run(
     rrd = output / "live.rrd"
     view = LiveView(RerunView(rrd, "ema-twin demo", noise, model=stock))
     view.tell(0.0, "the stock model beside the bench")
+    say(LINES_ARE)
     printer = ErrorPrinter(noise, played)
     printer.watchers.append(view.take)
     for name, moment in moments.items():

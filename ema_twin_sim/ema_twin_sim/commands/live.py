@@ -14,7 +14,7 @@ from ema_bench_replay.errors import InputError
 from ..comparison.beyond_noise import shown_signals
 from ..quantities import quantity
 from . import options
-from .live_error import ErrorPrinter
+from .live_error import LINES_ARE, ErrorPrinter
 from .live_keys import Keys
 from .live_view import open_view
 from .output import console, say, warn
@@ -107,6 +107,7 @@ def run(
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
     noise = noise_floors(found) if recording is None else noise_of([recording], found)
+    say(LINES_ARE)
     printer = ErrorPrinter(noise, recording)
     stop = threading.Event()
     with ExitStack() as held:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import quantity
-from .output import console, say
+from .output import console
 from .tables import is_narrow
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 _BY_CURRENT = "unexplained_torque"
 _BY_SETPOINT = ("output_position", "current", "speed")
 """What tells the error, by what drives the twin."""
+LINES_ARE = "  error: the RMSE of each second; 17× means 17 times the sensors' noise"
+"""What the lines of the ``ErrorPrinter`` are, to be said before the first."""
 
 
 class ErrorPrinter:
@@ -37,7 +39,6 @@ class ErrorPrinter:
         self._last = 0
         self._next = 0.0
         self._sums: dict[str, list[float]] = {}
-        self._explained = False
 
     def take(self, pairs: Sequence[Pair]) -> None:
         """A batch of pairs from the running monitor."""
@@ -68,9 +69,6 @@ class ErrorPrinter:
     def _print(self, elapsed: float) -> None:
         from ..comparison.running_comparison import UNITS
 
-        if not self._explained and any(self._floors.get(name, 0.0) > 0.0 for name in self._sums):
-            self._explained = True
-            say("  error: the RMSE of each second; 17× means 17 times the sensors' noise")
         of = f" of {self._duration:.0f}" if self._duration else ""
         parts = []
         for name in (_BY_CURRENT,) if self._by_current else _BY_SETPOINT:
