@@ -18,8 +18,6 @@ MORE_FRICTION = 1.04  # times the friction of the output that the model has
 WIDTH = 2e-3  # rad
 
 
-
-
 @pytest.fixture(scope="module")
 def machine():
     return load_model("polito_bench").with_effect("backlash", {"width": WIDTH})
