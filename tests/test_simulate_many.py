@@ -12,6 +12,8 @@ TRANSMISSIONS = {
     "rigid": {},
     "shaft": {"shaft_compliance": {}},
     "play": {"backlash": {}},
+    "bristle": {"presliding_friction": {}},
+    "play and bristle": {"backlash": {}, "presliding_friction": {}},
     "late encoder": {"encoder_delay": {"delay": 7e-4}, "encoder_eccentricity": {}},
 }
 

@@ -34,6 +34,7 @@ from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
 from .ending import why_ended
 from .experiment.suggestion import suggest
+from .followed import with_followed_numbers
 from .left_over import left_over_words
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import less, search, settle, significant
@@ -158,6 +159,7 @@ def discover(
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
+    found = with_followed_numbers(loop, found) if known else found
     progress("judging on recordings that were not fitted to")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(as_measured, began, noise, found)

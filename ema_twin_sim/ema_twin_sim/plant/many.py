@@ -13,6 +13,7 @@ import numpy as np
 from numba import from_dtype, int64, njit, types, void
 
 from .drive import lag_gain, quadrature_voltage, speed_controller
+from .friction import bristle_share, bristle_step
 from .layout import COMMAND_IN, CURRENT, CURRENT_IN, LOAD_IN, PLANT, SETPOINT_IN, STATE
 from .sensors import counted, remember, shown
 from .transmission import contact_torque, response, shaft_speed
@@ -54,6 +55,17 @@ _ROWS = (
     "DAMPING",
     "GAP",
     "COMPLIANCE",
+    # each side's bristle, whose torque takes the place of dry friction
+    "LEVEL",
+    "BRISTLE_STIFFNESS",
+    "BRISTLE_DAMPING",
+    "OUTPUT_LEVEL",
+    "OUTPUT_BRISTLE_STIFFNESS",
+    "OUTPUT_BRISTLE_DAMPING",
+    "BRISTLE",
+    "OUTPUT_BRISTLE",
+    "BENT",
+    "OUTPUT_BENT",
     # state
     "ANGLE",
     "SPEED",
@@ -83,6 +95,10 @@ GAIN, DRAG, DRY, BREAK_AWAY = _AT["GAIN"], _AT["DRAG"], _AT["DRY"], _AT["BREAK_A
 OUTPUT_GAIN, OUTPUT_DRAG = _AT["OUTPUT_GAIN"], _AT["OUTPUT_DRAG"]
 OUTPUT_DRY, OUTPUT_BREAK_AWAY = _AT["OUTPUT_DRY"], _AT["OUTPUT_BREAK_AWAY"]
 STIFFNESS, DAMPING, GAP, COMPLIANCE = _AT["STIFFNESS"], _AT["DAMPING"], _AT["GAP"], _AT["COMPLIANCE"]
+LEVEL, BRISTLE_STIFFNESS, BRISTLE_DAMPING = _AT["LEVEL"], _AT["BRISTLE_STIFFNESS"], _AT["BRISTLE_DAMPING"]
+OUTPUT_LEVEL, OUTPUT_BRISTLE_STIFFNESS = _AT["OUTPUT_LEVEL"], _AT["OUTPUT_BRISTLE_STIFFNESS"]
+OUTPUT_BRISTLE_DAMPING = _AT["OUTPUT_BRISTLE_DAMPING"]
+BRISTLE, OUTPUT_BRISTLE, BENT, OUTPUT_BENT = _AT["BRISTLE"], _AT["OUTPUT_BRISTLE"], _AT["BENT"], _AT["OUTPUT_BENT"]
 ANGLE, SPEED, OUTPUT_ANGLE, OUTPUT_SPEED = _AT["ANGLE"], _AT["SPEED"], _AT["OUTPUT_ANGLE"], _AT["OUTPUT_SPEED"]
 AMPERES, AMPERES_WANTED = _AT["CURRENT"], _AT["CURRENT_SETPOINT"]
 INTEGRAL, SMOOTHED = _AT["INTEGRAL"], _AT["SMOOTHED"]
@@ -120,10 +136,22 @@ def _load(plants, states, lanes):
         lanes[INTEGRAL_LIMIT + m] = plant.integral_limit
         lanes[ANTI_WINDUP_TIME + m] = plant.anti_windup_time
         lanes[TORQUE_CONSTANT + m] = plant.torque_constant
-        lanes[DRY + m] = plant.motor_dry + (plant.output_dry if rigid else 0.0)
-        lanes[BREAK_AWAY + m] = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
-        lanes[OUTPUT_DRY + m] = plant.output_dry
-        lanes[OUTPUT_BREAK_AWAY + m] = plant.output_break_away
+        dry = plant.motor_dry + (plant.output_dry if rigid else 0.0)
+        if plant.bristle_stiffness > 0.0:
+            share = 1.0 if rigid else bristle_share(plant)
+            lanes[LEVEL + m] = dry
+            lanes[BRISTLE_STIFFNESS + m] = plant.bristle_stiffness * share
+            lanes[BRISTLE_DAMPING + m] = plant.bristle_damping * share
+            lanes[OUTPUT_LEVEL + m] = plant.output_dry
+            lanes[OUTPUT_BRISTLE_STIFFNESS + m] = plant.bristle_stiffness * (1.0 - share)
+            lanes[OUTPUT_BRISTLE_DAMPING + m] = plant.bristle_damping * (1.0 - share)
+            lanes[BRISTLE + m] = state.bristle
+            lanes[OUTPUT_BRISTLE + m] = state.output_bristle
+        else:
+            lanes[DRY + m] = dry
+            lanes[BREAK_AWAY + m] = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
+            lanes[OUTPUT_DRY + m] = plant.output_dry
+            lanes[OUTPUT_BREAK_AWAY + m] = plant.output_break_away
         lanes[STIFFNESS + m] = plant.contact_stiffness
         lanes[DAMPING + m] = plant.contact_damping
         lanes[GAP + m] = plant.gap
@@ -138,6 +166,29 @@ def _load(plants, states, lanes):
 
 
 @njit(error_model="numpy")
+def _bend(lanes, h, rigid):
+    """The bristles' torques in a step: before the shafts move, as in the kernel."""
+    for m in range(LANE):
+        lanes[BRISTLE + m], lanes[BENT + m] = bristle_step(
+            lanes[BRISTLE + m],
+            lanes[SPEED + m],
+            lanes[LEVEL + m],
+            lanes[BRISTLE_STIFFNESS + m],
+            lanes[BRISTLE_DAMPING + m],
+            h,
+        )
+        if not rigid:
+            lanes[OUTPUT_BRISTLE + m], lanes[OUTPUT_BENT + m] = bristle_step(
+                lanes[OUTPUT_BRISTLE + m],
+                lanes[OUTPUT_SPEED + m],
+                lanes[OUTPUT_LEVEL + m],
+                lanes[OUTPUT_BRISTLE_STIFFNESS + m],
+                lanes[OUTPUT_BRISTLE_DAMPING + m],
+                h,
+            )
+
+
+@njit(error_model="numpy")
 def _rigid_step(lanes, h, load):
     for m in range(LANE):
         change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
@@ -147,7 +198,7 @@ def _rigid_step(lanes, h, load):
         before = lanes[SPEED + m]
         speed = shaft_speed(
             before,
-            lanes[TORQUE_CONSTANT + m] * current - load,
+            lanes[TORQUE_CONSTANT + m] * current - lanes[BENT + m] - load,
             lanes[DRY + m],
             lanes[BREAK_AWAY + m],
             lanes[GAIN + m],
@@ -179,7 +230,7 @@ def _two_inertia_step(lanes, h, load):
         )
         speed = shaft_speed(
             before,
-            lanes[TORQUE_CONSTANT + m] * current - transmitted,
+            lanes[TORQUE_CONSTANT + m] * current - lanes[BENT + m] - transmitted,
             lanes[DRY + m],
             lanes[BREAK_AWAY + m],
             lanes[GAIN + m],
@@ -187,7 +238,7 @@ def _two_inertia_step(lanes, h, load):
         )
         output_speed = shaft_speed(
             output_before,
-            transmitted - load,
+            transmitted - (load + lanes[OUTPUT_BENT + m]),
             lanes[OUTPUT_DRY + m],
             lanes[OUTPUT_BREAK_AWAY + m],
             lanes[OUTPUT_GAIN + m],
@@ -218,12 +269,14 @@ def _two_inertia_step(lanes, h, load):
 def advance_many(plants, states, source, stamps, bench, twins, step):
     """As ``kernel.advance``, of ``plants`` and ``states`` (LANE,), into ``twins`` (LANE, n, signals).
 
-    All models have one kind of transmission and one control cycle. ``source`` is SETPOINT or CURRENT.
+    All models have one kind of transmission and one control cycle, and all of them bristles or none. ``source`` is
+    SETPOINT or CURRENT.
     """
     lanes = np.zeros(LANES)
     _load(plants, states, lanes)
     by_current = source == CURRENT
     rigid = plants[0].two_inertia == 0.0
+    bristled = plants[0].bristle_stiffness > 0.0
     control_cycle = plants[0].control_cycle
     step = control_cycle / math.ceil(control_cycle / step - 1e-9)  # so that cycles begin on a step
     delayed = False
@@ -281,6 +334,8 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
             phase += h
 
             load = load_start + load_slope * (k + 0.5)
+            if bristled:
+                _bend(lanes, h, rigid)
             if rigid:
                 _rigid_step(lanes, h, load)
             else:

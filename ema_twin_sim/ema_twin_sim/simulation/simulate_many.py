@@ -73,12 +73,12 @@ def _kind(twin: Twin) -> tuple[float, ...]:
     plain = (
         not (parts.switching or parts.planetary or len(twin.assembly.acting[0]))
         and plant["asymmetry"] == 0.0
-        and plant["bristle_stiffness"] == 0.0
         and math.isinf(plant["end_stop_lower"])
         and math.isinf(plant["end_stop_upper"])
         and twin.source in (SETPOINT, CURRENT)
     )
-    return (float(plant["two_inertia"]), float(plant["control_cycle"]), twin.step) if plain else ()
+    bristled = float(plant["bristle_stiffness"] > 0.0)
+    return (float(plant["two_inertia"]), bristled, float(plant["control_cycle"]), twin.step) if plain else ()
 
 
 def _side_by_side(twins: list[Twin], stamps: np.ndarray, bench: np.ndarray) -> list[np.ndarray]:

@@ -1,0 +1,155 @@
+"""Followed: the numbers with which the simulated loop of a machine with play or a spring follows its recordings.
+
+The equation error is driven by a motion sampled every few milliseconds, and teeth meet in less: its contact is a
+softer one, which draws the shares of both sides a few per cent away. In the closed loop that is milliseconds at every
+impact, and most of what its current misses. The loop's contact is the model's own. So from where the equation error
+ends, a few steps of Levenberg and Marquardt on the loop's error find the numbers that follow, over the first seconds of
+the recordings whose impacts can be foretold; and all recordings tell whether these follow better.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..criteria import BESIDE_IMPACTS, CHAOTIC, CORRELATION, FAR_OFF_ROW, NEGLIGIBLE
+from ..effects import catalogue
+from ..identification.equation import EquationErrorProblem
+from ..identification.fit import fit, prior_rows
+from ..identification.hypothesis import Hypothesis
+from ..identification.parallel import simulations
+from ..plant.measured_motion import ACCELERATION
+from ..simulation.sensor_noise import counter_noise, noise_floors
+from ..simulation.simulate_many import simulate_many
+from .search.trace import Search
+from .split import ClosedLoop
+
+SECONDS = 6.0  # own s of a recording that are simulated
+STEPS = 4  # at most, under each weighting
+ENOUGH = 2e-3  # fall of the cost, as a share, below which a step is the last
+TRIED = ((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (1e-2, 1.0), (1e-1, 1.0), (1e-1, 0.3))  # damping and share of a step
+FINER = 0.2  # times the usual step of a finite difference: an impact is over in a fraction of a millisecond
+UNCOUNTED = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
+
+
+def with_followed_numbers(loop: ClosedLoop, found: Search) -> Search:
+    """The search, at its end the numbers with which the closed loop follows the recordings, where it does so better."""
+    best, problem = found.fit, found.problem
+    if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"} or not problem.encoder_noise.size:
+        return found
+    calm = [
+        recording
+        for recording, o in zip(loop.recordings, problem.observations, strict=True)
+        if float(np.abs(o.motion[:, ACCELERATION]).max()) < CHAOTIC and len(o.encoder_rows)
+    ]
+    if not calm:
+        return found
+    followed = _Following(problem, calm, best.hypothesis).fitted()
+    before, after = loop.errors((best.hypothesis, followed))
+    return found.with_numbers(fit(problem, followed, 0)) if after < (1.0 - NEGLIGIBLE) * before else found
+
+
+class _Following:
+    """The closed loop's error over the beginnings of some recordings, in units of noise, and its least."""
+
+    def __init__(self, problem: EquationErrorProblem, recordings: Sequence[Recording], start: Hypothesis) -> None:
+        model = start.model()
+        one = {side: counter_noise(model, side) for side in ("motor", "output")}
+        floors = noise_floors(model, has_speed=True, period=recordings[0].sample_period)
+        self._start = start
+        self._recordings = [_beginning(recording) for recording in recordings]
+        self._ratio = model.value("machine.gear_ratio")
+        self._noise = floors["current"], math.hypot(one["output"], one["motor"] / self._ratio)
+        self._lower, self._upper = problem.bounds(start)
+        settled = [name for name, one in start.added.items() if catalogue()[one.effect].settle is not None]
+        kinds = ("scale.", "contact.", *(f"effects.{name}." for name in settled))
+        # a torque of its own shows in every motion, and the equation error knows it well
+        self._moving = [
+            k for k, free in enumerate(start.free) if free.path.startswith(kinds) and free.lower < free.upper
+        ]
+
+    def fitted(self) -> Hypothesis:
+        """The hypothesis at the numbers that follow best; what is far off counts little in the end."""
+        h = self._start
+        for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS):
+            h = self._descended(h, cauchy_scale)
+        return h
+
+    def _descended(self, h: Hypothesis, cauchy_scale: float) -> Hypothesis:
+        (rows,) = self._missed([h])
+        inflation = CORRELATION * max(1.0, (1.4826 * float(np.median(np.abs(rows)))) ** 2)
+
+        def cost(rows: np.ndarray, h: Hypothesis) -> float:
+            pr, _ = prior_rows(h, inflation)
+            return float((cauchy_scale**2 * np.log1p((rows / cauchy_scale) ** 2)).sum() + pr @ pr)
+
+        least = cost(rows, h)
+        for _ in range(STEPS):
+            trials = self._trials(h, rows, cauchy_scale, inflation)
+            missed = self._missed(trials)
+            costs = [cost(*one) for one in zip(missed, trials, strict=True)]
+            best = int(np.argmin(costs))
+            fall = least - costs[best]
+            if not fall > 0.0:
+                break
+            h, rows, least = trials[best], missed[best], costs[best]
+            if fall < ENOUGH * least:
+                break
+        return h
+
+    def _trials(self, h: Hypothesis, rows: np.ndarray, cauchy_scale: float, inflation: float) -> list[Hypothesis]:
+        """Where steps of several lengths lead to from a hypothesis that misses ``rows`` (m,)."""
+        moving = np.array(self._moving)
+        upper, lower, values = self._upper[moving], self._lower[moving], h.values[moving]
+        change = np.array([FINER * h.free[k].step for k in moving])
+        change = np.where(values + change <= upper, change, -change)
+        there = self._missed([h.at(h.values + one) for one in change[:, None] * np.eye(len(h.values))[moving]])
+        slopes = np.stack([(rows - missed) / by for missed, by in zip(there, change, strict=True)], 1)
+        counts = 1.0 / (1.0 + (rows / cauchy_scale) ** 2)
+        pr, pj = prior_rows(h, inflation)
+        pj = pj[:, moving]
+        curvature = slopes.T @ (counts[:, None] * slopes) + pj.T @ pj
+        downhill = slopes.T @ (counts * rows) + pj.T @ pr
+        free = np.flatnonzero(~(((values <= lower) & (downhill < 0.0)) | ((values >= upper) & (downhill > 0.0))))
+        size = np.sqrt(np.maximum(np.diag(curvature)[free], 1e-30))
+        normal = curvature[np.ix_(free, free)] / np.outer(size, size)
+        trials = []
+        for damping, share in TRIED:
+            step = np.zeros(len(h.values))
+            solved = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(free)), downhill[free] / size) / size
+            step[moving[free]] = share * solved
+            trials.append(h.at(np.clip(h.values + step, self._lower, self._upper)))
+        return trials
+
+    def _missed(self, hypotheses: Sequence[Hypothesis]) -> list[np.ndarray]:
+        """Rows (m,) that each hypothesis's loop misses, in units of noise: current, and the encoders' difference."""
+        models = [h.model() for h in hypotheses]
+        for side in ("motor", "output"):
+            models = [model.with_value(f"sensors.{side}_encoder_counts", UNCOUNTED) for model in models]
+
+        def beside(recording: Recording) -> list[np.ndarray]:
+            return [self._between(recording, twin) for twin in simulate_many(models, recording, "setpoint")]
+
+        parts = simulations(beside, self._recordings)
+        return [np.concatenate(rows) for rows in zip(*parts, strict=True)]
+
+    def _between(self, recording: Recording, twin: Recording) -> np.ndarray:
+        current, output, motor = (
+            recording.signals[name][1:] - twin.signals[name][1:]  # both start from the first sample
+            for name in ("current", "output_position", "motor_position")
+        )
+        difference = output - motor / self._ratio
+        rows = (current / self._noise[0], (difference - np.nanmedian(difference)) / self._noise[1])
+        return np.nan_to_num(np.concatenate(rows))
+
+
+def _beginning(recording: Recording) -> Recording:
+    """The first seconds of a recording: a loop is started where it began."""
+    end = int(np.searchsorted(recording.time, recording.time[0] + SECONDS))
+    signals = {name: values[:end] for name, values in recording.signals.items()}
+    return replace(recording, stamps=recording.stamps[:end], signals=signals)
