@@ -165,7 +165,7 @@ class _Torques:
 
 def _evidence_of(problem: EquationErrorProblem, compared: Compared) -> StepEvidence:
     base = compared.fits["after"].hypothesis.base
-    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
+    residuals = {name: f.problem.left_over(f.predicted) for name, f in compared.fits.items()}
     torques = _torques(problem, compared.fits["after"], residuals)
     views = _torque_views(torques)
     if problem.rows > problem.size:

@@ -71,7 +71,7 @@ def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compare
         yield from _topics_of_points(found, recordings, compared, at)
         return
     problem = found.equation
-    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
+    residuals = {name: f.problem.left_over(f.predicted) for name, f in compared.fits.items()}
     base = compared.fits["after"].hypothesis.base
     second, size, way = (shown(base, 1.0, unit)[0] for unit in ("s", "N m", "rad"))
     parts = zip(recordings, problem.observations, problem.torque_parts, problem.encoder_parts, strict=True)
@@ -98,7 +98,7 @@ def _topics_of_points(
     The halves of a lone table stand together again.
     """
     problem = found.equation
-    residuals = {name: problem.left_over(f.predicted) for name, f in compared.fits.items()}
+    residuals = {name: f.problem.left_over(f.predicted) for name, f in compared.fits.items()}
     base = compared.fits["after"].hypothesis.base
     size = shown(base, 1.0, "N m")[0]
     wholes: dict[str, list[int]] = {}
