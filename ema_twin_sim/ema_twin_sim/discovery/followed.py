@@ -31,8 +31,8 @@ from .split import ClosedLoop
 
 SECONDS = 6.0  # own s of a recording that are simulated
 STEPS = 4  # at most, under each weighting
-ENOUGH = 2e-3  # fall of the cost, as a share, below which a step is the last
-TRIED = ((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (1e-2, 1.0), (1e-1, 1.0), (1e-1, 0.3))  # damping and share of a step
+ENOUGH = 5e-3  # fall of the cost, as a share, below which a step is the last
+TRIED = ((0.0, 1.0), (0.0, 0.4), (1e-2, 1.0), (1e-1, 0.5))  # damping and share of a step
 FINER = 0.2  # times the usual step of a finite difference: an impact is over in a fraction of a millisecond
 UNCOUNTED = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
 
