@@ -99,6 +99,25 @@ def test_what_might_as_well_be_absent_is_not_sure(stock):
     assert insignificant(loaded, fit(loaded, h)) is None
 
 
+def test_of_two_that_take_each_others_place_the_later_goes(stock):
+    """Over a few degrees a weight is a constant load: neither is known beside the other, and one alone is."""
+    loaded = stock.with_effect("constant_load", {"torque": 0.02})
+    problem = EquationErrorProblem(observe_all(record(loaded, ("triangle:0.01:2",)), stock))
+    effects = {"constant_load": {"torque": 0.02}, "gravity_load": {"torque": 0.02, "angle": 1.57}}
+    for order in (["constant_load", "gravity_load"], ["gravity_load", "constant_load"]):
+        h = null_hypothesis(stock)
+        for id in order:
+            h = h.with_effect(id, {}, effects[id])
+        assert insignificant(problem, fit(problem, h)) == order[-1]
+
+
+def test_friction_goes_before_a_load_that_does_the_same(stock):
+    """Where nothing reverses the two are one; every machine rubs, and few carry a weight."""
+    one_way = record(stock, ("ramp:0.05", "ramp:0.1", "ramp:0.2"))
+    found = discover(one_way, stock.without_effect("coulomb_friction"))
+    assert found.added == ("coulomb_friction",)
+
+
 def test_every_effect_of_the_catalogue_tells_over_what_it_shows():
     assert {effect.depends_on for effect in catalogue().values()} == set(QUANTITIES)
 

@@ -1,11 +1,17 @@
 """Orders found, not assumed; and named where the model knows what repeats so."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
 from ema_twin_sim.commands.wording import order_sentences
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.search.found_orders import resolved
+from ema_twin_sim.identification.candidates import Candidate, candidates
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model, save_model
 from tests.recorded import record
 
@@ -37,6 +43,27 @@ def test_an_order_of_the_gears_is_found(recordings, gearbox):
 def test_where_all_orders_are_known_it_is_unknown(recordings, gearbox):
     found = discover(recordings, replace(gearbox, other_orders=False))
     assert (found.verdict, found.depends_on) == ("unknown", ("order",))
+
+
+def test_the_teeth_of_another_gearbox_are_not_looked_for(gearbox, stock):
+    """Their orders follow from its numbers of teeth; those of this machine are found, or told by its model."""
+
+    def orders(model):
+        return {c.options["order"] for c in candidates(null_hypothesis(model)) if c.effect == "tooth_fault"}
+
+    assert orders(gearbox) == {"1"}
+    assert orders(stock) == {"1", "2.25", "0.75", "0.7258"}
+    assert orders(replace(gearbox, orders={"damaged tooth": 2.25})) == {"1", "2.25"}
+
+
+def test_what_never_came_a_second_time_is_not_seen_to_repeat(stock):
+    """Over half a turn of the motor nothing repeats once a turn; what repeats six times a turn does."""
+    model = replace(stock, orders={}, other_orders=True)
+    one, six = Candidate("cogging", {"order": "1"}), Candidate("cogging", {"order": "6"})
+    for amplitude, shown in ((0.25 / 124.0, [six]), (2.0 / 124.0, [one, six])):
+        runs = record(model, (f"sine:{2.0 * math.pi * amplitude:g}:0.5",))
+        problem = EquationErrorProblem(observe_all(runs, model))
+        assert resolved(problem, [one, six], 124.0) == shown
 
 
 def test_orders_are_named_by_what_the_model_says(tmp_path):

@@ -14,9 +14,9 @@ NEVER = {"backlash", "shaft_compliance", "cogging", "torque_ripple", "mesh_rippl
 """What none of these machines has."""
 
 
-def drafted(trace, tmp_path, **known):
-    """Import map and model that ``init`` drafts from one trace and what its user would know."""
-    init(str(tmp_path / "machine"), [trace], **known)
+def drafted(traces, tmp_path, **known):
+    """Import map and model that ``init`` drafts from the CSVs of a machine and what its user would know."""
+    init(str(tmp_path / "machine"), sorted(traces.glob("*.csv")) if traces.is_dir() else [traces], **known)
     return tmp_path / "machine_map.yaml", load_model(tmp_path / "machine.yaml")
 
 
@@ -56,10 +56,37 @@ def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
         assert 0.1 < 6.0 * level(found.model, "coulomb_friction", "torque") < 0.25
 
 
-def test_one_direction_is_friction_and_a_reversal_is_asked_for(machines, tmp_path):
+@pytest.mark.parametrize("with_coulomb", [True, False])
+@pytest.mark.parametrize("known", [{"torque_constant": 7.6}, {"gear_ratio": 100.0, "torque_constant": 0.076}])
+def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulomb, machines, tmp_path):
     folder = machines / "kinova_gen3_joint7" / "train"
-    import_map, model = drafted(folder / "speed_0p30.csv", tmp_path, gear_ratio=100.0, torque_constant=0.076)
-    found = discovered(folder, import_map, model, start=1.0)
+    import_map, model = drafted(folder, tmp_path, **known)
+    found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"), 0.5)
     assert not NEVER & {*found.added}
-    assert 100.0 * level(found.model, "coulomb_friction", "torque") == pytest.approx(1.5, rel=0.2)
+    at_joint = level(found.model, "coulomb_friction", "torque") * known.get("gear_ratio", 1.0)
+    assert at_joint == pytest.approx(1.5, rel=0.2)
     assert "triangle" in found.next_recording
+
+
+@pytest.mark.parametrize("with_friction", [True, False])
+@pytest.mark.parametrize(
+    "known",
+    [
+        {"torque_constant": 10.6956},
+        {"gear_ratio": 101.0, "torque_constant": 0.105897},
+        {"gear_ratio": 101.0, "torque_constant": 10.6956},
+    ],
+)
+def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_friction, machines, tmp_path):
+    """However its user tells the gear and the torque constant: at the joint, at the motor, or either at either."""
+    folder = machines / "ur10e_joint2" / "train"
+    import_map, model = drafted(folder, tmp_path, **known)
+    if not with_friction:
+        model = model.without_effect("coulomb_friction").without_effect("viscous_friction")
+    found = discovered(folder, import_map, model)
+    assert {*found.added} == {"gravity_load", "mesh_friction"} | (
+        set() if with_friction else {"coulomb_friction", "viscous_friction"}
+    )
+    assert level(found.model, "mesh_friction", "coefficient") == pytest.approx(0.063, rel=0.1)
+    ratio = found.model.value("machine.gear_ratio")
+    assert ratio * level(found.model, "gravity_load", "torque") == pytest.approx(114.0, rel=0.03)

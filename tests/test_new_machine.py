@@ -6,6 +6,7 @@ import yaml
 
 from docs.examples import press
 from ema_bench_replay.load import load
+from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
@@ -224,3 +225,40 @@ def test_the_shaft_is_asked_for_behind_a_gearbox(tmp_path):
         "init", "-o", "leg", cwd=tmp_path, answers="\n".join([*answers[:7], "wheel", "0"]) + "\n",
         naming=("'wheel' is no shaft",),
     )  # fmt: skip
+
+
+def joint(tmp_path, peak, position="position [rad]"):
+    """A trace that tells position and speed of one shaft, up to ``peak`` [rad/s], without saying whose they are."""
+    time = np.arange(1500) * 8e-3
+    angle, speed = peak / 2.0 * np.sin(2.0 * time), peak * np.cos(2.0 * time)
+    current = 3.0 * np.cos(angle) + np.sign(speed)
+    table = np.column_stack([time, angle, speed, current])
+    header = f"time [s],{position},speed [rad/s],current [A]"
+    np.savetxt(tmp_path / "j.csv", table, "%.9g", ",", header=header, comments="")
+
+
+@pytest.mark.parametrize(
+    ("peak", "position", "at_output"),
+    [(0.6, "position [rad]", True), (60.0, "position [rad]", False), (0.6, "motor position [rad]", False)],
+)
+def test_a_motor_does_not_creep_behind_its_gear_all_along(tmp_path, peak, position, at_output):
+    """Slower than ten turns a minute it is the output that is told, unless the column names the motor."""
+    joint(tmp_path, peak, position)
+    init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=100.0, torque_constant=0.1)
+    lines = [line_of(tmp_path / "j_map.yaml", f" {signal}:") for signal in ("motor_position", "speed")]
+    assert ["shaft: output}" in line for line in lines] == [at_output, at_output]
+    assert ("CHECK" in lines[0]) == at_output
+    noise = load_model(tmp_path / "j.yaml").value("sensors.speed_noise")
+    moved = matched(load(tmp_path / "j.csv", import_map=tmp_path / "j_map.yaml"), load_model(tmp_path / "j.yaml"))
+    assert np.abs(moved.signals["speed"]).max() == pytest.approx(peak * (100.0 if at_output else 1.0), rel=1e-3)
+    assert noise < 1e-2 * np.abs(moved.signals["speed"]).max()
+
+
+@pytest.mark.parametrize(("ratio", "told", "at_joint"), [(100.0, 20.0, True), (100.0, 0.2, False), (1.0, 20.0, False)])
+def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, ratio, told, at_joint):
+    """20 N m/A are 20 V s/rad: 1200 V at the motor's 60 rad/s."""
+    joint(tmp_path, 0.6)
+    init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=ratio, torque_constant=told)
+    own = told / (ratio if at_joint else 1.0)
+    assert load_model(tmp_path / "j.yaml").value("machine.torque_constant") == pytest.approx(own)
+    assert ("CHECK" in line_of(tmp_path / "j.yaml", "torque_constant")) == at_joint

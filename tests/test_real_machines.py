@@ -41,9 +41,7 @@ def test_emps_lacks_friction_that_depends_on_the_direction(emps):
     train, pulses = emps
     found = discover([train], load_model("emps_mass"))
     assert found.verdict == "explained"
-    assert [step.effect for step in found.steps] == [
-        "coulomb_friction", "viscous_friction", "asymmetric_friction", "constant_load",
-    ]  # fmt: skip
+    assert found.added == ("coulomb_friction", "viscous_friction", "asymmetric_friction", "constant_load")
     on_train, on_pulses = force_errors([train, pulses], found.model)
     symmetric = fit_model([train], load_model("emps"), method="equation").model
     assert on_train <= 0.0315 and on_pulses < force_errors([pulses], symmetric)[0]

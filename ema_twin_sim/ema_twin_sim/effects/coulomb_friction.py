@@ -28,6 +28,7 @@ EFFECT = Effect(
     ),
     options={"side": ("motor", "output")},
     settle=settle,
+    every_machine=True,
     implausible=(
         Implausible(
             "static_ratio",

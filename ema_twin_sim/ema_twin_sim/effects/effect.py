@@ -115,8 +115,9 @@ class Effect:
 
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
     positive number may be given for; its choices are those that are looked for on every machine, or, where not
-    ``searched``, those that recordings show only. An ``electrical`` effect needs to know the motor's pole pairs. One
-    that ``delays`` shows what an encoder remembers.
+    ``searched``, those that recordings show only. What ``every_machine`` has goes before what explains hardly more,
+    where a model lacks it. An ``electrical`` effect needs to know the motor's pole pairs. One that ``delays`` shows
+    what an encoder remembers.
     """
 
     id: str
@@ -137,6 +138,7 @@ class Effect:
     delays: bool = False
     free_option: str = ""
     searched: bool = True
+    every_machine: bool = False
     implausible: tuple[Implausible, ...] = ()
 
     def __post_init__(self) -> None:

@@ -23,4 +23,5 @@ EFFECT = Effect(
     parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, math.inf, "torque per speed, at the fast shaft"),),
     options={"side": ("motor", "output")},
     settle=settle,
+    every_machine=True,
 )

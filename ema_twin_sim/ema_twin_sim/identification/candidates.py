@@ -40,9 +40,19 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
             # a rigid train does not tell the sides apart
-            if options not in added and (h.parted or options.get("side", "motor") == "motor"):
+            unsided = h.parted or options.get("side", "motor") == "motor"
+            if options not in added and unsided and not _of_another_gearbox(h, options):
                 found.append(Candidate(id, options))
     return found
+
+
+def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
+    """Whether an order follows from the teeth of the catalogue's own gearbox, on a machine that may have any other.
+
+    Whole orders are any shaft's. Others are no likelier there than those that its recordings show, or its model names.
+    """
+    order = float(options.get("order", 1.0))
+    return h.base.other_orders and not order.is_integer() and order not in h.base.orders.values()
 
 
 def no_more_of(h: Hypothesis) -> frozenset[str]:

@@ -23,6 +23,10 @@ LEAST_WIDTH = 2.5  # sample periods
 PASSES = 3  # estimates, each with the kernel that the one before suggests
 KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard deviation
 ROWS = 200  # rows below which no estimate is made
+LOADS = ((3, 4, 5, 6), (6,))  # columns of what depends on the angle, and of a constant load
+"""What is tried beside inertia and friction. Where a motion swings about one angle, acceleration goes with it: then any
+load along the angle takes the inertia's place, and the order of its size shows without them only.
+"""
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,8 @@ def estimate_balance(recordings: Sequence[Recording], model: Model, torque: floa
         parts = [_rows(recording, model, own_time) for recording in moving]
         if not parts:
             return None
-        estimate = _regressed(parts)
+        shown = (_regressed(parts, loads) for loads in LOADS)
+        estimate = next((estimate for estimate in shown if estimate is not None), None)
         if estimate is None:
             return found
         found = estimate
@@ -79,9 +84,9 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
     return np.stack(columns, 1)[kept], drive[kept]
 
 
-def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> BalanceEstimate | None:
-    """Least squares over all recordings; None where the inertia does not show."""
-    columns = np.concatenate([part[0] for part in parts])
+def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[int]) -> BalanceEstimate | None:
+    """Least squares over all recordings beside some ``loads``; None where the inertia does not show."""
+    columns = np.concatenate([part[0][:, [0, 1, 2, *loads]] for part in parts])
     torque = np.concatenate([part[1] for part in parts])
     if len(torque) < 3 * columns.shape[1]:
         return None

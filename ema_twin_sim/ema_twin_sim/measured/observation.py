@@ -121,7 +121,7 @@ def observe(recording: Recording, model: Model) -> Observation:
             f"{recording.name}: {second * longest.duration:.4g} s are missing at {second * longest.time:.4g} s; "
             "cut it there (--to, --from)"
         )
-    period, time, signals, whole = even(recording)
+    period, time, signals, apart = even(recording)
     by_torque = "current" in signals
     if not by_torque:
         if np.ptp(signals["output_position"]) == 0.0:
@@ -142,6 +142,7 @@ def observe(recording: Recording, model: Model) -> Observation:
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     kernel = gaussian(width, period)
+    whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges what is much shorter than itself
     if len(time) < 4 * len(kernel):
         raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
     ratio = model.value("machine.gear_ratio")
@@ -152,8 +153,9 @@ def observe(recording: Recording, model: Model) -> Observation:
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
     slow = np.abs(motion[:, SPEED]) < STANDSTILL
-    # a machine without gearbox that passes through standstill within a kernel's inner half does not stick there
-    moving = _spread(slow, len(kernel) // 2) == 0.0 if geared else _spread(~slow, len(kernel) // 2) > 0.0
+    # a machine without gearbox that passes quickly through standstill within a kernel's inner half does not stick there
+    still = _spread(slow, len(kernel) // 2)
+    moving = still == 0.0 if geared else still < _spread(~slow, len(kernel) // 2)
     driven = np.abs(signals["current"]) < (1.0 - NEGLIGIBLE) * min(
         model.value("drive.current_limit"), model.value("drive.torque_limit") / model.value("machine.torque_constant")
     )

@@ -15,7 +15,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SIGNIFICANT, STANDSTILL
+from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SMALL, STANDSTILL
 from ..effects import catalogue, find_effect
 from ..effects.catalogue import is_own, own_files
 from ..model import Model, reference_bench
@@ -115,11 +115,12 @@ def standstill(recordings: Sequence[Recording], model: Model, source: str) -> fl
 
 def _quick_enough(recordings: Sequence[Recording], time: float, radius: float | None) -> float:
     """A unit of time [s] in which a machine moves: where nobody knows its inertia, and it is moved so slowly that it
-    would stand still all along, its speed tells how quick it is. A torsion test is such a motion.
+    would stand still much of the time, its speed tells how quick it is. A torsion test is such a motion, and so is that
+    of a joint which is told at the joint.
     """
     speeds = np.concatenate([np.zeros(0), *_speeds(recordings)]) / (radius or 1.0)
     fastest = float(np.quantile(speeds, NEARLY_ALL)) if len(speeds) else 0.0
-    return max(time, SIGNIFICANT * STANDSTILL / fastest) if fastest > 0.0 else time
+    return max(time, STANDSTILL / (SMALL * fastest)) if fastest > 0.0 else time
 
 
 def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:

@@ -26,7 +26,7 @@ FEWEST = 10  # samples
 
 
 def even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """(period, time, signals on an even grid without NaN, whether each sample is beside measured ones)."""
+    """(period, time, signals on an even grid without NaN, periods (n,) between the measured samples beside each)."""
     period = recording.sample_period
     steps = np.diff(recording.stamps) * 1e-9
     used = {
@@ -44,11 +44,11 @@ def even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray]
     if recording.has("load_torque"):
         used["load_torque"] = _held(recording.signals["load_torque"])[whole]
     if whole.all() and np.abs(steps - period).max() < NEGLIGIBLE * period:
-        return period, recording.time, used, whole
+        return period, recording.time, used, np.ones(len(whole))
     time = np.arange(int(recording.duration / period + 1e-6) + 1) * period
     signals = {name: np.interp(time, measured, values) for name, values in used.items()}
     after = np.searchsorted(measured, time, side="left").clip(1, len(measured) - 1)
-    return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period) <= 1
+    return period, time, signals, np.rint((measured[after] - measured[after - 1]) / period)
 
 
 def smoothed_motion(

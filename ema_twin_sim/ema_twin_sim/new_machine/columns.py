@@ -68,6 +68,7 @@ class Guess:
     of_output: bool = False  # whether its name says that it is told at the output's shaft
     counts: float | None = None  # of a turn, where it is a counter; None where they are unknown
     doubt: str = ""  # what to look at, where the unit was not in the name
+    of_motor: bool = False  # whether its name says that it is told at the motor's shaft
 
     @property
     def shaft(self) -> str:
@@ -134,7 +135,13 @@ def guess_columns(
     taken = _signals(columns, numbers or {})
     motion = "linear" if linear else "rotary"
     signals = tuple(
-        Guess(signal, column.name, _unit(column.read, signal, motion), column.shaft == "output")
+        Guess(
+            signal,
+            column.name,
+            _unit(column.read, signal, motion),
+            column.shaft == "output",
+            of_motor=column.shaft == "motor",
+        )
         for signal, column in taken.items()
     )
     used = {column.name for column in taken.values()}

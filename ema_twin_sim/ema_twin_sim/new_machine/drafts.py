@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ import yaml
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import MOTION, Recording
+from ema_bench_replay.recording import AT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import signal_unit, unit_in
 
@@ -26,7 +26,18 @@ from ..simulation.behind_motor import of_encoders_alone
 from .columns import Guess, Guesses
 from .drive_gains import drive_gains
 from .header_words import COUNTS
-from .shaft import ALIKE, EXACT, Shaft, position_shaft, positions_part, ratio_of_positions, whole_ratio
+from .shaft import (
+    ALIKE,
+    EXACT,
+    Shaft,
+    fastest_motion,
+    position_shaft,
+    positions_part,
+    ratio_of_positions,
+    told_at_joint,
+    too_slow_for_a_motor,
+    whole_ratio,
+)
 from .speed_lag import speed_lag
 from .steps import smallest_step
 from .units_by_numbers import usual_counts
@@ -62,19 +73,15 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
 
     Raises InputError where a trace cannot be read so.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder) / "map.yaml"
-        of = traces[0].name if traces else f"{given.name}'s traces"
-        shaft = Shaft(given.shaft or "motor")
-        drafted = draft_map(guesses, of, shaft)
-        place.write_text(drafted)
-        load_map(place)
-        if not traces:  # what a recording would tell of the sensors is left out
-            empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
-            metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
-            recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
-            return Drafts(drafted, checked_model((recording,), given, shaft))
-        recordings = [load(trace, import_map=place) for trace in traces]
+    of = traces[0].name if traces else f"{given.name}'s traces"
+    shaft = Shaft(given.shaft or "motor")
+    drafted = draft_map(guesses, of, shaft)
+    recordings = _read(drafted, traces)
+    if not traces:  # what a recording would tell of the sensors is left out
+        empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
+        metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
+        recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
+        return Drafts(drafted, checked_model((recording,), given, shaft))
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
     units = {guess.signal: guess.unit for guess in guesses.signals}
@@ -85,7 +92,21 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     shaft = position_shaft(_farthest(recordings), given.gear_ratio, units_known=known)
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
+    unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
+    if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
+        shaft = Shaft("output", given.gear_ratio, slow)
+        guesses = replace(guesses, signals=tuple(replace(g, of_output=not g.of_motor) for g in guesses.signals))
+        recordings = _read(draft_map(guesses, of, shaft), traces)
     return Drafts(draft_map(guesses, of, shaft), checked_model(recordings, given, shaft), questions)
+
+
+def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
+    """The traces by an import map that is not written yet. Raises InputError where the map cannot read them."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "map.yaml"
+        place.write_text(map_text)
+        load_map(place)
+        return [load(trace, import_map=place) for trace in traces]
 
 
 def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> str:
@@ -179,7 +200,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *([f"  motion: {motion}"] if motion != "rotary" else []),
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
-        *_torque_lines(recording, given.torque_constant),
+        *_torque_lines(recording, given.torque_constant, recordings, 1.0 if ratio is None else ratio.value),
         *_drive_lines(recordings, given.torque_constant or 1.0),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
@@ -255,13 +276,29 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     return None
 
 
-def _torque_lines(recording: Recording, given: float | None) -> list[str]:
-    """The torque constant, where there is a current."""
+def _torque_lines(
+    recording: Recording, given: float | None, recordings: Sequence[Recording], ratio: float
+) -> list[str]:
+    """The torque constant, where there is a current; at the joint where no motor behind the ``ratio`` has so much."""
     if not recording.has("current"):
         return []
     source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
+    shaft = ""
+    if recording.motion == "rotary" and told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings))):
+        shaft = ", shaft: output"
+        doubt = "so much that a motor's voltage would exceed any drive's: taken for the joint's, the gear in it"
     unit = unit_in("N m/A", recording.motion)
-    return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}, source: {source}}}{_comment(doubt)}"]
+    return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{_comment(doubt)}"]
+
+
+def _fastest_of_motor(ratio: float) -> Callable[[Recording], float]:
+    """The fastest [rad/s] that the motor went in a recording, which may tell its motion at the output."""
+
+    def fastest(recording: Recording) -> float:
+        told = "speed" if recording.has("speed") else "motor_position"
+        return fastest_motion(recording) * (ratio if recording.metadata.get(f"{told}{AT}") == "output" else 1.0)
+
+    return fastest
 
 
 def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
@@ -309,13 +346,15 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
                 f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
                 f"tolerance: 0.0, source: {source}}}"
             )
-    for name in ("current", "speed"):
+    of_speed = ratio if recording.metadata.get(f"speed{AT}") == "output" else 1.0
+    for name, turned in (("current", 1.0), ("speed", of_speed)):
         if recording.has(name):
+            noise = turned * reading_noise(_finite(recording.signals[name]))
             lines.append(
-                f"  {name}_noise: {{value: {reading_noise(_finite(recording.signals[name])):.3g}, "
+                f"  {name}_noise: {{value: {noise:.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
             )
-    lag = speed_lag(recording, ratio)
+    lag = speed_lag(recording, ratio / of_speed)
     if lag is not None:
         lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):

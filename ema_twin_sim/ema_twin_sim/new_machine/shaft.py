@@ -1,15 +1,18 @@
-"""Of which shaft a motor's position is given: guessed from how far it goes where the motor's speed is known."""
+"""Of which shaft a motor's position is given: guessed from how far it goes where the motor's speed is known, else from
+whether a motor behind its gear would go so slowly; and at which shaft a torque constant is told.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
+from ..criteria import ALL_BUT_SPIKES, CLEARLY_MORE, FAR_OUT, NEARLY_ALL, OUTLIER, SMALL
 from ..measured.consistency import is_usual_mistake, way_by_speed
 from ..measured.smoothing import gaussian, smooth
 from ..reading_noise import reading_noise
@@ -20,6 +23,9 @@ SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that 
 NEAR_A_WHOLE = 0.05  # of a turn
 ANGLE_ERROR = 1e-3  # rad, of an encoder over the travel of a recording
 EXACT = 2e-4  # relative, within which a ratio is the whole number beyond doubt
+GEARED = 5.0  # a ratio from which on a gear is there to let the motor run fast
+SLOW_MOTOR = 1.0  # rad/s, which such a motor exceeds: ten turns a minute
+BUS = 600.0  # V, of a drive at a mains of 400 V
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples that this smoothing bends at either end
@@ -27,6 +33,7 @@ _ROUND = 1.0 / 3.0  # of a turn of the output, from which on an angle error is t
 _STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the furthest way
 _FEWEST = 10
+_PIECES = 500  # of a recording, over each of which a speed is told
 _WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
 
 
@@ -62,6 +69,43 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
     if gear_ratio is None and not alike and (ratio < 1.0 or is_usual_mistake(times)):
         return Shaft(doubt=f"{told}; are the units of both right?")
     return Shaft("output", gear_ratio or ratio, f"{told}: taken for the output's angle")
+
+
+def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | None) -> str:
+    """What speaks against a position, read as the motor's, being that of a motor behind a gear; empty: nothing.
+
+    A gear is there to let the motor run fast. One that crept all along behind it would hardly move the output.
+    """
+    if gear_ratio is None or gear_ratio < GEARED or any(r.motion != "rotary" or r.of_points for r in recordings):
+        return ""
+    fastest = max(fastest_motion(recording) for recording in recordings)
+    if not 0.0 < fastest < SLOW_MOTOR:
+        return ""
+    return (
+        f"no faster than {fastest:.3g} rad/s, where the motor behind a gear of {gear_ratio:g} would hardly move the "
+        "output: taken for the output's"
+    )
+
+
+def fastest_motion(recording: Recording) -> float:
+    """The fastest [rad/s] that a motor's speed, else its position, shows but for a few samples; 0 where none does."""
+    if recording.has("speed"):
+        speed = recording.signals["speed"]
+    elif recording.has("motor_position") and len(recording) > _FEWEST:
+        every = max(1, len(recording) // _PIECES)
+        speed = np.diff(recording.signals["motor_position"][::every]) / np.diff(recording.time[::every])
+    else:
+        return 0.0
+    speed = np.abs(speed[np.isfinite(speed)])
+    return float(np.quantile(speed, ALL_BUT_SPIKES)) if len(speed) else 0.0
+
+
+def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> bool:
+    """Whether a torque per ampere [N m/A] must be the joint's, with the gear in it.
+
+    A motor of so many N m/A induces as many V s/rad: at ``motor_speed`` [rad/s] more than any drive's bus has.
+    """
+    return torque_constant is not None and gear_ratio >= GEARED and torque_constant * motor_speed > BUS
 
 
 def ratio_of_positions(recording: Recording) -> float | None:

@@ -50,13 +50,13 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
     free it must still be told from nothing: 49 ± 57 mN m is no number to give anybody; and surely so where constants
     are open, which leaves more than noise over. Not asked of what constants off their file show: how far they are off
-    was that effect's worth.
+    was that effect's worth. Of two that take each other's place it is the later one, which explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
     spread = covariance(problem, f)
     paths = [free.path for free in f.hypothesis.free]
-    for name in f.hypothesis.added:
+    for name in reversed([*f.hypothesis.added]):
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]

@@ -104,8 +104,8 @@ def highest_order(o: Observation) -> float:
 
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
-    """The candidates without those that repeat with each turn where the motor made too little of one, and without the
-    orders that points do not resolve.
+    """The candidates without those that repeat with each turn where the motor made too little of one, or of which not
+    one cycle was recorded, and without the orders that points do not resolve.
 
     Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
     """
@@ -118,9 +118,10 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_r
         by_turns = effect.depends_on not in ("output_position", "encoders") and any(
             p.periodic for p in effect.parameters
         )
-        if by_turns and turns < FEWEST_TURNS:
-            return False
-        return "order" not in c.options or motor_order(c.effect, float(c.options["order"]), gear_ratio) < highest
+        order = motor_order(c.effect, float(c.options.get("order", 1.0)), gear_ratio)
+        if by_turns and (turns < FEWEST_TURNS or turns * order < 1.0):
+            return False  # what never came a second time is not seen to repeat
+        return "order" not in c.options or order < highest
 
     return [c for c in options if shows(c)]
 

@@ -297,9 +297,22 @@ def trial_of(before: Fit, after: Fit) -> Trial:
 
 
 def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
-    """Best first; a generic basis fits anything: an effect that does nearly as well goes before it."""
-    share = {True: NEARLY_ALL, False: 1.0}
-    return tuple(sorted(trials, key=lambda t: -t.gain * share[bool({*t.names} & {*t.fit.hypothesis.generic_bases})]))
+    """Best first; a generic basis fits anything: an effect that does nearly as well goes before it.
+
+    So does, before any other effect, what every machine has and this model lacks: where nothing reverses, friction is
+    a load, and a load would be no friction.
+    """
+    return tuple(sorted(trials, key=lambda t: -t.gain * _favour(t)))
+
+
+def _favour(t: Trial) -> float:
+    h = t.fit.hypothesis
+    if {*t.names} & {*h.generic_bases}:
+        return NEARLY_ALL
+    came = [h.added[name].effect for name in t.names]
+    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
+    lacked = all(catalogue()[id].every_machine and there.count(id) == 1 for id in came)
+    return 1.0 / NEARLY_ALL if lacked else 1.0
 
 
 def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
