@@ -117,6 +117,7 @@ def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
     second = plan(recordings, stock)
     still = {name for doubt in second.in_doubt for name in doubt.rivals}
     assert second.proposal is None or {*second.proposal.shows}.isdisjoint(first.shows)
+    assert {*first.hides} <= still and {*first.hides}.isdisjoint(first.shows)
     assert all(id not in still for id, (_, then) in first.shows.items() if then > 2.0 * DECIDED)
 
 

@@ -144,6 +144,11 @@ def show(found: Plan) -> None:
             console.print(_commands((proposal, *found.runners_up)))
         if proposal.shows:
             console.print(_shown(proposal))
+        if proposal.hides:
+            hides = listed(map(effect_words, proposal.hides), "or")
+            console.print(
+                f"It would still not show {hides}: another recording would, ask again after it.", soft_wrap=True
+            )
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
         console.print(f"\nNo command within the limits tells: {apart}.", markup=False, soft_wrap=True)

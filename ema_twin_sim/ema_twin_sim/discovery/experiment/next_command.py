@@ -68,6 +68,7 @@ class Proposal:
     beyond: tuple[str, ...]  # what it would exceed of what the recordings have driven
     why: str
     shows: Mapping[str, tuple[float, float]]  # standard errors that hidden effects stand out by, so far and with it
+    hides: tuple[str, ...] = ()  # effects that would not show even with it, though another recording would show them
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -80,6 +81,7 @@ class Proposal:
             "beyond": list(self.beyond),
             "why": self.why,
             "shows": [{"effect": id, "standard_errors": then, "so_far": now} for id, (now, then) in self.shows.items()],
+            "hides": list(self.hides),
         }
 
 
@@ -257,7 +259,7 @@ class _Field:
         o, rows = max(shown, key=lambda entry: float(entry[1] @ entry[1]))
         other = "a model without it" if pair[1] == NOTHING else pair[1]
         novel = "" if self.reversed or not _turns(o) else "; no recording so far reverses"
-        more = f"; {listed([*shows])} of a usual size would show" if shows else ""
+        more = f". Besides, {listed([*shows])} of a usual size would show" if shows else ""
         return (
             f"{pair[0]} and {other} would come apart by {e.separation[pair]:.0f} standard deviations, "
             f"{_place(o, rows)}{novel}{more}"
@@ -351,7 +353,8 @@ def best_command(
         shows = _shows(e, so_far)
         beyond = allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else ()
         why = field.why(e, shows) if k == 0 else ""
-        proposals.append(Proposal(e.trial.asked, e.trial.lasts, e.separation, beyond, why, shows))
+        hides = () if e.showing is None else e.showing.hidden()
+        proposals.append(Proposal(e.trial.asked, e.trial.lasts, e.separation, beyond, why, shows, hides))
     return Choice(proposals[0], tuple(proposals[1:]), inseparable, so_far)
 
 
