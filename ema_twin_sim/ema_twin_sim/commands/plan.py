@@ -61,10 +61,11 @@ def run(
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
-    """Propose the next recording: the command that best tells apart the effects that are still in doubt.
+    """Propose the next recording: the command that best tells apart the effects that are still in doubt, and shows most
+    of those that the recordings so far could not have shown.
 
-    It stays within what the recordings have driven, unless only more than that decides, which it then says. A limit
-    that is given takes the place of what was driven, and nothing goes beyond.
+    It stays within what the recordings have driven, unless only more than that decides or shows, which it then says. A
+    limit that is given takes the place of what was driven, and nothing goes beyond.
     """
     from ema_bench_replay.errors import InputError
     from ema_bench_replay.outputs import new_file
@@ -119,7 +120,7 @@ def show(found: Plan) -> None:
 
     if found.verdict == "unknown":
         on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
-        console.print(f"Something is left over that fits no effect{on}: no plan can be made for that part.\n")
+        console.print(f"Something is left over that fits no effect{on}: no command can be planned for that.\n")
     if not found.in_doubt:
         nothing = "" if found.verdict == "unknown" else ": no effect is missing that these recordings could show"
         held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else nothing
@@ -141,6 +142,13 @@ def show(found: Plan) -> None:
             )
         if proposal.separation:
             console.print(_commands((proposal, *found.runners_up)))
+        if proposal.shows:
+            console.print(_shown(proposal))
+        if proposal.hides:
+            hides = listed(map(effect_words, proposal.hides), "or")
+            console.print(
+                f"It would still not show {hides}: another recording would, ask again after it.", soft_wrap=True
+            )
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
         console.print(f"\nNo command within the limits tells: {apart}.", markup=False, soft_wrap=True)
@@ -156,6 +164,16 @@ def _commands(proposals: Sequence[Proposal]) -> ReportTable:
     for k, proposal in enumerate(proposals):
         values = (f"{value:.0f}" if value >= 1.0 else "0" for value in proposal.separation.values())
         table.add_row(proposal.command, f"{proposal.seconds:g}", *values, style="bold" if k == 0 else "")
+    return table
+
+
+def _shown(proposal: Proposal) -> ReportTable:
+    """What effects that are hidden so far would stand out by."""
+    table = ReportTable(f"\nWhat it would show of effects of a usual size, in standard errors ({DECIDED:g} decide)")
+    table.words("effect")
+    table.numbers("so far", "with it")
+    for id, (now, then) in proposal.shows.items():
+        table.add_row(_name(id), f"{now:.1f}", f"{then:.0f}")
     return table
 
 

@@ -1,4 +1,8 @@
-"""Plan: the next recording, so that it tells the explanations apart that the recordings so far leave open."""
+"""Plan: the next recording, so that it tells the explanations apart that the recordings so far leave open.
+
+And so that it shows what they could not have shown: an explanation of slow recordings says nothing of drag; one of an
+output that hardly turned, nothing of its encoder's centre.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,14 @@ from dataclasses import dataclass
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import DECIDED
+from ..criteria import COST_EFFECT, COST_PARAMETER, DECIDED
+from ..effects import catalogue
 from ..model import Model
 from .discover import discover, excluded_effects
 from .experiment.bench_limits import Limits, driven_limits
-from .experiment.doubts import doubts
-from .experiment.next_command import Choice, Pair, Proposal, best_command, signals_of
-from .experiment.too_faint import too_faint
+from .experiment.detection import Detection, Showing, listed
+from .experiment.doubts import NOTHING, doubts
+from .experiment.next_command import Pair, Proposal, best_command, signals_of
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",
@@ -89,9 +94,10 @@ def plan(
 ) -> Plan:
     """The recording that would best tell apart what these recordings of a model's machine leave in doubt.
 
-    ``without`` takes effects out of the catalogue; ``limits`` are what the bench may be asked to do: by default what
-    it has done in these recordings, and more only where nothing less decides. ``progress`` is called with what is being
-    done. Raises InputError where the recordings cannot be judged.
+    Of several it is the one that shows most of what they could not have shown. ``without`` takes effects out of the
+    catalogue; ``limits`` are what the bench may be asked to do: by default what it has done in these recordings, and
+    more only where nothing less decides or shows as much. ``progress`` is called with what is being done. Raises
+    InputError where the recordings cannot be judged.
     """
     pointwise = [recording.name for recording in recordings if recording.of_points]
     if pointwise:
@@ -106,21 +112,22 @@ def plan(
     limits = None if limits is None else limits.told(own)
     allowed = limits or driven_limits(problem.observations, own.value("machine.gear_ratio"))
     held = doubts(problem, found.search, found.rivalries, frozenset(without))
-    signals = signals_of(found.recordings)
-    choice = Choice(None, (), ())
-    if held:
-        choice = best_command(problem, held, signals, limits=limits, progress=progress)
-    elif found.verdict != "unknown":
-        progress("asking what would not show")
-        faint = too_faint(problem, found.search, excluded_effects(found.recordings, own, without))
-        if faint is not None:
-            wider = best_command(problem, [faint], signals, limits=limits, few=True, progress=progress)
-            if wider.best is not None:  # what no command would show is in no doubt either
-                held, choice = (faint,), wider
+    progress("asking what would not show")
+    detection = Detection(problem, found.search.fit, excluded_effects(found.recordings, own, without))
+    choice = best_command(
+        problem,
+        found.search.fit,
+        held,
+        signals_of(found.recordings),
+        detection=detection,
+        limits=limits,
+        few=found.search.fit.parted,  # a gearbox takes too long to try everything on
+        progress=progress,
+    )
     return Plan(
         found.verdict,
         found.added,
-        tuple(InDoubt(d.names, d.behind, d.reason) for d in held),
+        (*(InDoubt(d.names, d.behind, d.reason) for d in held), *_not_shown(choice.so_far)),
         choice.best,
         choice.runners_up,
         choice.inseparable,
@@ -128,3 +135,25 @@ def plan(
         found.depends_on,
         found.warnings,
     )
+
+
+def _not_shown(so_far: Showing | None) -> tuple[InDoubt, ...]:
+    """What the recordings so far leave open of effects that are not found, though another recording would tell."""
+    if so_far is None:
+        return ()
+    doubts = []
+    hidden = so_far.hidden()
+    if hidden:
+        losses = (_price(id) + so_far.of(id) ** 2 for id in hidden)
+        reason = f"these recordings would not show {listed(hidden, 'or')} of a usual size"
+        doubts.append(InDoubt((NOTHING, *hidden), (0.0, *losses), reason))
+    for one, others in so_far.confused().items():
+        behind = (min(so_far.of(one, other), so_far.of(other, one)) ** 2 for other in others)
+        reason = f"these recordings would not tell {one} from {listed(others, 'or')}"
+        doubts.append(InDoubt((one, *others), (0.0, *behind), reason))
+    return tuple(doubts)
+
+
+def _price(id: str) -> float:
+    """What naming an effect costs."""
+    return COST_EFFECT + COST_PARAMETER * len(catalogue()[id].parameters)

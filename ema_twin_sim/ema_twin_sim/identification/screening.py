@@ -156,31 +156,6 @@ def _columns(
     return np.stack([column(s) for s in group], 1)
 
 
-def would_show(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[float]:
-    """By how many standard deviations each candidate of its typical size would show, whatever its angle is.
-
-    Beside what the free numbers of the fit make up for. Infinite for one that does not grow in proportion.
-    """
-    known = _Known.of(problem, f)
-    return list(predictions(problem.samples, lambda c: _shows(problem, f, known, c), options))
-
-
-def _shows(problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate) -> float:
-    effect = catalogue()[c.effect]
-    size, turning = effect.parameters[0], regressed_angle(effect)
-    if size.neutral is None or size.default == size.neutral:
-        return math.inf
-    typical = effect.default_parameters()
-    group = [typical] if turning is None else [{**typical, turning.name: angle} for angle in (0.0, 0.5 * math.pi)]
-    away = size.default - size.neutral
-    columns = away * _columns(problem, f, known, c, group, STEP * away)
-    if not np.isfinite(columns).all():
-        return math.inf
-    inside = known.basis.T @ columns
-    least = float(np.linalg.eigvalsh(columns.T @ columns - inside.T @ inside)[0])
-    return math.sqrt(max(least, 0.0))
-
-
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
     """(gain, less two a column for chance; name) of each generic basis by linear regression, best first."""
     known = _Known.of(problem, f)

@@ -111,10 +111,12 @@ def driven_limits(observations: Sequence[Observation], ratio: float) -> Limits:
     )
 
 
-def widened(limits: Limits, model: Model, origin: float) -> Limits:
-    """Limits for a bench that can do more than it has done: twice that, and as far as the model's end stops let it.
+def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST_EFFECT) -> Limits:
+    """Limits for a bench that can do more than it has done: up to twice the current.
 
-    The drive's own limits are kept well away from.
+    The current is what drive, motor and gears feel. A slow recording says nothing of how fast a bench may turn: what
+    limits the speed is the current that friction takes at it, and ``faster`` times what was driven. Travel ends before
+    the model's end stops, and the drive's own limits are kept well away from.
 
     ``origin`` [rad] is the output's angle at the start, from which the model's end stops are seen.
     """
@@ -125,11 +127,11 @@ def widened(limits: Limits, model: Model, origin: float) -> Limits:
         infinite if stop is None else stop.value - origin
         for stop, infinite in zip(stops, (-math.inf, math.inf), strict=True)
     )
-    speed = min(LARGEST_EFFECT * limits.speed, MOSTLY * model.value("drive.speed_limit") / ratio)
+    speed = min(faster * limits.speed, MOSTLY * model.value("drive.speed_limit") / ratio)
     travel = speed * _LONG
     return Limits(
         speed,
-        LARGEST_EFFECT * limits.acceleration,
+        faster * limits.acceleration,
         min(limits.lower, max(-travel, (1.0 - SMALL) * lower)),
         max(limits.upper, min(travel, (1.0 - SMALL) * upper)),
         min(LARGEST_EFFECT * limits.current, MOSTLY * min(torque, model.value("drive.current_limit"))),

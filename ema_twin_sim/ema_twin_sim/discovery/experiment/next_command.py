@@ -3,6 +3,9 @@
 A rival may move every free number of its own, as far as the recordings so far and its tolerance leave it free. What it
 still cannot explain of another's simulated recording, and what it has to give up for the rest, is how far the two would
 come apart: in standard deviations, of the noise and of what no rival explains.
+
+Of commands that decide as much between rivals, the best is the one after which most effects of the catalogue would show
+that the recordings so far cannot have shown (``detection``).
 """
 
 from __future__ import annotations
@@ -18,8 +21,19 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ...criteria import CLEARLY_MORE, DECIDED, MOSTLY, RIVAL_MARGIN, STANDSTILL
+from ...criteria import (
+    CLEARLY_MORE,
+    DECIDED,
+    LARGEST_EFFECT,
+    MOSTLY,
+    NEARLY_ALL,
+    RIVAL_MARGIN,
+    SEARCHED_UP_TO,
+    SIGNIFICANT,
+    STANDSTILL,
+)
 from ...identification.equation import EquationErrorProblem
+from ...identification.fit import Fit
 from ...identification.hypothesis import Hypothesis
 from ...identification.jacobian import jacobian
 from ...measured.observation import Observation, observe
@@ -31,6 +45,7 @@ from ...simulation.stand_in_drive import with_stand_in_drive
 from ...simulation.virtual_bench import virtual_bench
 from .bench_limits import Limits, driven_limits, reached, widened
 from .command_grid import Planned, command_grid
+from .detection import Detection, Showing, listed, marginal, without_generic_bases
 from .doubts import NOTHING, Doubt, Rival, information, reverses
 
 _TURNS = 8  # half periods in a recording that are liked best
@@ -53,6 +68,8 @@ class Proposal:
     separation: Mapping[Pair, float]  # standard deviations by which each pair of rivals would come apart
     beyond: tuple[str, ...]  # what it would exceed of what the recordings have driven
     why: str
+    shows: Mapping[str, tuple[float, float]]  # standard errors that hidden effects stand out by, so far and with it
+    hides: tuple[str, ...] = ()  # effects that would not show even with it, though another recording would show them
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -64,16 +81,19 @@ class Proposal:
             ],
             "beyond": list(self.beyond),
             "why": self.why,
+            "shows": [{"effect": id, "standard_errors": then, "so_far": now} for id, (now, then) in self.shows.items()],
+            "hides": list(self.hides),
         }
 
 
 @dataclass(frozen=True)
 class Choice:
-    """The best command, if any decides something, those that come after it, and what none of them can tell apart."""
+    """The best command, if any decides or shows something, those that come after it, and what none can tell apart."""
 
     best: Proposal | None
     runners_up: tuple[Proposal, ...]
     inseparable: tuple[Pair, ...]
+    so_far: Showing | None = None  # what the recordings so far show of other effects, where that is asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +110,28 @@ class _Evaluated:
     trial: Planned
     done: Limits  # the furthest that a rival went
     separation: Mapping[Pair, float]
+    information: np.ndarray | None = None  # that its recording adds, where it is asked for
+    showing: Showing | None = None  # of effects, with the recordings so far
 
 
 class _Field:
     """The rivals, the pairs of them that are to be told apart, and the bench that they are simulated on."""
 
-    def __init__(self, problem: EquationErrorProblem, held: Sequence[Doubt], signals: frozenset[str]) -> None:
-        self.base = held[0].rivals[0].fit.hypothesis.base
-        self.temperature = min(rival.fit.temperature for doubt in held for rival in doubt.rivals)
+    def __init__(
+        self,
+        problem: EquationErrorProblem,
+        found: Fit,
+        held: Sequence[Doubt],
+        signals: frozenset[str],
+        detection: Detection | None,
+    ) -> None:
+        self.base = found.hypothesis.base
+        self.temperature = min((rival.fit.temperature for doubt in held for rival in doubt.rivals), default=1.0)
+        self.found = id(found)
+        self.detection = detection
         self.contenders: dict[int, _Explanation] = {}
+        if detection is not None:
+            self.contenders[id(found)] = _contender(problem, Rival(NOTHING, found))
         self.nested: set[Pair] = set()
         self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
         for doubt in held:
@@ -114,7 +147,8 @@ class _Field:
                     self.nested.add(pair)
             for rival in doubt.rivals:
                 self.contenders.setdefault(id(rival.fit), _contender(problem, rival))
-        self.noise = float(np.median([o.torque_noise.min() for o in problem.observations if len(o.rows)]))
+        of_torque = [o.torque_noise.min() for o in problem.observations if len(o.rows)]
+        self.noise = float(np.median(of_torque)) if of_torque else math.nan  # what is not measured has none
         self.signals = signals
         self.reversed = reverses(problem)
         self.origins = (problem.observations[0].motor_origin, problem.observations[0].output_origin)
@@ -159,8 +193,9 @@ class _Field:
             if furthest is None or limits.effort(done) > limits.effort(furthest):
                 furthest = done
             shown[rival] = EquationErrorProblem([o])
-        assert furthest is not None  # a doubt has rivals
-        return _Evaluated(trial, furthest, self._separation(shown, 1))
+        assert furthest is not None  # what was found is one of them, and a doubt has rivals
+        adds = None if self.detection is None else self.detection.of(shown[self.found].observations[0])
+        return _Evaluated(trial, furthest, self._separation(shown, 1), adds)
 
     def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
         """How far all pairs would come apart under a command that they can follow."""
@@ -212,9 +247,12 @@ class _Field:
                 break
         return (math.sqrt(best) if math.isfinite(best) else 0.0), rows
 
-    def why(self, e: _Evaluated) -> str:
-        """A sentence: what would come apart, how far, and where in the recording."""
-        pair = next(p for p, value in e.separation.items() if value >= DECIDED)
+    def why(self, e: _Evaluated, shows: Mapping[str, tuple[float, float]]) -> str:
+        """A sentence: what would come apart, how far, and where in the recording; else what would show."""
+        pair = next((p for p, value in e.separation.items() if value >= DECIDED), None)
+        if pair is None:
+            least = min(then for _, then in shows.values())
+            return f"{listed([*shows])} of a usual size would show, by {least:.0f} standard errors or more"
         shown = []
         for true, rival in (self.pairs[pair], self.pairs[pair][::-1]):
             o, _ = self.simulated(true, e.trial)
@@ -222,9 +260,10 @@ class _Field:
         o, rows = max(shown, key=lambda entry: float(entry[1] @ entry[1]))
         other = "a model without it" if pair[1] == NOTHING else pair[1]
         novel = "" if self.reversed or not _turns(o) else "; no recording so far reverses"
+        more = f". Besides, {listed([*shows])} of a usual size would show" if shows else ""
         return (
             f"{pair[0]} and {other} would come apart by {e.separation[pair]:.0f} standard deviations, "
-            f"{_place(o, rows)}{novel}"
+            f"{_place(o, rows)}{novel}{more}"
         )
 
 
@@ -264,60 +303,97 @@ def _holds(one: Rival, other: Rival) -> bool:
 
 
 def _contender(problem: EquationErrorProblem, rival: Rival) -> _Explanation:
-    f = rival.fit
-    known = information(problem, f)
-    keep = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
-    if not keep.all():  # generic bases stand for what these recordings show, and say nothing of another
-        inner = np.linalg.pinv(known[np.ix_(~keep, ~keep)], hermitian=True)
-        across = known[np.ix_(keep, ~keep)]
-        known = known[np.ix_(keep, keep)] - across @ inner @ across.T
-    h = f.hypothesis
-    for name in h.generic_bases:
-        h = h.without_generic_basis(name)
-    return _Explanation(rival.name, h, known)
+    h = rival.fit.hypothesis
+    # generic bases stand for what these recordings show, and say nothing of another
+    physical = np.array([not free.path.startswith("basis.") for free in h.free])
+    return _Explanation(rival.name, without_generic_bases(h), marginal(information(problem, rival.fit), physical))
 
 
 def best_command(
     problem: EquationErrorProblem,
+    found: Fit,
     held: Sequence[Doubt],
     signals: frozenset[str],
     *,
+    detection: Detection | None = None,
     limits: Limits | None = None,
     few: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Choice:
-    """The command that decides most of these doubts (one or more), by the largest smallest separation.
+    """The command that decides most of these doubts about what was ``found``, by the largest smallest separation.
 
-    ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within what the
-    recordings have driven, unless only a command beyond that decides. ``few`` tries a handful of commands only.
+    With ``detection``, of those the one that shows most of what the recordings so far do not show; there need be no
+    doubt then. ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within
+    what the recordings have driven, unless only a command beyond that decides or shows. ``few`` tries a handful only.
     """
-    field = _Field(problem, held, signals)
+    field = _Field(problem, found, held, signals, detection)
     allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
-    found = _evaluate_all(field, allowed, few, (), progress)
-    if limits is None and not any(min(e.separation.values()) >= DECIDED for e in found):
-        more = widened(allowed, field.base, field.origins[1])
-        found += _evaluate_all(field, more, few, found, progress)
-    finalists = _varied(_ranked(found, allowed))[: _FEW_FINALISTS if few else _FINALISTS]
-    progress("looking closer at the best commands")
-    closer = list(_SIDE_BY_SIDE.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists))
-    ranked = _ranked(closer, allowed)
-    separable = {pair for e in (*found, *closer) for pair, value in e.separation.items() if value >= DECIDED}
-    inseparable = tuple(pair for pair in field.pairs if pair not in separable)
-    if not ranked or max(ranked[0].separation.values()) < DECIDED:
-        return Choice(None if field.reversed else _there_and_back(field, allowed), (), tuple(field.pairs))
-    telling = [e for e in _varied(ranked) if max(e.separation.values()) >= DECIDED]
-    chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
-    proposals = [
-        Proposal(
-            e.trial.asked,
-            e.trial.lasts,
-            e.separation,
-            allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else (),
-            field.why(e) if k == 0 else "",
+    tried = _evaluate_all(field, allowed, few, (), progress)
+    if limits is None and not any(_settles(field, e) for e in tried):
+        # what does not show at all in slow motion may take much more speed than what is in doubt between rivals
+        faster = LARGEST_EFFECT if detection is None else SEARCHED_UP_TO
+        more = widened(allowed, field.base, field.origins[1], faster)
+        tried += _evaluate_all(field, more, few, tried, progress)
+    tried, so_far = _told_apart(field, tried)
+    finalists = _varied(_ranked(tried, allowed))[: _FEW_FINALISTS if few else _FINALISTS]
+    if field.pairs:
+        progress("looking closer at the best commands")
+        finalists = list(
+            _SIDE_BY_SIDE.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists)
         )
-        for k, e in enumerate(chosen[: 1 + _RUNNERS_UP])
-    ]
-    return Choice(proposals[0], tuple(proposals[1:]), inseparable)
+    ranked = _ranked(finalists, allowed)
+    separable = {pair for e in (*tried, *finalists) for pair, value in e.separation.items() if value >= DECIDED}
+    inseparable = tuple(pair for pair in field.pairs if pair not in separable)
+    telling = [e for e in _varied(ranked) if _tells(e, so_far)]
+    if not ranked or ranked[0] not in telling:
+        there = None if field.reversed or not field.pairs else _there_and_back(field, allowed)
+        return Choice(there, (), tuple(field.pairs), so_far)
+    chosen = [ranked[0], *(e for e in telling if e is not ranked[0])]
+    proposals = []
+    for k, e in enumerate(chosen[: 1 + _RUNNERS_UP]):
+        shows = _shows(e, so_far)
+        beyond = allowed.shown(field.base).exceeded(e.done.shown(field.base)) if limits is None else ()
+        why = field.why(e, shows) if k == 0 else ""
+        hides = () if e.showing is None else e.showing.hidden()
+        proposals.append(Proposal(e.trial.asked, e.trial.lasts, e.separation, beyond, why, shows, hides))
+    return Choice(proposals[0], tuple(proposals[1:]), inseparable, so_far)
+
+
+def _settles(field: _Field, e: _Evaluated) -> bool:
+    """Whether a command decides all doubts, and leaves nothing hidden."""
+    if any(value < DECIDED for value in e.separation.values()):
+        return False
+    if field.detection is None or e.information is None:
+        return True
+    return bool((field.detection.apart(field.detection.so_far + e.information) >= DECIDED).all())
+
+
+def _told_apart(field: _Field, tried: Sequence[_Evaluated]) -> tuple[list[_Evaluated], Showing | None]:
+    """The same commands with what each would show, and what the recordings so far do."""
+    detection = field.detection
+    if detection is None or not detection.effects or not tried:
+        return list(tried), None
+    apart = [detection.apart(detection.so_far + e.information) for e in tried if e.information is not None]
+    matters = np.max(apart, axis=0) >= DECIDED
+    told = [replace(e, showing=Showing(detection.effects, a, matters)) for e, a in zip(tried, apart, strict=True)]
+    return told, Showing(detection.effects, detection.apart(detection.so_far), matters)
+
+
+def _shows(e: _Evaluated, so_far: Showing | None) -> dict[str, tuple[float, float]]:
+    """The effects that would stand out with a command and do not so far, the clearest first, and how far both times."""
+    if so_far is None or e.showing is None:
+        return {}
+    found = {
+        id: (float(now), float(then))
+        for id, now, then in zip(so_far.effects, so_far.standing_out, e.showing.standing_out, strict=True)
+        if now < SIGNIFICANT and then >= DECIDED
+    }
+    return dict(sorted(found.items(), key=lambda entry: -entry[1][1]))
+
+
+def _tells(e: _Evaluated, so_far: Showing | None) -> bool:
+    """Whether a command decides between rivals, or shows what is hidden so far."""
+    return max(e.separation.values(), default=0.0) >= DECIDED or bool(_shows(e, so_far))
 
 
 def _there_and_back(field: _Field, limits: Limits) -> Proposal | None:
@@ -327,7 +403,7 @@ def _there_and_back(field: _Field, limits: Limits) -> Proposal | None:
     if not triangles:
         return None
     trial = min(triangles, key=lambda trial: abs(trial.turns - _TURNS))
-    return Proposal(trial.asked, trial.lasts, {}, (), "no recording reverses yet; the outcome cannot be predicted")
+    return Proposal(trial.asked, trial.lasts, {}, (), "no recording reverses yet; the outcome cannot be predicted", {})
 
 
 def _evaluate_all(
@@ -336,16 +412,23 @@ def _evaluate_all(
     """All commands of the grid that keep within limits and were not evaluated before."""
     known = {e.trial for e in before}
     trials = [trial for trial in field.grid(limits, few=few) if trial not in known]
-    progress(f"simulating {len(trials)} commands under {len(field.contenders)} rivals")
+    rivals = "" if len(field.contenders) < 2 else f" under {len(field.contenders)} rivals"
+    progress(f"simulating {len(trials)} commands{rivals}")
     return [e for e in _SIDE_BY_SIDE.map(lambda trial: field.evaluate(trial, limits), trials) if e is not None]
 
 
 def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:
-    """Best first: most pairs decided, within limits, the largest smallest separation, and among equals the gentlest."""
+    """Best first: most pairs decided, most effects shown, else within limits and the largest smallest separation.
+
+    Among equals the gentlest.
+    """
     separable = {pair for e in found for pair, value in e.separation.items() if value >= DECIDED}
+    least = min((e.showing.named for e in found if e.showing is not None), default=0.0)
 
     def rank(e: _Evaluated) -> tuple[int, bool, float]:
         decided = sum(value >= DECIDED for value in e.separation.values())
+        if e.showing is not None:
+            return decided, True, e.showing.named - least
         smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
         return decided, allowed.effort(e.done) <= 1.0, min(smallest, DECIDED**2)
 
@@ -353,7 +436,8 @@ def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:
     ordered: list[_Evaluated] = []
     while left:
         most, inside, best = rank(left[0])
-        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= MOSTLY * best]
+        share = MOSTLY if left[0].showing is None else NEARLY_ALL
+        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= share * best]
         # half of what was driven is gentle, and some turns average over what drifts
         gentlest = min(
             alike,

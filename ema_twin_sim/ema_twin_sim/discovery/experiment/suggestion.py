@@ -36,7 +36,7 @@ def suggest(
         return ""
     if any(recording.of_points for recording in recordings):
         return "a motion, slow and fast and both ways: operating points tell of no more"
-    choice = best_command(problem, held, signals_of(recordings), few=True)
+    choice = best_command(problem, found.fit, held, signals_of(recordings), few=True)
     if choice.best is None:
         names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
         said = f"tells apart {' and '.join(names)}" if len(names) > 1 else f"tells whether there is {names[0]} too"

@@ -1,0 +1,184 @@
+"""What recordings would show: by how many standard errors each effect of the catalogue stands out at its typical size.
+
+To first order in all sizes, what a recording tells is its Fisher information about the sizes of all effects and the
+free numbers of the explanation beside them. That of several recordings adds up, so that of a command that is yet to be
+recorded is added to that of the recordings so far. An effect stands out as far as neither the free numbers nor any one
+other effect, of whatever size, makes up for it. Effects of shape and sum are taken at their typical shape.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...criteria import DECIDED, SIGNIFICANT, UNSEEN_SPREAD
+from ...effects import catalogue
+from ...identification.candidates import candidates
+from ...identification.equation import EquationErrorProblem, Prediction
+from ...identification.fit import Fit, prior_rows
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
+from ...identification.screening import STEP
+from ...identification.start_values import regressed_angle
+from ...measured.observation import Observation
+from ...model import EffectInstance
+
+
+@dataclass(frozen=True, eq=False)
+class Showing:
+    """How far apart effects (n, n) are: standard errors of each at its typical size from each other of whatever size.
+
+    On the diagonal from nothing but the explanation's free numbers. ``matters`` (n, n) are those that some recording
+    within reach would tell apart: what none does is no reason to prefer one to another.
+    """
+
+    effects: tuple[str, ...]
+    apart: np.ndarray
+    matters: np.ndarray
+
+    @property
+    def named(self) -> float:
+        """How many of the effects would be named if all were there, one at a time.
+
+        Each counts as a share: one half where it stands out by what decides between rivals, at its worst rival.
+        """
+        return float(np.sum(self.standing_out**2 / (self.standing_out**2 + DECIDED**2)))
+
+    @property
+    def standing_out(self) -> np.ndarray:
+        """Standard errors (n,) by which each effect stands out from the one that is likest it, or from nothing."""
+        worst = np.min(np.where(self.matters, self.apart, math.inf), axis=1, initial=math.inf)
+        return np.where(np.isfinite(worst), worst, 0.0)
+
+    def of(self, effect: str, other: str = "") -> float:
+        """Standard errors of an effect from another, or from nothing."""
+        k = self.effects.index(effect)
+        return float(self.apart[k, self.effects.index(other) if other else k])
+
+    def hidden(self) -> tuple[str, ...]:
+        """The effects that would not show by what it takes to name them, though other recordings would show them."""
+        shown = np.diag(self.apart)
+        within_reach = np.diag(self.matters)
+        return tuple(id for k, id in enumerate(self.effects) if within_reach[k] and shown[k] < SIGNIFICANT)
+
+    def confused(self) -> dict[str, tuple[str, ...]]:
+        """By effect that shows, those that show too and look like it, though other recordings would tell them apart.
+
+        Each pair once.
+        """
+        shown = np.diag(self.apart) >= SIGNIFICANT
+        alike = self.matters & (np.minimum(self.apart, self.apart.T) < SIGNIFICANT) & np.outer(shown, shown)
+        rows = {id: np.flatnonzero(row) for id, row in zip(self.effects, np.triu(alike, 1), strict=True)}
+        return {id: tuple(self.effects[n] for n in row) for id, row in rows.items() if len(row)}
+
+
+@dataclass(frozen=True)
+class _Column:
+    """An effect at one angle, a small step of its typical size from where it does nothing."""
+
+    effect: str
+    instance: EffectInstance
+    second: bool  # of two angles
+
+
+class Detection:
+    """The effects that may be added to an explanation, and how far recordings would show them."""
+
+    def __init__(self, problem: EquationErrorProblem, found: Fit, excluded: frozenset[str]) -> None:
+        self.hypothesis = without_generic_bases(found.hypothesis)
+        self._temperature = found.temperature
+        self._columns = _columns(found.hypothesis, excluded)
+        self.effects = tuple(dict.fromkeys(column.effect for column in self._columns))
+        _, priors = prior_rows(found.hypothesis)
+        rows = self._rows(problem, found.hypothesis, found.predicted, found.weights, found.jacobian)
+        information = rows.T @ rows / self._temperature
+        count = len(found.hypothesis.free)
+        information[:count, :count] += priors.T @ priors
+        physical = [not free.path.startswith("basis.") for free in found.hypothesis.free]
+        self.so_far = marginal(information, np.array([*physical, *(True for _ in self._columns)]))
+
+    def of(self, recording: Observation) -> np.ndarray:
+        """The information (m, m) that a recording adds about the free numbers, and the sizes of all effects."""
+        problem = EquationErrorProblem([recording])
+        even = np.ones(problem.rows)
+        predicted = problem.predict(self.hypothesis)
+        slopes = problem.jacobian(self.hypothesis, predicted, even)
+        rows = self._rows(problem, self.hypothesis, predicted, even, slopes)
+        return rows.T @ rows / self._temperature
+
+    def apart(self, information: np.ndarray) -> np.ndarray:
+        """Standard errors (n, n) as ``Showing`` has them; of an effect of any angle, at the angle that shows least."""
+        sizes = marginal(information, np.arange(len(information)) >= len(self.hypothesis.free))
+        # an effect that has one column is given another, that all is known of and that nothing else looks like
+        count = len(self.effects)
+        places = [2 * self.effects.index(c.effect) + c.second for c in self._columns]
+        full = np.diag(np.where(np.isin(np.arange(2 * count), places), 0.0, 1e30))
+        full[np.ix_(places, places)] = sizes
+        blocks = full.reshape(count, 2, count, 2).transpose(0, 2, 1, 3)  # (n, n, 2, 2)
+        own = blocks[np.arange(count), np.arange(count)]
+        held = np.linalg.inv(own + np.eye(2) / UNSEEN_SPREAD**2)
+        lost = np.einsum("knab,nbc,kndc->knad", blocks, held, blocks)
+        lost[np.arange(count), np.arange(count)] = 0.0
+        least = np.linalg.eigvalsh(own[:, None] - lost)[:, :, 0]
+        return np.asarray(np.sqrt(np.maximum(least, 0.0)))
+
+    def _rows(
+        self,
+        problem: EquationErrorProblem,
+        h: Hypothesis,
+        predicted: Prediction,
+        weights: np.ndarray,
+        slopes: np.ndarray,
+    ) -> np.ndarray:
+        """Weighted rows (m, k) of the free numbers' slopes, and of every effect at its typical size."""
+        found = []
+        for column in self._columns:
+            rows = problem.beside(h, predicted, column.instance)
+            if rows is None:
+                more = h.with_effect(column.effect, column.instance.options, column.instance.parameters)
+                rows = problem.centred(problem.predict(more).rows - predicted.rows, weights)
+            found.append(np.nan_to_num(rows * weights / STEP, nan=0.0, posinf=0.0, neginf=0.0))
+        return np.column_stack([slopes, *found])
+
+
+def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:
+    """The effects that may be added, under their usual options; of those of any angle, two angles whose sum is any."""
+    found: list[_Column] = []
+    for c in candidates(h, excluded | set(COMPLIANT_EFFECTS) | h.held):
+        effect = catalogue()[c.effect]
+        size, turning = effect.parameters[0], regressed_angle(effect)
+        if c.options != effect.default_options() or size.neutral is None or size.default == size.neutral:
+            continue  # what does not grow in proportion has no information
+        small = {**effect.default_parameters(), size.name: size.neutral + STEP * (size.default - size.neutral)}
+        angles = [{}] if turning is None else [{turning.name: 0.0}, {turning.name: 0.5 * math.pi}]
+        found += [
+            _Column(c.effect, EffectInstance(c.effect, c.options, {**small, **angle}), k > 0)
+            for k, angle in enumerate(angles)
+        ]
+    return tuple(found)
+
+
+def marginal(information: np.ndarray, keep: np.ndarray) -> np.ndarray:
+    """The information (k, k) about the numbers that are kept, whatever the others are; ``keep`` (m,) is a mask."""
+    if keep.all():
+        return information
+    size = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-30))
+    even = information * np.outer(size, size)
+    across = even[np.ix_(~keep, keep)]
+    inner = even[np.ix_(~keep, ~keep)] + 1e-9 * np.eye(int(np.sum(~keep)))
+    return (even[np.ix_(keep, keep)] - across.T @ np.linalg.solve(inner, across)) / np.outer(size[keep], size[keep])
+
+
+def without_generic_bases(h: Hypothesis) -> Hypothesis:
+    """A hypothesis less all that stands for nothing but what its recordings show."""
+    for name in h.generic_bases:
+        h = h.without_generic_basis(name)
+    return h
+
+
+def listed(ids: Sequence[str], last: str = "and") -> str:
+    """``a, b and c``."""
+    *first, end = ids
+    return f"{', '.join(first)} {last} {end}" if first else end
