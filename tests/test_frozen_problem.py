@@ -83,21 +83,22 @@ class TestFrozen:
         assert problem.residual(bare.predicted)[40:].any()
         assert alone.with_encoders().compares_with(problem)
 
-    def test_generic_bases_are_those_of_one_alone(self, problem, wander):
+    def test_generic_bases_are_those_of_one_alone(self, problem, bare, wander):
         more = problem.with_generic_bases({"time#0": np.ones((problem.rows, 1))})
         assert not problem.generic_bases and [*more.generic_bases] == ["time#0"]
         assert more.compares_with(problem)
         assert [*more.under(problem.weighting.from_outliers(3.0)).generic_bases] == ["time#0"]
         assert not more.under(replace(problem.weighting, wander=wander)).generic_bases  # they are in units of the noise
-        assert beside_generic_bases(more) is more
-        assert "speed" in beside_generic_bases(problem).generic_bases and not problem.generic_bases
+        assert beside_generic_bases(more, bare) is more
+        assert "speed" in beside_generic_bases(problem, bare).generic_bases and not problem.generic_bases
 
-    def test_bases_of_one_noise_are_not_those_of_another(self, problem, wander):
-        plain = beside_generic_bases(problem).generic_bases
-        beside = beside_generic_bases(problem.under(replace(problem.weighting, wander=wander))).generic_bases
+    def test_bases_of_one_noise_are_not_those_of_another(self, problem, bare, wander):
+        wandering = problem.under(replace(problem.weighting, wander=wander))
+        plain = beside_generic_bases(problem, bare).generic_bases
+        beside = beside_generic_bases(wandering, bare).generic_bases
         assert np.allclose(wander.whitened(plain["speed"]), beside["speed"])
         assert not np.allclose(plain["speed"], beside["speed"])
-        assert np.array_equal(beside_generic_bases(problem).generic_bases["speed"], plain["speed"])
+        assert np.array_equal(beside_generic_bases(problem, bare).generic_bases["speed"], plain["speed"])
 
     def test_a_fit_settles_under_a_weighting_of_its_own(self, problem, loaded):
         settled = settle(loaded)

@@ -19,7 +19,7 @@ def standing(recordings, model, effect, parameters):
     """The effects that stand where one is fitted to the recordings."""
     problem = EquationErrorProblem(observe_all(recordings, model))
     f = settle(fit(problem, null_hypothesis(model).with_effect(effect, {}, parameters), 20))
-    return by_own_shape(beside_generic_bases(f.problem), f)
+    return by_own_shape(beside_generic_bases(f.problem, f), f)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Generic bases: what a residual may depend on without any effect of the catalogue. They keep false names away.
 
 A basis is a handful of columns, linear in their coefficients, that stand for *any* dependence on one quantity: hats
-over the speed, over time, waves over the output's position or the motor's angle.
+over the speed, over time, over the load, waves over the output's position or the motor's angle.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED, TIME
+from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .basis_columns import at_rows, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit
@@ -21,9 +21,11 @@ MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
 
 
-def beside_generic_bases(problem: EquationErrorProblem) -> EquationErrorProblem:
-    """The problem with all generic bases that do not depend on a fit; itself where it has some."""
-    return problem if problem.generic_bases else problem.with_generic_bases(_bases(problem))
+def beside_generic_bases(problem: EquationErrorProblem, f: Fit) -> EquationErrorProblem:
+    """The problem with all generic bases but those over orders, the load as a fit has it; itself where it has some."""
+    if problem.generic_bases:
+        return problem
+    return problem.with_generic_bases({**_bases(problem), **load_bases(problem, f)})
 
 
 def _bases(problem: EquationErrorProblem) -> Mapping[str, np.ndarray]:
@@ -89,6 +91,23 @@ def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
         ]
         found[f"time#{k}"] = at_rows(problem, hats)
     return found
+
+
+def load_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
+    """Friction over the size of the torque that a fit passes on to the output: what follows the load.
+
+    None where the output is simulated behind play or a spring: what is passed on there is no more than the model.
+    """
+    if f.parted:
+        return {}
+    passed_on = REQUIRED.index("transmitted")
+    sizes = [np.abs(required[:, passed_on]) for required in f.predicted.required]
+    judged = np.concatenate([size[o.rows] for size, o in zip(sizes, problem.observations, strict=True)])
+    knots = np.unique(np.quantile(judged, np.linspace(0, 1, KNOTS))) if len(judged) else judged
+    if len(knots) < 3:
+        return {}
+    sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
+    return {"load": at_rows(problem, [hat_columns(a, knots) * s for a, s in zip(sizes, sense, strict=True)])}
 
 
 def order_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:

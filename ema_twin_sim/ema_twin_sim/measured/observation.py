@@ -57,6 +57,7 @@ class Observation:
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
+    coarse: bool  # whether the current's steps are wide beside its noise: neighbouring rows are rounded alike
     below_shock_limit: np.ndarray  # bool (m,), no hard acceleration shortly before
     after_impact: np.ndarray  # bool (m,), a hard acceleration before: an output with play rests anywhere
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
@@ -200,6 +201,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
+        coarse=by_torque and _resolution(recording.signals["current"], model) > 0.0,
         below_shock_limit=hit[rows] < HARD,
         after_impact=after_impact[rows],
         encoder_rows=encoder_rows,
@@ -234,6 +236,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        coarse=False,
         below_shock_limit=np.ones(count, bool),
         after_impact=np.zeros(count, bool),
         encoder_rows=np.zeros(0, np.int64),
@@ -295,13 +298,17 @@ def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, mode
     Steps that are wide beside the noise are not white: smoothing takes nothing of them away. They are those of the
     ``raw`` values, as they stand in the recording: between samples that were filled in, there are no steps.
     """
+    smoothed = float(np.linalg.norm(kernel))
+    resolution = _resolution(raw, model)
+    white = max(reading_noise(current), model.value("sensors.current_noise") if resolution else 0.0)
+    return model.value("machine.torque_constant") * math.hypot(white * smoothed, resolution)
+
+
+def _resolution(raw: np.ndarray, model: Model) -> float:
+    """Standard deviation [A] of what a current's steps round off; zero where they are no wider than its noise."""
     levels = np.unique(raw[np.isfinite(raw)])
     step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
-    noise = model.value("sensors.current_noise")
-    smoothed = float(np.linalg.norm(kernel))
-    coarse = step / math.sqrt(12.0) if step > 2.0 * noise else 0.0
-    white = max(reading_noise(current), noise if coarse else 0.0)
-    return model.value("machine.torque_constant") * math.hypot(white * smoothed, coarse)
+    return step / math.sqrt(12.0) if step > 2.0 * model.value("sensors.current_noise") else 0.0
 
 
 def _encoder_noise(model: Model) -> float:

@@ -88,15 +88,26 @@ def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
 
 def depends(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether what is left depends on anything."""
-    return any(gained > DEPENDS for gained, _ in screen_generic_bases(beside_generic_bases(problem), f)[:1])
+    return any(gained > DEPENDS for gained, _ in screen_generic_bases(beside_generic_bases(problem, f), f)[:1])
+
+
+def coarse(problem: EquationErrorProblem) -> bool:
+    """Whether a current's steps are wide beside its noise: slow motion rounds alike for a while, which is no chance."""
+    return any(o.coarse for o in problem.observations if len(o.rows))
 
 
 def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
-    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all."""
+    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all.
+
+    Where effects were added, it is always asked whether what is left depends on anything, however little that is: a
+    likeness of the true effect may leave less than the noise, but what it leaves has the shape of that. Not asked of a
+    coarse current, whose rounding has a shape too.
+    """
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
     if not f.parted and problem.size:
         misfit = float(problem.costs(f.raw)[: problem.size].mean()) / (BRISTLED if bristled else 1.0)
-        if misfit > MISFIT_LEFT or (misfit > MISFIT_DOUBTED and depends(problem, f)):
+        told_by_shape = bool(f.hypothesis.added) and not coarse(problem)
+        if misfit > MISFIT_LEFT or ((misfit > MISFIT_DOUBTED or told_by_shape) and depends(problem, f)):
             return True
     for o, left, before in zip(problem.observations, left_over(problem, f), left_over(problem, start), strict=True):
         if not len(o.rows):

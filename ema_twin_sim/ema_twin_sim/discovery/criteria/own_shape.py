@@ -17,7 +17,7 @@ from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import dependence, order_bases
+from ...identification.generic_bases import dependence, load_bases, order_bases
 from ...identification.screening import screen_generic_bases
 from .worth import ENCODER_ONLY
 
@@ -55,6 +55,8 @@ def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:
 
 def _over(problem: EquationErrorProblem, bare: Fit, over: str) -> dict[str, np.ndarray]:
     """The bases over a quantity; over the time one for all recordings together."""
+    if over == "load":
+        return load_bases(problem, bare)
     if over == "order":
         return order_bases(problem, bare)
     found = {name: columns for name, columns in problem.generic_bases.items() if dependence(name) == over}

@@ -162,8 +162,8 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
 
     Or hardly more of it than ``at_most``, in misfit per row. The ``problem`` is one in which nothing wanders.
     """
-    problem = beside_generic_bases(problem)
     f = fit(problem, h)
+    problem = beside_generic_bases(problem, f)
     name = next((name for _, name in screen_generic_bases(problem, f) if dependence(name) != "time"), None)
     if name is None:
         return False

@@ -13,6 +13,7 @@ from ...identification.generic_bases import beside_generic_bases, dependence, or
 from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
+from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
@@ -29,18 +30,19 @@ def beside_the_unknown(
 ) -> tuple[Search, tuple[str, ...]]:
     """What of a search stands beside what is in no catalogue, and what that depends on.
 
-    An effect stands that explains by its own shape what any shape over its quantity would. The others may be nothing
-    but the likeness of the unknown, as is what made constants implausible.
+    An effect stands that explains by its own shape what any shape over its quantity would, and in whose place nothing
+    else explains more. The others may be nothing but the likeness of the unknown, as is what made constants
+    implausible.
     """
     if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
     if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
-        return found, _most_likely(beside_generic_bases(found.problem), found.fit)
+        return found, _most_likely(beside_generic_bases(found.problem, found.fit), found.fit)
     start = found.rounds[0].before
     found = doubted(found)
     progress("asking what the rest depends on")
     known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
-    every = beside_generic_bases(found.problem).generic_bases
+    every = beside_generic_bases(found.problem, found.fit).generic_bases
     bases: Mapping[str, np.ndarray] = {
         name: columns for name, columns in every.items() if dependence(name) not in known
     }
@@ -81,12 +83,13 @@ def _add_dependences(
 
 def doubted(found: Search) -> Search:
     """A search less the effects that may be nothing but the likeness of something unknown."""
-    problem = beside_generic_bases(found.problem)
+    problem = beside_generic_bases(found.problem, found.fit)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
     strange = strained(found.fit)
     lags = apart(problem, found.fit, found.rounds[0].before)
     stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
+    stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
     stands -= {name for name in added if lags and over[name] == "encoders"}
     reason = "may be nothing but the likeness of what is unknown"

@@ -1,0 +1,43 @@
+"""Likeness: whether some dependence in an effect's place leaves nothing, where the effect leaves something for sure.
+
+Over a small angle, gravity is a constant load but for a few per cent, and a spring is gravity. What such a likeness
+leaves may be less than the noise, but it has the shape of what is really there: a basis over the true quantity, in the
+effect's place, explains all that the effect does and this too.
+"""
+
+from __future__ import annotations
+
+from ...criteria import DEPENDS, MISFIT_DOUBTED
+from ...identification.comparable import refuse_different_weightings
+from ...identification.equation import EquationErrorProblem
+from ...identification.fit import Fit, fit
+from ...identification.generic_bases import load_bases
+from ...identification.screening import screen_generic_bases
+from .explained import coarse
+from .worth import ENCODER_ONLY
+
+
+def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
+    """The added effects that are the likeness of a dependence on something, by the generic bases of the problem.
+
+    None where play or a spring lets the encoders part, for which no basis stands; nor where the current is coarse.
+    """
+    if f.parted or coarse(problem):
+        return ()
+    torques = [name for name, instance in f.hypothesis.added.items() if instance.effect not in ENCODER_ONLY]
+    return tuple(name for name in torques if _better_instead(problem, f, name))
+
+
+def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether the basis that fits best in an effect's place leaves nothing, and gains more than chance would."""
+    bare = fit(problem, f.hypothesis.without(name), 6, known=f)
+    beside = problem.with_generic_bases({**problem.generic_bases, **load_bases(problem, bare)})
+    basis = next((found for _, found in screen_generic_bases(beside, bare)), None)
+    if basis is None:
+        return False
+    columns = beside.generic_bases[basis].shape[1]
+    instead = fit(beside, bare.hypothesis.with_generic_basis(basis, columns), 3, known=bare)
+    refuse_different_weightings(instead, f)
+    more = len(instead.hypothesis.free) - len(f.hypothesis.free)
+    gained = (f.misfit - instead.misfit) / instead.temperature - 2.0 * more  # each number gains two by chance, at most
+    return instead.misfit <= MISFIT_DOUBTED * instead.judged and gained > DEPENDS
