@@ -84,11 +84,8 @@ def doubted(found: Search) -> Search:
 
     What had made room for these comes back, and is doubted in turn.
     """
-    doubtful: frozenset[str] = frozenset()
     while names := _doubtful(found):
-        doubtful |= {found.fit.hypothesis.added[name].effect for name in names}
-        found = less(found, names, "may be nothing but the likeness of what is unknown")
-        found = with_what_made_room(found, doubtful)
+        found = with_what_made_room(less(found, names, "may be nothing but the likeness of what is unknown"))
     return found
 
 
