@@ -2,6 +2,7 @@
 
 python -m tests.accuracy.run [--seed 1] [--cases 60] [--kinds plain pairs ...] [--only NAME ...]
 python -m tests.accuracy.run --null 40 | --leave-out | --sweep [EFFECT ...] | --robust
+python -m tests.accuracy.run --limits [EFFECT ...] [--cases 10]              (benches an effect)
 python -m tests.accuracy.run --other-machines 60 | --calibration | --contradictions 200
 python -m tests.accuracy.run --strangers 40 | --mistakes 20  [--plain] [--keep DIR]     (by the command line)
 python -m tests.accuracy.run --save DIR        (cases as folders, for other scorers; discovery is not run)
@@ -24,6 +25,7 @@ from .cases import KINDS, Case, drawn_cases
 from .contradictions import judged
 from .folders import save
 from .judge import Verdict
+from .limits import BENCHES, ENOUGH, LIMITED, limit_table, limits
 from .other_machines import other_machine_cases
 from .planned import planned_and_not, planned_cases
 from .strangers.cases import Stranger, mistaken_cases, stranger_cases
@@ -60,6 +62,12 @@ def _asked_for(asked: argparse.Namespace, solve: Solvers) -> dict[str, Any]:
         print(f"smallest size named in {experiments.ENOUGH} of {experiments.TRIES} cases", flush=True)
         effects = asked.sweep or experiments.SWEPT
         return {"limits": experiments.sweep(asked.seed, effects, solve, lambda line: print(line, flush=True))}
+    if asked.limits is not None:
+        benches = asked.cases or BENCHES
+        print(f"smallest multiple of the limit that is named on {ENOUGH:.0%} of {benches} benches", flush=True)
+        found = limits(asked.seed, asked.limits or LIMITED, benches, solve, lambda line: print(line, flush=True))
+        print("", limit_table(found, benches), sep="\n")
+        return {"limits": found}
     if asked.leave_out:
         cases = experiments.left_out_cases(asked.seed, asked.cases or len(experiments.SWEPT))
         return _left_out(_shown(solve(cases, [case.kind for case in cases]), cases))
@@ -93,7 +101,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument(
-        "--cases", type=_count, help="60 by default; with --calibration 300; with --robust, per condition (12)"
+        "--cases",
+        type=_count,
+        help="60 by default; with --calibration 300; with --robust, per condition (12); with --limits, benches (10)",
     )
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=KINDS)
     parser.add_argument("--only", nargs="+", default=(), metavar="NAME", help="of the drawn cases, these")
@@ -103,6 +113,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--leave-out", action="store_true", help="the hidden effect is taken out of the catalogue")
     parser.add_argument("--sweep", nargs="*", choices=experiments.SWEPT, metavar="EFFECT", help="detection limits")
+    parser.add_argument(
+        "--limits", nargs="*", choices=LIMITED, metavar="EFFECT", help="detection limits on unkind benches"
+    )
     parser.add_argument("--calibration", action="store_true", help="whether probabilities and intervals are right")
     parser.add_argument(
         "--planned", type=_count, metavar="N", help="N cases by one slow recording and two that plan asks for"

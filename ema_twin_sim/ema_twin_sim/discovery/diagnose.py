@@ -219,8 +219,8 @@ def _chances(
     table = np.zeros((DRAWS, len(entries) + 1))
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
-        temperature = noise_per_unit(problem, before, after)
-        fall = (_costs(problem, before, blocks) - _costs(problem, after, blocks)) / temperature
+        noise = np.repeat(noise_per_unit(problem, before, after), (problem.size, problem.rows - problem.size))
+        fall = np.bincount(blocks, (problem.costs(before.raw) - problem.costs(after.raw)) / noise)
         table[:, column] = drawn @ fall - (complexity_penalty(after) - complexity_penalty(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS
     return [(entry, float(share)) for entry, share in zip([*entries, None], wins, strict=True) if share > 0.0]
@@ -236,11 +236,6 @@ def _blocks(problem: EquationErrorProblem) -> np.ndarray:
         found[encoder] = first + (time[o.encoder_rows] / BLOCK).astype(int)
         first += int(time[-1] / BLOCK) + 1
     return found
-
-
-def _costs(problem: EquationErrorProblem, f: Fit, blocks: np.ndarray) -> np.ndarray:
-    """Robust misfit (b,) of each block."""
-    return np.bincount(blocks, problem.costs(f.raw))
 
 
 def _ranked(

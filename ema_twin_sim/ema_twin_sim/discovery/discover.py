@@ -12,7 +12,7 @@ from ema_bench_replay.recording import Recording
 
 from ..comparison.beyond_noise import beyond_noise
 from ..comparison.compare import Signals, overall_errors
-from ..criteria import MOST_EFFECTS, NOISY, PART
+from ..criteria import DEPENDS, MOST_EFFECTS, NOISY, PART
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, parameters, standard_errors
@@ -43,8 +43,8 @@ from .search.trace import Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import wandering_after_all
 from .split import ClosedLoop, with_best_split
-from .unmoved import with_unmoved_constants
-from .unseen import Unseen, judge_unseen
+from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
+from .unseen import Unseen, gain_where_unseen, judge_unseen
 
 OF_TEETH = ("mesh_ripple", "tooth_fault")
 
@@ -170,8 +170,16 @@ def discover(
         known = model.is_open and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
         unseen = judge_unseen(as_measured, began, noise, found)
+    stands = unseen.betters
+    if not known and found.fit.hypothesis.added and not stands and not model.is_open:
+        progress("judging beside the constants as they were")
+        held = beside_constants_as_filed(found)
+        beside = judge_unseen(as_measured, began, noise, held)
+        stands = beside.betters or (not beside.worsens and _told_by_rows(found.fit))
+        if stands and beside.rmse[-1] < unseen.rmse[-1]:
+            found, unseen = freed(held, found), beside
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
-    as_given = (not known and not unseen.betters) or (constants_alone and unseen.worsens)
+    as_given = (not known and not stands) or (constants_alone and unseen.worsens)
     if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
         # numbers that nobody knew are better fitted than as they were
         bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
@@ -267,6 +275,11 @@ def _explained_without_wander(f: Fit, start: Fit) -> bool:
     plain = f.problem.under(replace(f.problem.weighting, wander=None))
     f = settle(fit(plain, f.hypothesis))
     return explained(f.problem, f, start)
+
+
+def _told_by_rows(f: Fit) -> bool:
+    """Whether rows that effects were not fitted to tell of them, with no gearbox to simulate between."""
+    return not f.parted and len(f.problem.observations) > 1 and gain_where_unseen(f) > DEPENDS
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:

@@ -34,6 +34,21 @@ def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
     return found
 
 
+def beside_constants_as_filed(found: Search) -> Search:
+    """The search, at its end the effects' numbers as they are and all constants held at their file's values.
+
+    What is unknown may lead the constants away from where they follow the recordings, and not the effects beside them.
+    """
+    h = found.fit.hypothesis
+    values = {free.path: free.prior[0] for free in h.free if free.prior is not None}
+    return found.with_numbers(fit(found.problem, held_at(h, values), 0))
+
+
+def freed(found: Search, of: Search) -> Search:
+    """The search with its numbers where they are, as free as those of another with the same effects."""
+    return found.with_numbers(fit(found.problem, of.fit.hypothesis.at(found.fit.hypothesis.values), 0))
+
+
 def _as_filed(best: Fit) -> Fit | None:
     """The fit with all constants and the teeth at their file's values; None where no sides part.
 

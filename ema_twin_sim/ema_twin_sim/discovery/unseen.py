@@ -15,7 +15,7 @@ from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
 from ..criteria import CLEARLY_MORE
 from ..identification.equation import EquationErrorProblem
-from ..identification.fit import Fit
+from ..identification.fit import Fit, fit
 from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
 from ..model import Model
@@ -232,6 +232,28 @@ def judge_unseen(
         of_output[0] if of_output else None,
         *judged_from,
     )
+
+
+def gain_where_unseen(f: Fit) -> float:
+    """What the added effects gain by the rows of each recording with the numbers that all the others gave.
+
+    In units of what is left, beside constants that are fitted without them. The simulated loop does not tell what a
+    fast wave takes away, whose phase it soon loses, nor what the encoders alone show.
+    """
+    problem, bare = f.problem, f.hypothesis
+    for name in f.hypothesis.added:
+        bare = bare.without(name)
+    costs = []
+    for one in (fit(problem, bare, known=f), f):
+        unseen = np.zeros(problem.rows)
+        numbers = held_out(problem, one)
+        for t, e, values in zip(problem.torque_parts, problem.encoder_parts, numbers, strict=True):
+            residual = problem.residual(problem.predict(one.hypothesis.at(values), side_by_side=True))
+            for part in (t, e):
+                unseen[part] = problem.costs(residual)[part]
+        costs.append(unseen)
+    noise = np.repeat(f.temperatures, (problem.size, problem.rows - problem.size))
+    return float(np.sum((costs[0] - costs[1]) / noise))
 
 
 def _parting(problem: EquationErrorProblem, f: Fit, numbers: Sequence[np.ndarray]) -> float:

@@ -31,13 +31,13 @@ class Fit:
     raw: np.ndarray  # (m,) measured minus predicted, in units of noise
     weights: np.ndarray  # (m,) square roots of what each row counts
     differentiate: Callable[[], np.ndarray]  # gives the slopes; the same at every call
-    misfit: float  # without the priors
+    misfits: tuple[float, float]  # of the torque's rows and of the encoders', without the priors
     prior_cost: float
 
     @property
-    def judged(self) -> int:
-        """How many rows the misfit is over."""
-        return self.problem.judged
+    def judged(self) -> tuple[int, int]:
+        """How many rows of the torque, and of the encoders, the misfits are over."""
+        return self.problem.size, self.problem.judged - self.problem.size
 
     @property
     def cost(self) -> float:
@@ -45,11 +45,41 @@ class Fit:
         return self.misfit + self.problem.weighting.variance_inflation * self.prior_cost
 
     @property
-    def temperature(self) -> float:
-        """What a difference of misfits is divided by to count in units of the noise: rows are correlated, and what is
-        left over makes all of them count less.
+    def misfit(self) -> float:
+        """Of all rows."""
+        return sum(self.misfits)
+
+    @property
+    def temperatures(self) -> tuple[float, float]:
+        """What a difference of misfits, of the torque's rows and of the encoders', is divided by to count in units of
+        the noise: rows are correlated, and what is left over makes all rows of its kind count less.
+
+        What an encoder errs by between its lines says nothing of how well the torque is known.
         """
-        return CORRELATION * max(1.0, self.misfit / self.judged)
+        of_torque, of_encoders = (
+            CORRELATION * max(1.0, misfit / max(count, 1))
+            for misfit, count in zip(self.misfits, self.judged, strict=True)
+        )
+        return of_torque, of_encoders
+
+    @property
+    def temperature(self) -> float:
+        """What priors are held against: the noise of the rows that tell of the constants.
+
+        Those of the torque; where the output parts from the motor, or no torque was measured, the encoders' as well.
+        """
+        if self.judged[0] and not self.parted:
+            return self.temperatures[0]
+        return CORRELATION * max(1.0, self.misfit / sum(self.judged))
+
+    @property
+    def row_temperatures(self) -> np.ndarray:
+        """(m,) what each row's squared residual is divided by beside priors.
+
+        One for all where the output parts from the motor, since rows of both kinds tell of the same numbers there.
+        """
+        each = (self.temperature, self.temperature if self.parted else self.temperatures[1])
+        return np.repeat(each, (self.judged[0], len(self.raw) - self.judged[0]))
 
     @property
     def jacobian(self) -> np.ndarray:
@@ -145,4 +175,6 @@ def fit(
         if fall < tolerance + 1e-5 * cost:
             break
     prior_cost = float(pr @ pr) / inflation
-    return Fit(problem, h, predicted, raw, weights, differentiate, problem.misfit(raw), prior_cost)
+    costs = problem.costs(raw)
+    misfits = float(costs[: problem.size].sum()), float(costs[problem.size :].sum())
+    return Fit(problem, h, predicted, raw, weights, differentiate, misfits, prior_cost)

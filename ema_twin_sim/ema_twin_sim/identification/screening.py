@@ -37,13 +37,13 @@ class _Known:
     basis: np.ndarray  # (m, k)
     upper: np.ndarray  # (k, k), times the basis: the slopes
     left: np.ndarray  # (m,)
-    heat: float  # what a row is divided by to count as much as a prior does
+    heat: np.ndarray  # (m,) what each row is divided by to count as much as a prior does
 
     @classmethod
     def of(cls, problem: EquationErrorProblem, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
-        heat = math.sqrt(f.temperature)
-        slopes = np.concatenate([f.jacobian / heat, pj])
+        heat = np.sqrt(f.row_temperatures)
+        slopes = np.concatenate([f.jacobian / heat[:, None], pj])
         size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-30)
         basis, upper = np.linalg.qr(slopes / size)
         residual = np.concatenate([f.residual / heat, pr])
@@ -165,7 +165,7 @@ def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[fl
         if name in f.hypothesis.generic_bases:
             continue
         a = np.concatenate(
-            [columns * f.weights[:, None] / known.heat, np.zeros((len(r) - len(f.raw), columns.shape[1]))]
+            [columns * (f.weights / known.heat)[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))]
         )
         a -= q @ (q.T @ a)
         u, s, _ = np.linalg.svd(a, full_matrices=False)

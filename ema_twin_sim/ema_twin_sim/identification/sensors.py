@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, PART, SMALL
+from ..criteria import BESIDE_IMPACTS, CORRELATION, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .candidates import no_more_of
@@ -72,6 +72,24 @@ def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
     by_direction = gearbox[:, GEARBOX_COLUMNS - 1 :]
     coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), _unexplained(problem, f))
     return 2.0 * abs(float(coefficients[0]))
+
+
+def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, float]:
+    """(gain alone, gain beside all else) of an encoder's delay, in Cauchy's misfit over twice what is left a row.
+
+    A gearbox that winds up, or whose teeth part, lets the output lag behind the more the faster it turns, since
+    friction grows with speed: to a delay alone it is one. Beside the transmitted torque and its direction nothing is
+    left of that likeness, while of a true delay a part is that no torque explains.
+    """
+    gearbox, sensors = _columns(problem, f)
+    wanted = _unexplained(problem, f)
+    delay = sensors["encoder_delay"]
+    gains = []
+    for others in (gearbox[:, GEARBOX_COLUMNS:], np.concatenate([gearbox, sensors["encoder_eccentricity"]], axis=1)):
+        _, bare = _regress(others, wanted)
+        _, beside = _regress(np.concatenate([delay, others], axis=1), wanted)
+        gains.append((bare - beside) / (CORRELATION * max(1.0, beside / len(wanted))))
+    return gains[0], gains[1]
 
 
 def _unexplained(problem: EquationErrorProblem, f: Fit) -> np.ndarray:

@@ -33,23 +33,24 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     after the other (Tukey's jackknife, linearised) shows how far the numbers really move.
     """
     _, pj = prior_rows(f.hypothesis)
-    scale = f.temperature
-    information = f.jacobian.T @ f.jacobian
-    found = scaled_inverse(information / scale + pj.T @ pj)
+    heat = np.sqrt(f.row_temperatures)
+    hot = f.jacobian / heat[:, None]
+    found = scaled_inverse(hot.T @ hot + pj.T @ pj)
     which = blocks(problem.parts)
     # a generic basis's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do
     # is set aside first, in all blocks
     asked = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
-    aside, _ = np.linalg.qr(f.jacobian[:, ~asked])
-    jacobian = f.jacobian[:, asked] - aside @ (aside.T @ f.jacobian[:, asked])
-    residual = f.residual - aside @ (aside.T @ f.residual)
+    aside, _ = np.linalg.qr(hot[:, ~asked])
+    jacobian = hot[:, asked] - aside @ (aside.T @ hot[:, asked])
+    residual = f.residual / heat
+    residual = residual - aside @ (aside.T @ residual)
     pj = pj[:, asked]
     information = jacobian.T @ jacobian
     moves = []
     for k in np.unique(which):
         j, r = jacobian[which == k], residual[which == k]
-        left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
-        moves.append(-left @ (j.T @ r) / scale)
+        left = scaled_inverse(information - j.T @ j + pj.T @ pj)
+        moves.append(-left @ (j.T @ r))
     away = np.array(moves) - np.mean(moves, axis=0)
     found[np.ix_(asked, asked)] += (len(away) - 1) / len(away) * away.T @ away
     return found
@@ -58,17 +59,18 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
 def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
     _, pj = prior_rows(f.hypothesis)
-    scale = f.temperature
-    information = f.jacobian.T @ f.jacobian
+    heat = np.sqrt(f.row_temperatures)
+    jacobian, residual_here = f.jacobian / heat[:, None], f.residual / heat
+    information = jacobian.T @ jacobian
     lower, upper = problem.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
     moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
-        j, r = f.jacobian[rows], f.residual[rows]
-        left = scaled_inverse((information - j.T @ j) / scale + pj.T @ pj)
-        step = -left @ (j.T @ r) / scale * moving
+        j, r = jacobian[rows], residual_here[rows]
+        left = scaled_inverse(information - j.T @ j + pj.T @ pj)
+        step = -left @ (j.T @ r) * moving
         others = np.ones(problem.rows, bool)
         others[rows] = False
         # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by
@@ -78,7 +80,7 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
             trial = f.hypothesis.at(values)
             residual = problem.residual(problem.predict(trial, side_by_side=True))
             pr, _ = prior_rows(trial)
-            cost = float(problem.costs(residual)[others].sum()) / scale + float(pr @ pr)
+            cost = float((problem.costs(residual) / heat**2)[others].sum()) + float(pr @ pr)
             if cost < least:
                 best, least = values, cost
         found.append(best)

@@ -4,21 +4,23 @@ Where something is left that no effect explains, an effect that was found may be
 friction over the speed looks like Stribeck's. Then a basis of any shape over that quantity explains much more than the
 effect does. Where the effect's own shape explains what the basis explains, it is that effect, whatever else is left.
 
-An encoder that is late or errs shows in the encoders' difference alone, and takes most of it away: what takes a part of
-it beside something unknown is the likeness of lines that are interpolated, or of a gearbox that rings.
+An encoder that errs shows in the encoders' difference alone, and takes most of it away: what takes a part of it beside
+something unknown is the likeness of lines that are interpolated. One that is late is told from a gearbox that winds up
+by what it explains beside the torque that does so.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import MOSTLY, NEGLIGIBLE
+from ...criteria import DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
 from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, load_bases, order_bases
 from ...identification.screening import screen_generic_bases
+from ...identification.sensors import delay_beside_gearbox
 from .worth import ENCODER_ONLY
 
 
@@ -28,24 +30,28 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    over = catalogue()[f.hypothesis.added[name].effect].depends_on
+    effect = catalogue()[f.hypothesis.added[name].effect]
+    over = effect.depends_on
+    if effect.delays and not f.parted:
+        alone, beside_gearbox = delay_beside_gearbox(problem, f)
+        return beside_gearbox > max(DEPENDS, SMALL * alone)
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
-    if f.hypothesis.added[name].effect in ENCODER_ONLY:
+    if effect.id in ENCODER_ONLY:
         left = 1.0 - MOSTLY
         return _of_the_encoders(problem, f) <= left * _of_the_encoders(problem, bare)
     shapes = _over(problem, bare, over)
     if not shapes:  # of what shows over this, there is no other shape
         return True
     refuse_different_weightings(bare, f)
-    took = bare.misfit - f.misfit
-    if took < NEGLIGIBLE * f.judged:
+    took = bare.misfits[0] - f.misfits[0]
+    if took < DEPENDS * f.temperatures[0]:
         return False
     beside = problem.with_generic_bases(shapes)
     best = next((found for _, found in screen_generic_bases(beside, bare)), None)
     if best is None:
         return True
     any_shape = fit(beside, bare.hypothesis.with_generic_basis(best, shapes[best].shape[1]), 3, known=bare)
-    return took >= (1.0 - NEGLIGIBLE) * (bare.misfit - any_shape.misfit)
+    return took >= (1.0 - NEGLIGIBLE) * (bare.misfits[0] - any_shape.misfits[0])
 
 
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:

@@ -55,19 +55,18 @@ def penalised_gain(problem: EquationErrorProblem, before: Fit, after: Fit) -> fl
 
     Raises DifferentWeightings where they do not compare, as do all that hold one fit against another.
     """
-    refuse_different_weightings(before, after)
-    return (
-        (before.misfit - after.misfit) / noise_per_unit(problem, before, after)
-        + complexity_penalty(before)
-        - complexity_penalty(after)
-    )
+    fall = np.subtract(before.misfits, after.misfits)
+    gained = float(np.sum(fall / noise_per_unit(problem, before, after)))
+    return gained + complexity_penalty(before) - complexity_penalty(after)
 
 
-def noise_per_unit(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
-    """The difference of misfits that counts as one: beside an output that bounces, more is fitted by chance."""
+def noise_per_unit(problem: EquationErrorProblem, before: Fit, after: Fit) -> np.ndarray:
+    """The difference of misfits, of the torque's rows and of the encoders' (2,), that counts as one: beside an output
+    that bounces, more is fitted by chance.
+    """
     refuse_different_weightings(before, after)
     shaky = SHAKY if before.parted and after.parted else 1.0
-    return shaky * min(before.temperature, after.temperature)
+    return shaky * np.minimum(before.temperatures, after.temperatures)
 
 
 def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
@@ -109,7 +108,7 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         count, misfit, remains = problem.judged, before.misfit, after.misfit
     else:  # encoders that do not fit are no matter of torques
         count = problem.size
-        misfit, remains = (float(problem.costs(f.raw)[:count].sum()) for f in (before, after))
+        misfit, remains = before.misfits[0], after.misfits[0]
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
     floor = LEAST_SIZE_BESIDE_IMPACTS if after.parted else LEAST_SIZE

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...criteria import FAR_OUT, LEAST_SIZE, LIKELY, SIGNIFICANT, STANDSTILL
+from ...criteria import CORRELATION, FAR_OUT, LEAST_SIZE, LIKELY, SIGNIFICANT, STANDSTILL
 from ...effects import catalogue
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
@@ -108,7 +108,8 @@ def reverses(problem: EquationErrorProblem) -> bool:
 def information(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
-    return f.jacobian.T @ f.jacobian / f.temperature + pj.T @ pj
+    hot = f.jacobian / np.sqrt(f.row_temperatures)[:, None]
+    return hot.T @ hot + pj.T @ pj
 
 
 def _about(
@@ -189,7 +190,7 @@ def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
     best = found.fit
     if found.stopped is None or best.hypothesis.generic_bases or best.parted:
         return None
-    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.misfit / problem.judged))
+    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.temperature / CORRELATION))
     for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:

@@ -187,14 +187,30 @@ def torque_left(f: Fit) -> float:
 
 def significant(found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that."""
-    uncertain: frozenset[str] = frozenset()
     while name := insignificant(found.problem, found.fit):
-        uncertain |= {found.fit.hypothesis.added[name].effect}
-        found = less(found, [name], "too uncertain to be named")
-        once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
-        if back := (once & catalogue().keys()) - uncertain - {*found.fit.hypothesis.effects}:
-            found = found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
+        found = with_what_made_room(less(found, [name], "too uncertain to be named"))
     return found
+
+
+def with_what_made_room(found: Search) -> Search:
+    """The search with what was needless beside something that is no longer there, where it is worth its price again.
+
+    And with an encoder's own error where that something came in its place. What was taken out for a reason of its own
+    does not come back.
+    """
+    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
+    held = {*found.fit.hypothesis.added}
+    for turn in found.taken:
+        if held.isdisjoint(turn.added):
+            once |= ENCODER_ONLY & {e for trial in turn.tried if trial.gain > 0.0 for e in trial.fit.hypothesis.effects}
+    for turn in found.rounds:
+        if turn.reason != NEEDLESS:
+            went = turn.before.hypothesis.added
+            once -= {went[name].effect for name in turn.removed if name in went}
+    back = (once & catalogue().keys()) - {*found.fit.hypothesis.effects}
+    if not back:
+        return found
+    return found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
 
 
 def less(found: Search, names: Sequence[str], reason: str) -> Search:

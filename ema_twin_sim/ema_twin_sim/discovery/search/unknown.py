@@ -17,7 +17,7 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
-from .search import less, significant, take_best
+from .search import less, significant, take_best, with_what_made_room
 from .trace import Round, Search
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
@@ -82,7 +82,17 @@ def _add_dependences(
 
 
 def doubted(found: Search) -> Search:
-    """A search less the effects that may be nothing but the likeness of something unknown."""
+    """A search less the effects that may be nothing but the likeness of something unknown.
+
+    What had made room for these comes back, and is doubted in turn.
+    """
+    while names := _doubtful(found):
+        found = with_what_made_room(less(found, names, "may be nothing but the likeness of what is unknown"))
+    return found
+
+
+def _doubtful(found: Search) -> list[str]:
+    """The added effects that do not stand beside something unknown."""
     problem = beside_generic_bases(found.problem, found.fit)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
@@ -92,8 +102,7 @@ def doubted(found: Search) -> Search:
     stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
     stands -= {name for name in added if lags and over[name] == "encoders"}
-    reason = "may be nothing but the likeness of what is unknown"
-    return less(found, [name for name in added if name not in stands], reason)
+    return [name for name in added if name not in stands]
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
