@@ -40,4 +40,4 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     refuse_different_weightings(instead, f)
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
     gained = (f.misfit - instead.misfit) / instead.temperature - 2.0 * more  # each number gains two by chance, at most
-    return instead.misfit <= MISFIT_DOUBTED * instead.judged and gained > DEPENDS
+    return instead.misfit <= MISFIT_DOUBTED * sum(instead.judged) and gained > DEPENDS

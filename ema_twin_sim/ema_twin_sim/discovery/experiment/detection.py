@@ -20,6 +20,7 @@ from ...identification.candidates import candidates
 from ...identification.equation import EquationErrorProblem, Prediction
 from ...identification.fit import Fit, prior_rows
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
+from ...identification.jacobian import jacobian
 from ...identification.screening import STEP
 from ...identification.start_values import regressed_angle
 from ...measured.observation import Observation
@@ -104,7 +105,7 @@ class Detection:
         problem = EquationErrorProblem([recording])
         even = np.ones(problem.rows)
         predicted = problem.predict(self.hypothesis)
-        slopes = problem.jacobian(self.hypothesis, predicted, even)
+        slopes = jacobian(problem, self.hypothesis, predicted, even)
         rows = self._rows(problem, self.hypothesis, predicted, even, slopes)
         return rows.T @ rows / self._temperature
 
