@@ -58,7 +58,7 @@ def test_a_cause_for_each_constant_is_no_explanation(stock):
     recordings = record(stock.with_effect("torque_constant_error", {"scale": 0.7}), RUNS)
     problem = EquationErrorProblem(observe_all(recordings, stock))
     found = search(problem, null_hypothesis(stock), frozenset({"torque_constant_error"}))
-    assert len(only_constants(problem, found.fit)) > 1
+    assert len(only_constants(found.fit.problem, found.fit)) > 1
     two = null_hypothesis(stock).with_effect("viscous_friction", {"side": "motor"}, {"coefficient": 1e-3})
     two = two.with_effect("added_inertia", {}, {"inertia": 1e-5})
     assert only_constants(problem, fit(problem, two)) != ()
