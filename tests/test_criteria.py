@@ -62,6 +62,7 @@ METHOD = {
     "discovery/experiment/doubts.py": "ALTERNATIVES _MOVING",
     "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _STEP _STEPS _RUNNERS_UP _SIDE_BY_SIDE",
     "discovery/experiment/suggestion.py": "SLOW FAST",
+    "discovery/followed.py": "SECONDS STEPS ENOUGH TRIED FINER UNCOUNTED",
     "discovery/left_over.py": "_BINS _FEWEST",
     "discovery/search/found_orders.py": "HIGHEST HIGHEST_OF_MOTOR MOST FEWEST_TURNS SLOW SAME",
     "discovery/search/rivals.py": "SWAPS",

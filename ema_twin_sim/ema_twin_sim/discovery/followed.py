@@ -15,6 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..criteria import BESIDE_IMPACTS, CHAOTIC, CORRELATION, FAR_OFF_ROW, NEGLIGIBLE
@@ -29,6 +30,7 @@ from ..simulation.simulate_many import simulate_many
 from .search.trace import Search
 from .split import ClosedLoop
 
+JUDGED = ("current", "output_position", "motor_position")
 SECONDS = 6.0  # own s of a recording that are simulated
 STEPS = 4  # at most, under each weighting
 ENOUGH = 5e-3  # fall of the cost, as a share, below which a step is the last
@@ -40,12 +42,12 @@ UNCOUNTED = 1e12  # counts per turn: a counter's steps would hide what a small c
 def with_followed_numbers(loop: ClosedLoop, found: Search) -> Search:
     """The search, at its end the numbers with which the closed loop follows the recordings, where it does so better."""
     best, problem = found.fit, found.problem
-    if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"} or not problem.encoder_noise.size:
+    if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
     calm = [
         recording
         for recording, o in zip(loop.recordings, problem.observations, strict=True)
-        if float(np.abs(o.motion[:, ACCELERATION]).max()) < CHAOTIC and len(o.encoder_rows)
+        if float(np.abs(o.motion[:, ACCELERATION]).max()) < CHAOTIC and all(map(recording.has, JUDGED))
     ]
     if not calm:
         return found
@@ -76,8 +78,11 @@ class _Following:
     def fitted(self) -> Hypothesis:
         """The hypothesis at the numbers that follow best; what is far off counts little in the end."""
         h = self._start
-        for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS):
-            h = self._descended(h, cauchy_scale)
+        for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS) if self._moving else ():
+            try:
+                h = self._descended(h, cauchy_scale)
+            except InputError:  # some numbers near these make a loop that cannot be simulated
+                break
         return h
 
     def _descended(self, h: Hypothesis, cauchy_scale: float) -> Hypothesis:
@@ -141,7 +146,7 @@ class _Following:
     def _between(self, recording: Recording, twin: Recording) -> np.ndarray:
         current, output, motor = (
             recording.signals[name][1:] - twin.signals[name][1:]  # both start from the first sample
-            for name in ("current", "output_position", "motor_position")
+            for name in JUDGED
         )
         difference = output - motor / self._ratio
         rows = (current / self._noise[0], (difference - np.nanmedian(difference)) / self._noise[1])
