@@ -25,10 +25,9 @@ def observed(model, command, seconds, seed=None):
 
 
 def found_by(model, recording, effect="", **parameters):
-    """What is found where nothing is missing, or one effect: (problem, fit)."""
-    problem = EquationErrorProblem([recording])
+    """The fit of the constants, or of one effect beside them."""
     h = null_hypothesis(model)
-    return problem, fit(problem, h.with_effect(effect, {}, parameters) if effect else h)
+    return fit(EquationErrorProblem([recording]), h.with_effect(effect, {}, parameters) if effect else h)
 
 
 @pytest.mark.parametrize(
@@ -43,8 +42,8 @@ def found_by(model, recording, effect="", **parameters):
 def test_a_refit_is_as_sure_as_was_predicted(stock, effect, command):
     """Of a size that stands out by n standard errors, a fit to what is then recorded tells it to one n-th."""
     slow = observed(stock, *SLOW, seed=1)
-    problem, found = found_by(stock, slow)
-    detection = Detection(problem, found, frozenset())
+    found = found_by(stock, slow)
+    detection = Detection(found, frozenset())
     there = stock.with_effect(effect)
     predicted = Showing(
         detection.effects,
@@ -73,11 +72,11 @@ def test_a_refit_is_as_sure_as_was_predicted(stock, effect, command):
 def test_what_a_recording_tells_adds_up(stock):
     """The information of two recordings is that of both together, found at once."""
     first, second = observed(stock, *SLOW, seed=1), observed(stock, "sine:0.05:0.25", 12.0, seed=2)
-    problem, found = found_by(stock, first)
-    one = Detection(problem, found, frozenset())
+    found = found_by(stock, first)
+    one = Detection(found, frozenset())
     both = EquationErrorProblem([first, second])
     even = fit(both, found.hypothesis, 0)
-    at_once = Detection(both, replace(even, misfit=found.misfit / found.judged * even.judged), frozenset())
+    at_once = Detection(replace(even, misfit=found.misfit / found.judged * even.judged), frozenset())
     apart = one.apart(one.so_far + one.of(second))
     assert at_once.effects == one.effects
     assert apart == pytest.approx(at_once.apart(at_once.so_far), rel=0.05, abs=0.1)
@@ -87,8 +86,8 @@ def test_what_a_recording_tells_adds_up(stock):
 def test_friction_that_follows_a_load_asks_for_a_long_way_to_and_fro(stock):
     """Beside a spring it shows by what the way back lacks of the way out, where the spring is wound far."""
     sprung = stock.with_effect("spring_load", {"stiffness": 0.08})
-    problem, found = found_by(stock, observed(sprung, *SLOW, seed=1), "spring_load", stiffness=0.08)
-    detection = Detection(problem, found, frozenset())
+    found = found_by(stock, observed(sprung, *SLOW, seed=1), "spring_load", stiffness=0.08)
+    detection = Detection(found, frozenset())
 
     def shown(command):
         apart = detection.apart(detection.so_far + detection.of(observed(sprung, command, 20.0)))

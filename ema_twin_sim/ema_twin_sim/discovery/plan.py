@@ -113,7 +113,7 @@ def plan(
     allowed = limits or driven_limits(problem.observations, own.value("machine.gear_ratio"))
     held = doubts(problem, found.search, found.rivalries, frozenset(without))
     progress("asking what would not show")
-    detection = Detection(problem, found.search.fit, excluded_effects(found.recordings, own, without))
+    detection = Detection(found.search.fit, excluded_effects(found.recordings, own, without))
     choice = best_command(
         problem,
         found.search.fit,

@@ -17,10 +17,11 @@ import numpy as np
 from ...criteria import DECIDED, SIGNIFICANT, UNSEEN_SPREAD
 from ...effects import catalogue
 from ...identification.candidates import candidates
-from ...identification.equation import EquationErrorProblem, Prediction
+from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, prior_rows
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.jacobian import jacobian
+from ...identification.prediction import Prediction
 from ...identification.screening import STEP
 from ...identification.start_values import regressed_angle
 from ...measured.observation import Observation
@@ -87,13 +88,13 @@ class _Column:
 class Detection:
     """The effects that may be added to an explanation, and how far recordings would show them."""
 
-    def __init__(self, problem: EquationErrorProblem, found: Fit, excluded: frozenset[str]) -> None:
+    def __init__(self, found: Fit, excluded: frozenset[str]) -> None:
         self.hypothesis = without_generic_bases(found.hypothesis)
         self._temperature = found.temperature
         self._columns = _columns(found.hypothesis, excluded)
         self.effects = tuple(dict.fromkeys(column.effect for column in self._columns))
         _, priors = prior_rows(found.hypothesis)
-        rows = self._rows(problem, found.hypothesis, found.predicted, found.weights, found.jacobian)
+        rows = self._rows(found.problem, found.hypothesis, found.predicted, found.weights, found.jacobian)
         information = rows.T @ rows / self._temperature
         count = len(found.hypothesis.free)
         information[:count, :count] += priors.T @ priors
