@@ -22,12 +22,12 @@ from ...criteria import (
     UNEXPLAINED,
 )
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit
-from ...identification.generic_bases import beside_generic_bases
+from ...identification.fit import Fit, fit
+from ...identification.generic_bases import beside_generic_bases, dependence
 from ...identification.screening import screen_generic_bases
 from ...plant.measured_motion import SPEED
 from .plausible import only_constants, strained
-from .worth import left_over
+from .worth import largest_rms_reduction, left_over
 
 
 def explained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
@@ -87,8 +87,21 @@ def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
 
 
 def depends(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether what is left depends on anything."""
-    return any(gained > DEPENDS for gained, _ in screen_generic_bases(beside_generic_bases(problem, f), f)[:1])
+    """Whether what is left depends on anything.
+
+    The load is what a fit makes of it, by laws of friction that no machine follows to a per cent: what follows it must
+    be of a size that is worth a name, too.
+    """
+    beside = beside_generic_bases(problem, f)
+    telling = [name for gained, name in screen_generic_bases(beside, f) if gained > DEPENDS]
+    return any(dependence(name) != "load" or _worth_a_name(beside, f, name) for name in telling)
+
+
+def _worth_a_name(problem: EquationErrorProblem, f: Fit, basis: str) -> bool:
+    """Whether a generic basis takes as much from some recording's rows as an effect must."""
+    columns = problem.generic_bases[basis].shape[1]
+    after = fit(problem, f.hypothesis.with_generic_basis(basis, columns), 3, known=f)
+    return largest_rms_reduction(problem, f, after) >= LEAST_SIZE
 
 
 def coarse(problem: EquationErrorProblem) -> bool:
