@@ -23,10 +23,16 @@ def machine():
     return load_model("polito_bench").with_effect("backlash", {"width": WIDTH})
 
 
-def searched(machine, width):
-    """(loop, search) that ended with play of ``width`` [rad] and the stock model's constants and teeth."""
+def searched(machine, width, **told):
+    """(loop, search) that ended with play of ``width`` [rad] and the stock model's constants and teeth.
+
+    ``told`` are values of its sensors that the model's file has instead.
+    """
     recordings = [virtual_bench(machine, parse_command(c), 5.0, seed=k) for k, c in enumerate(COMMANDS)]
-    recordings, model = to_own_units(recordings, load_model("polito_bench"))
+    model = load_model("polito_bench")
+    for name, value in told.items():
+        model = model.with_value(f"sensors.{name}", value)
+    recordings, model = to_own_units(recordings, model)
     problem = EquationErrorProblem(observe_all(list(recordings), model))
     null = null_hypothesis(model)
     bare = fit(problem, null, 0)
@@ -46,6 +52,12 @@ def test_the_loop_finds_the_output_s_own_friction(machine):
     assert values["effects.backlash.width"] == pytest.approx(WIDTH, rel=1e-3)
     before, after = np.sqrt(loop.errors([found.fit.hypothesis, followed.fit.hypothesis]))
     assert after < 0.5 * before
+
+
+def test_noise_that_the_model_does_not_tell_is_read_off_the_recordings(machine):
+    loop, found = searched(machine, 0.9 * WIDTH, current_noise=0.0)
+    followed = with_followed_numbers(loop, found)
+    assert followed.fit.hypothesis.by_path["effects.backlash.width"] == pytest.approx(WIDTH, rel=1e-3)
 
 
 def test_what_follows_already_stays(machine):

@@ -63,7 +63,8 @@ def test_what_never_came_a_second_time_is_not_seen_to_repeat(stock):
     for amplitude, shown in ((0.25 / 124.0, [six]), (2.0 / 124.0, [one, six])):
         runs = record(model, (f"sine:{2.0 * math.pi * amplitude:g}:0.5",))
         problem = EquationErrorProblem(observe_all(runs, model))
-        assert resolved(problem, [one, six], 124.0) == shown
+        assert resolved(problem, [one, six], model) == shown
+        assert resolved(problem, [one, six], stock) == [one, six]  # whose orders are known
 
 
 def test_orders_are_named_by_what_the_model_says(tmp_path):

@@ -220,7 +220,7 @@ def _chances(
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
         noise = np.repeat(noise_per_unit(problem, before, after), (problem.size, problem.rows - problem.size))
-        fall = np.bincount(blocks, (problem.costs(before.raw) - problem.costs(after.raw)) / noise)
+        fall = np.bincount(blocks, (before.problem.costs(before.raw) - after.problem.costs(after.raw)) / noise)
         table[:, column] = drawn @ fall - (complexity_penalty(after) - complexity_penalty(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS
     return [(entry, float(share)) for entry, share in zip([*entries, None], wins, strict=True) if share > 0.0]

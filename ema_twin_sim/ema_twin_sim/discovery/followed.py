@@ -25,7 +25,8 @@ from ..identification.fit import fit, prior_rows
 from ..identification.hypothesis import Hypothesis
 from ..identification.parallel import simulations
 from ..plant.measured_motion import ACCELERATION
-from ..simulation.sensor_noise import counter_noise, noise_floors
+from ..reading_noise import reading_noise
+from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate_many import simulate_many
 from .search.trace import Search
 from .split import ClosedLoop
@@ -62,11 +63,12 @@ class _Following:
     def __init__(self, problem: EquationErrorProblem, recordings: Sequence[Recording], start: Hypothesis) -> None:
         model = start.model()
         one = {side: counter_noise(model, side) for side in ("motor", "output")}
-        floors = noise_floors(model, has_speed=True, period=recordings[0].sample_period)
+        # a model that tells of no noise leaves it to be read off the recordings
+        current = model.value("sensors.current_noise") or max(reading_noise(r.signals["current"]) for r in recordings)
         self._start = start
         self._recordings = [_beginning(recording) for recording in recordings]
         self._ratio = model.value("machine.gear_ratio")
-        self._noise = floors["current"], math.hypot(one["output"], one["motor"] / self._ratio)
+        self._noise = current, math.hypot(one["output"], one["motor"] / self._ratio)
         self._lower, self._upper = problem.bounds(start)
         settled = [name for name, one in start.added.items() if catalogue()[one.effect].settle is not None]
         kinds = ("scale.", "contact.", *(f"effects.{name}." for name in settled))
@@ -78,7 +80,8 @@ class _Following:
     def fitted(self) -> Hypothesis:
         """The hypothesis at the numbers that follow best; what is far off counts little in the end."""
         h = self._start
-        for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS) if self._moving else ():
+        told = self._moving and min(self._noise) > 0.0  # beside signals without noise, every row is beyond all bounds
+        for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS) if told else ():
             try:
                 h = self._descended(h, cauchy_scale)
             except InputError:  # some numbers near these make a loop that cannot be simulated

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -52,7 +53,8 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
     Whole orders are any shaft's. Others are no likelier there than those that its recordings show, or its model names.
     """
     order = float(options.get("order", 1.0))
-    return h.base.other_orders and not order.is_integer() and order not in h.base.orders.values()
+    named = any(math.isclose(order, known, rel_tol=1e-3) for known in h.base.orders.values())
+    return h.base.other_orders and not order.is_integer() and not named
 
 
 def no_more_of(h: Hypothesis) -> frozenset[str]:

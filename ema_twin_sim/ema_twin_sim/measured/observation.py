@@ -201,7 +201,7 @@ def observe(recording: Recording, model: Model) -> Observation:
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
-        coarse=by_torque and _resolution(recording.signals["current"], model) > 0.0,
+        coarse=by_torque and _resolution(recording.signals["current"], model, reading_noise(signals["current"])) > 0.0,
         below_shock_limit=hit[rows] < HARD,
         after_impact=after_impact[rows],
         encoder_rows=encoder_rows,
@@ -304,11 +304,14 @@ def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, mode
     return model.value("machine.torque_constant") * math.hypot(white * smoothed, resolution)
 
 
-def _resolution(raw: np.ndarray, model: Model) -> float:
-    """Standard deviation [A] of what a current's steps round off; zero where they are no wider than its noise."""
+def _resolution(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
+    """Standard deviation [A] of what a current's steps round off; zero where they are no wider than its noise.
+
+    That is the model's, or what was ``read`` off the recording where the model tells of none.
+    """
     levels = np.unique(raw[np.isfinite(raw)])
     step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
-    return step / math.sqrt(12.0) if step > 2.0 * model.value("sensors.current_noise") else 0.0
+    return step / math.sqrt(12.0) if step > 2.0 * max(model.value("sensors.current_noise"), read) else 0.0
 
 
 def _encoder_noise(model: Model) -> float:

@@ -96,9 +96,7 @@ def _chart(name: str, parts: Sequence[Shown], names: Sequence[str], points: int,
     )
 
 
-def _choice(
-    name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int
-) -> dict[str, Any]:
+def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int) -> dict[str, Any]:
     """What is drawn of one recording; nothing where it lacks the signal."""
     if any(name not in beside.curves for beside in besides):
         lacks = {

@@ -39,5 +39,7 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     instead = fit(beside, bare.hypothesis.with_generic_basis(basis, columns), 3, known=bare)
     refuse_different_weightings(instead, f)
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
-    gained = (f.misfit - instead.misfit) / instead.temperature - 2.0 * more  # each number gains two by chance, at most
-    return instead.misfit <= MISFIT_DOUBTED * sum(instead.judged) and gained > DEPENDS
+    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[
+        0
+    ] - 2.0 * more  # each number gains two by chance, at most
+    return instead.misfits[0] <= MISFIT_DOUBTED * instead.judged[0] and gained > DEPENDS

@@ -13,6 +13,7 @@ from ...identification.candidates import Candidate, no_more_of
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
+from ...model import Model
 from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 
@@ -103,9 +104,9 @@ def highest_order(o: Observation) -> float:
     return float(np.pi / np.median(steps)) if len(steps) else 0.0
 
 
-def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_ratio: float) -> list[Candidate]:
-    """The candidates without those that repeat with each turn where the motor made too little of one, or of which not
-    one cycle was recorded, and without the orders that points do not resolve.
+def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model: Model) -> list[Candidate]:
+    """The candidates without those that repeat with each turn where the motor made too little of one, and without the
+    orders that points do not resolve. On a machine of unknown orders, one cycle must have been recorded.
 
     Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
     """
@@ -118,9 +119,10 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], gear_r
         by_turns = effect.depends_on not in ("output_position", "encoders") and any(
             p.periodic for p in effect.parameters
         )
-        order = motor_order(c.effect, float(c.options.get("order", 1.0)), gear_ratio)
-        if by_turns and (turns < FEWEST_TURNS or turns * order < 1.0):
-            return False  # what never came a second time is not seen to repeat
+        order = motor_order(c.effect, float(c.options.get("order", 1.0)), model.value("machine.gear_ratio"))
+        unseen = model.other_orders and turns * order < 1.0  # what never came a second time is not seen to repeat
+        if by_turns and (turns < FEWEST_TURNS or unseen):
+            return False
         return "order" not in c.options or order < highest
 
     return [c for c in options if shows(c)]

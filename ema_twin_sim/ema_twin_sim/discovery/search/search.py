@@ -340,7 +340,7 @@ def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str
     """The current hypothesis with each of the most promising effects added."""
     options = [c for c in candidates(current.hypothesis, without) if c.effect not in COMPLIANT_EFFECTS]
     options += [c for c in order_candidates(problem, current) if c.effect not in without]
-    ranked = screen(problem, current, resolved(problem, options, current.hypothesis.base.value("machine.gear_ratio")))
+    ranked = screen(problem, current, resolved(problem, options, current.hypothesis.base))
     picked: list[Screened] = []
     for s in ranked:
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
