@@ -7,14 +7,14 @@ effect's place, explains all that the effect does and this too.
 
 from __future__ import annotations
 
-from ...criteria import DEPENDS, MISFIT_DOUBTED
+from ...criteria import DEPENDS, LEAST_SIZE, MISFIT_DOUBTED
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import load_bases
+from ...identification.generic_bases import dependence, load_bases
 from ...identification.screening import screen_generic_bases
 from .explained import coarse
-from .worth import ENCODER_ONLY
+from .worth import ENCODER_ONLY, largest_rms_reduction
 
 
 def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
@@ -38,6 +38,8 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     columns = beside.generic_bases[basis].shape[1]
     instead = fit(beside, bare.hypothesis.with_generic_basis(basis, columns), 3, known=bare)
     refuse_different_weightings(instead, f)
+    if dependence(basis) == "load" and largest_rms_reduction(problem, f, instead) < LEAST_SIZE:
+        return False  # as in ``explained.depends``: a load is known no better
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
     gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[
         0
