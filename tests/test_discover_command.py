@@ -300,9 +300,9 @@ def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("gain", "text"),
     [
-        (-1.0, "not worth its price"), (0.085, "explaining less than 1 % as much"),
-        (84.4, "explaining 84 % as much"), (99.7, "explaining as much by itself"),
-        (130.0, "explaining as much by itself"),
+        (-1.0, "not worth its price"), (0.085, "less than 1 % of the step's gain"),
+        (84.4, "84 % of the step's gain"), (99.7, "as much gain as the step's"),
+        (130.0, "as much gain as the step's"),
     ],
 )  # fmt: skip
 def test_the_runner_up_in_words(gain, text):

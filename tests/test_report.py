@@ -140,7 +140,7 @@ def test_the_head_tells_what_was_wrong_how_sure_that_is_and_what_is_left(written
     text = Read(written).text
     assert "polito_bench lacks backlash (or encoder delay)." in text
     assert "width 4.000 ± 0.020 mrad" in text
-    assert "Runner-up to backlash: encoder delay, explaining 12 % as much." in text
+    assert "Runner-up to backlash: encoder delay, 12 % of the step's gain." in text
     assert "Probability of each: backlash 98 %" in text
     assert "cannot tell apart: backlash or encoder delay" in text
     assert "no date in the files" in text and "2 recordings, 10.0 s" in text and "ema-twin 1.2.3" in text

@@ -123,7 +123,14 @@ def test_fitting_is_told_alike_where_all_is_noise():
     noise = {"current": {"rmse": 0.003, "noise_floor": 0.003, "unit": "A", "relative": 0.0, "driven": False}}
     assert fit_sentences(noise, noise, ["current"]).endswith("leaves it at the sensors' noise.")
     found, fitted = ({"current": {**noise["current"], "rmse": rmse}} for rmse in (0.006, 0.005))
-    assert fit_sentences(found, fitted, ["current"]).endswith("error of the current from 6.00 mA to 5.00 mA.")
+    assert fit_sentences(found, fitted, ["current"]).endswith(
+        "loop takes the error of the current from 6.00 mA to 5.00 mA."
+    )
+    assert fit_sentences(found, found, ["current"]).endswith("loop leaves the error of the current at 6.00 mA.")
+    found, fitted = ({**errors, "speed": {**found["current"], "unit": "rad/s"}} for errors in (found, fitted))
+    assert fit_sentences(found, fitted, ["speed", "current"]).endswith(
+        "takes the error of the current from 6.00 mA to 5.00 mA and leaves that of the speed at 6.00 mrad/s."
+    )
 
 
 def test_views_show_all_three(tmp_path, content):

@@ -41,8 +41,8 @@ ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.js
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
 
 STEPS_ARE = (
-    "Excess: the mean square above that of the sensors' noise. Runner-up: what would have been added instead, and how "
-    "much of the misfit to torque and encoders that explains, beside what the step explains."
+    "Excess: the mean square above that of the sensors' noise. Runner-up: the second-best effect in that step, and its "
+    "gain as a share of the step's."
 )
 """What the columns of the table of steps are."""
 _LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none

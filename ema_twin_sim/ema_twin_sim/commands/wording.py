@@ -97,20 +97,25 @@ def fit_sentences(
     """
     telling = [name for name in signals if not (is_noise(found[name]) and is_noise(fitted[name]))]
     if not telling:
-        return "Fitting the numbers of the model found to the simulated loop leaves it at the sensors' noise."
-    each = []
+        return "Fitting the found model's numbers to the simulated loop leaves it at the sensors' noise."
+    moved, left = [], []
     for name in telling:
         before, after = (quantity(errors[name]["rmse"], errors[name]["unit"]) for errors in (found, fitted))
-        each.append(f"that of the {name.replace('_', ' ')} from {before} to {after}")
-    errors = listed(each).removeprefix("that ")
-    said = f"Fitting the numbers of the model found to the simulated loop takes the error {errors}."
+        whose = f"that of the {name.replace('_', ' ')}"
+        if before == after:
+            left.append(f"{whose} at {after}")
+        else:
+            moved.append(f"{whose} from {before} to {after}")
+    does = listed(f"{verb} {listed(each)}" for verb, each in (("takes", moved), ("leaves", left)) if each)
+    said = f"Fitting the found model's numbers to the simulated loop {does.replace('that', 'the error', 1)}."
     worst = max(telling, key=lambda name: fitted[name]["rmse"] / max(fitted[name]["noise_floor"], 1e-300))
     if fit is None or worst not in fit.after:
         return said
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
     gain = "" if fit.after[worst] < fit.before[worst] else ", so that fitting gains nothing there"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
-    return f"{said} On what was not fitted to ({fit.judged_on}), {which} goes from {before} to {after}{gain}."
+    goes = f"stays at {after}" if before == after else f"goes from {before} to {after}"
+    return f"{said} On what was not fitted to ({fit.judged_on}), {which} {goes}{gain}."
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:
@@ -244,8 +249,8 @@ def _runner_up(step: Step) -> str:
     if share <= 0.0:
         return f"{name}, not worth its price"
     if share >= 0.995:
-        return f"{name}, explaining as much by itself"
-    return f"{name}, explaining {f'{100.0 * share:.0f} %' if share >= 0.01 else 'less than 1 %'} as much"
+        return f"{name}, as much gain as the step's"
+    return f"{name}, {f'{100.0 * share:.0f} %' if share >= 0.01 else 'less than 1 %'} of the step's gain"
 
 
 def change_words(held: Mapping[str, Any]) -> str:
