@@ -88,7 +88,8 @@ def _descend(
         residual = raw * weights
         if ended or turn == iterations:
             break
-        progress(f"round {turn + 1}: misfit {math.sqrt(plain / misfit.rows):.3g}")
+        # rows are in units of the noise that each part is allowed, and outliers count less
+        progress(f"round {turn + 1}: misfit {math.sqrt(plain / misfit.rows):.3g} times the noise allowed for")
         curvature = slopes.T @ slopes / misfit.variance + np.diag(inverse**2)
         downhill = slopes.T @ residual / misfit.variance + inverse * known
         # numbers held on a bound that they push against
