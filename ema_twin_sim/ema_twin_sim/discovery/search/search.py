@@ -236,17 +236,17 @@ def add_effects(
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
     rounds: list[Round] = []
-    banned: frozenset[str] = frozenset()
+    excluded: frozenset[str] = frozenset()
     for _ in range(most):
         progress("trying all effects")
         turn = take_best(
-            current, [with_one_more(current, h) for h in entrants(current.problem, current, without | banned)]
+            current, [with_one_more(current, h) for h in entrants(current.problem, current, without | excluded)]
         )
         rounds.append(turn)
         if not turn.added:
             break
         progress("found " + " and ".join(turn.added))
-        banned |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
+        excluded |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
         current = turn.after
     return current, rounds
 

@@ -40,7 +40,6 @@ def beside_the_unknown(
         return found, _most_likely(beside_generic_bases(found.problem, found.fit), found.fit)
     start = found.rounds[0].before
     found = doubted(found)
-    progress("asking what the rest depends on")
     known = {catalogue()[effect].depends_on for effect in found.fit.hypothesis.effects}
     every = beside_generic_bases(found.problem, found.fit).generic_bases
     bases: Mapping[str, np.ndarray] = {
@@ -64,19 +63,19 @@ def _add_dependences(
     With each round go the orders that its residual shows most.
     """
     rounds: list[Round] = []
-    banned: frozenset[str] = frozenset()
+    excluded: frozenset[str] = frozenset()
     for _ in range(MOST_ROUNDS):
-        progress("trying all effects")
+        progress("asking what the rest depends on")
         bases = {**bases, **order_bases(current.problem, current)}
         problem = current.problem.with_generic_bases(bases)
-        names = [name for _, name in screen_generic_bases(problem, current) if name not in banned][:TRIED]
+        names = [name for _, name in screen_generic_bases(problem, current) if name not in excluded][:TRIED]
         more = [current.hypothesis.with_generic_basis(name, bases[name].shape[1]) for name in names]
         turn = take_best(current, [fit(problem, h, 3, known=current) for h in more])
         rounds.append(turn)
         if not turn.added:
             break
         progress("found " + " and ".join(turn.added))
-        banned |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
+        excluded |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
         current = turn.after
     return current, rounds, bases
 
