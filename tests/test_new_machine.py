@@ -227,13 +227,13 @@ def test_the_shaft_is_asked_for_behind_a_gearbox(tmp_path):
     )  # fmt: skip
 
 
-def joint(tmp_path, peak, position="position [rad]"):
+def joint(tmp_path, peak, position="position [rad]", torque="current [A]"):
     """A trace that tells position and speed of one shaft, up to ``peak`` [rad/s], without saying whose they are."""
     time = np.arange(1500) * 8e-3
     angle, speed = peak / 2.0 * np.sin(2.0 * time), peak * np.cos(2.0 * time)
     current = 3.0 * np.cos(angle) + np.sign(speed)
     table = np.column_stack([time, angle, speed, current])
-    header = f"time [s],{position},speed [rad/s],current [A]"
+    header = f"time [s],{position},speed [rad/s],{torque}"
     np.savetxt(tmp_path / "j.csv", table, "%.9g", ",", header=header, comments="")
 
 
@@ -262,3 +262,25 @@ def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, rati
     own = told / (ratio if at_joint else 1.0)
     assert load_model(tmp_path / "j.yaml").value("machine.torque_constant") == pytest.approx(own)
     assert ("CHECK" in line_of(tmp_path / "j.yaml", "torque_constant")) == at_joint
+
+
+@pytest.mark.parametrize(("torque", "at_output"), [("torque [N m]", True), ("motor torque [N m]", False)])
+def test_each_column_that_follows_a_joint_is_to_be_looked_at(tmp_path, torque, at_output):
+    joint(tmp_path, 0.6, torque=torque)
+    printed = done("init", "j.csv", "-o", "j", "--gear-ratio", 100, cwd=tmp_path).stdout
+    for signal, flipped in (("motor_position", True), ("speed", True), ("motor_torque", at_output)):
+        line = line_of(tmp_path / "j_map.yaml", f" {signal}:")
+        assert ("shaft: output}  # CHECK: " in line) == flipped, line
+    columns = ("torque [N m], " if at_output else "") + "speed [rad/s], position [rad]"
+    said = next(line for line in printed.splitlines() if line.startswith("Assumed: "))
+    assert said.startswith(f"Assumed: {columns} told at the output's shaft: no faster than 0.6 rad/s")
+    assert "a gear of 100 exceeds 1 rad/s" in said and "'motor position [rad]', and run init again" in said
+
+
+def test_what_a_drives_voltage_decided_is_said_with_the_number_and_the_remedy(tmp_path):
+    joint(tmp_path, 0.6)
+    arguments = ("--gear-ratio", 100, "--torque-constant", 20)
+    done("init", "j.csv", "-o", "j", *arguments, cwd=tmp_path)
+    printed = done("init", "j.csv", "-o", "k", "--map", "j_map.yaml", *arguments, cwd=tmp_path).stdout
+    said = next(line for line in printed.splitlines() if line.startswith("Assumed: torque constant told at the joint"))
+    assert "20 N m/A would induce 1200 V" in said and "600 V" in said and "remove `shaft: output`" in said

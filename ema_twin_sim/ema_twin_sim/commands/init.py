@@ -98,7 +98,7 @@ def run(
     if traces:
         for guess in guesses.signals:
             say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
-        _say_what_it_rests_on(files[1])
+        _say_what_it_rests_on(files[1], drafts.assumed)
     for question in drafts.questions:
         warn(question)
     _say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
@@ -116,16 +116,16 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
         raise InputError("init: --map reads recordings; name one, or leave --map out to be asked")
     recordings = [load(trace, import_map=map_file) for trace in traces]
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
-    text = checked_model(recordings, given, shaft)
+    text, assumed = checked_model(recordings, given, shaft)
     _write(place, text, force)
-    _say_what_it_rests_on(place)
+    _say_what_it_rests_on(place, assumed)
     say(f"{place}: {_to_look_at(text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
 
 
-def _say_what_it_rests_on(place: Path) -> None:
-    """Say what the recordings showed of the machine, and what the model only assumes."""
+def _say_what_it_rests_on(place: Path, by_size: Sequence[str]) -> None:
+    """Say what the recordings showed of the machine, what the model only assumes, and what was decided ``by_size``."""
     from ..model import load_model
     from ..new_machine.told import assumed, shown
 
@@ -133,6 +133,8 @@ def _say_what_it_rests_on(place: Path) -> None:
     for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
         if numbers:
             say(f"{text}: {', '.join(numbers)}")
+    for decided in by_size:
+        say(f"Assumed: {decided}")
 
 
 def _to_look_at(text: str) -> str:

@@ -69,6 +69,7 @@ class Guess:
     counts: float | None = None  # of a turn, where it is a counter; None where they are unknown
     doubt: str = ""  # what to look at, where the unit was not in the name
     of_motor: bool = False  # whether its name says that it is told at the motor's shaft
+    shaft_doubt: str = ""  # what to look at, where the shaft was not in the name
 
     @property
     def shaft(self) -> str:

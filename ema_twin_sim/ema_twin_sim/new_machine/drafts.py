@@ -15,7 +15,7 @@ import yaml
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.recording import AT, MOTION, Recording
+from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
 from ema_bench_replay.units import signal_unit, unit_in
 
@@ -61,11 +61,19 @@ class Given:
 
 
 class Drafts(NamedTuple):
-    """Texts of a map (empty where one was given) and of a model, and what to ask about the recording's units."""
+    """Texts of a map and of a model, what to ask about the recording's units, and what was decided by usual sizes."""
 
     map: str
     model: str
     questions: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+
+
+class ModelDraft(NamedTuple):
+    """The text of a model, and what in it was decided by usual sizes, with the remedy."""
+
+    text: str
+    assumed: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -81,7 +89,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
         metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
         recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
-        return Drafts(drafted, checked_model((recording,), given, shaft))
+        return Drafts(drafted, checked_model((recording,), given, shaft).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
     units = {guess.signal: guess.unit for guess in guesses.signals}
@@ -93,11 +101,25 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
+    assumed = []
     if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
-        shaft = Shaft("output", given.gear_ratio, slow)
-        guesses = replace(guesses, signals=tuple(replace(g, of_output=not g.of_motor) for g in guesses.signals))
+        shaft = Shaft("output", given.gear_ratio, f"{slow}: taken for the output's angle")
+        guesses = replace(guesses, signals=tuple(map(_of_the_output, guesses.signals)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
-    return Drafts(draft_map(guesses, of, shaft), checked_model(recordings, given, shaft), questions)
+        columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
+        assumed = [
+            f"{columns} told at the output's shaft: {slow} rad/s (where one is the motor's, write so in its name, "
+            "as in 'motor position [rad]', and run init again)"
+        ]
+    model = checked_model(recordings, given, shaft)
+    return Drafts(draft_map(guesses, of, shaft), model.text, questions, (*assumed, *model.assumed))
+
+
+def _of_the_output(guess: Guess) -> Guess:
+    """A column whose name tells no shaft as the output's, which the position beside it is taken for."""
+    if guess.of_motor or guess.of_output or guess.signal not in AT_EITHER_SHAFT:
+        return guess
+    return replace(guess, of_output=True, shaft_doubt="taken for the output's, as the position is")
 
 
 def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
@@ -109,14 +131,14 @@ def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
         return [load(trace, import_map=place) for trace in traces]
 
 
-def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> str:
+def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
     """YAML of a first model that can be read. The motor's position is as its column has it, of that ``shaft``."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
-        text = draft_model(recordings, given, shaft)
-        place.write_text(text)
+        draft = draft_model(recordings, given, shaft)
+        place.write_text(draft.text)
         load_model(place)
-    return text
+    return draft
 
 
 def _farthest(recordings: Sequence[Recording]) -> Recording:
@@ -175,7 +197,7 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> str:
+def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
     """YAML of a first model, everything open that recordings may tell.
 
     Their motor position is as its column has it, of that ``shaft``.
@@ -191,6 +213,8 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         and (abs(ratio.value - 1.0) > ALIKE or positions_part(recording, ratio.value))
     )
     two_sided |= of_encoders_alone(recording)  # which show nothing else than what is between them
+    turns = 1.0 if ratio is None else ratio.value
+    at_joint = _joint_constant(recordings, given.torque_constant, turns)
     lines = [
         f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
         f"# Look at every line that says {CHECK}.",
@@ -200,7 +224,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *([f"  motion: {motion}"] if motion != "rotary" else []),
         *_inertia_lines(motion, inertia, two_sided),
         *([] if ratio is None else [ratio.line()]),
-        *_torque_lines(recording, given.torque_constant, recordings, 1.0 if ratio is None else ratio.value),
+        *_torque_lines(recording, given.torque_constant, at_joint),
         *_drive_lines(recordings, given.torque_constant or 1.0),
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
@@ -210,7 +234,9 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         _friction_line("coulomb_friction", "motor", dry),
         *([_friction_line("coulomb_friction_2", "output", dry * _BEHIND)] if two_sided else []),
     ]
-    return "\n".join(lines) + "\n"
+    remedy = "where it is the motor's, remove `shaft: output` from its line of the model"
+    assumed = (f"torque constant told at the joint, the gear in it: {at_joint} ({remedy})",) if at_joint else ()
+    return ModelDraft("\n".join(lines) + "\n", assumed)
 
 
 def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
@@ -276,17 +302,21 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     return None
 
 
-def _torque_lines(
-    recording: Recording, given: float | None, recordings: Sequence[Recording], ratio: float
-) -> list[str]:
-    """The torque constant, where there is a current; at the joint where no motor behind the ``ratio`` has so much."""
+def _joint_constant(recordings: Sequence[Recording], given: float | None, ratio: float) -> str:
+    """Why a torque constant that was given must be the joint's, as no motor behind the ``ratio`` has so much."""
+    if recordings[0].motion != "rotary" or not recordings[0].has("current"):
+        return ""
+    return told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings)))
+
+
+def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> list[str]:
+    """The torque constant, where there is a current; ``at_joint`` is why it must be the joint's, else empty."""
     if not recording.has("current"):
         return []
     source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
     shaft = ""
-    if recording.motion == "rotary" and told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings))):
-        shaft = ", shaft: output"
-        doubt = "so much that a motor's voltage would exceed any drive's: taken for the joint's, the gear in it"
+    if at_joint:
+        shaft, doubt = ", shaft: output", f"{at_joint}: taken for the joint's, the gear in it"
     unit = unit_in("N m/A", recording.motion)
     return [f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{_comment(doubt)}"]
 
@@ -381,23 +411,23 @@ def _comment(doubt: str) -> str:
 
 
 def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
-    told_at = shaft.name if guess.signal == "motor_position" else guess.shaft
-    of_output = ", shaft: output" if told_at == "output" else ""
+    of_position = guess.signal == "motor_position"
+    of_output = ", shaft: output" if (shaft.name if of_position else guess.shaft) == "output" else ""
+
+    def look(at: str) -> str:
+        """The comment on what to look at: the size of the numbers, and whose shaft they are of."""
+        return _comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
+
     if guess.unit == COUNTS:
-        doubt = guess.doubt if guess.counts else "the counts of one turn, all edges counted"
+        doubt = look(guess.doubt if guess.counts else "the counts of one turn, all edges counted")
         return (
             f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
-            f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{_comment(doubt)}"
+            f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    doubt = _comment(guess.doubt if guess.unit else "the header names no unit of it")
-    if guess.signal == "motor_position":
-        usual = (
-            ""
-            if of_output or motion == "linear"
-            else "  # of the motor's shaft; `shaft: output` where it is given as the output's"
-        )
-        doubt = doubt or _comment(shaft.doubt) or usual
+    doubt = look(guess.doubt if guess.unit else "the header names no unit of it")
+    if of_position and not doubt and not of_output and motion != "linear":
+        doubt = "  # of the motor's shaft; `shaft: output` where it is given as the output's"
     return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{of_output}}}{doubt}"
 
 

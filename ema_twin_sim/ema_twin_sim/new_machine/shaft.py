@@ -23,9 +23,16 @@ SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that 
 NEAR_A_WHOLE = 0.05  # of a turn
 ANGLE_ERROR = 1e-3  # rad, of an encoder over the travel of a recording
 EXACT = 2e-4  # relative, within which a ratio is the whole number beyond doubt
-GEARED = 5.0  # a ratio from which on a gear is there to let the motor run fast
-SLOW_MOTOR = 1.0  # rad/s, which such a motor exceeds: ten turns a minute
-BUS = 600.0  # V, of a drive at a mains of 400 V
+GEARED = 5.0
+"""A gear ratio from which on a gear is there to let the motor run fast. Below it are belts and couplings, whose shafts
+go about equally fast, so that no size tells one from the other."""
+SLOW_MOTOR = 1.0
+"""rad/s, ten turns a minute, which a motor behind such a gear exceeds somewhere in a recording. Motors are wound for
+1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale that
+would tell a motor's speed; data sheets have, in SI."""
+BUS = 600.0
+"""V, that a motor may induce: the DC link of a drive at a mains of 400 V, as most servo drives are (565 V, rectified),
+where drives of small motors and robots have 24 to 325 V."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples that this smoothing bends at either end
@@ -81,10 +88,7 @@ def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | No
     fastest = max(fastest_motion(recording) for recording in recordings)
     if not 0.0 < fastest < SLOW_MOTOR:
         return ""
-    return (
-        f"no faster than {fastest:.3g} rad/s, where the motor behind a gear of {gear_ratio:g} would hardly move the "
-        "output: taken for the output's"
-    )
+    return f"no faster than {fastest:.3g} rad/s, where a motor behind a gear of {gear_ratio:g} exceeds {SLOW_MOTOR:g}"
 
 
 def fastest_motion(recording: Recording) -> float:
@@ -100,12 +104,17 @@ def fastest_motion(recording: Recording) -> float:
     return float(np.quantile(speed, ALL_BUT_SPIKES)) if len(speed) else 0.0
 
 
-def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> bool:
-    """Whether a torque per ampere [N m/A] must be the joint's, with the gear in it.
+def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> str:
+    """Why a torque per ampere [N m/A] must be the joint's, with the gear in it; empty: it may be the motor's.
 
     A motor of so many N m/A induces as many V s/rad: at ``motor_speed`` [rad/s] more than any drive's bus has.
     """
-    return torque_constant is not None and gear_ratio >= GEARED and torque_constant * motor_speed > BUS
+    if torque_constant is None or gear_ratio < GEARED or torque_constant * motor_speed <= BUS:
+        return ""
+    return (
+        f"a motor of {torque_constant:g} N m/A would induce {torque_constant * motor_speed:.0f} V at its "
+        f"{motor_speed:.3g} rad/s, where a drive has {BUS:g} V"
+    )
 
 
 def ratio_of_positions(recording: Recording) -> float | None:
