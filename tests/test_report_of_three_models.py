@@ -81,8 +81,8 @@ def test_one_table_has_all_errors_beside_one_noise_floor(written, three, recordi
 def test_it_tells_what_fitting_did_and_that_it_gains_nothing_elsewhere(written):
     told = Read(written).text.split("What was wrong")[0]
     assert "With what was found, the error (RMSE) of the output position falls from" in told
-    assert "Fitting the numbers of the model found to the simulated loop takes the error of" in told
-    assert "the error of the current goes from 5.50 mA to 6.50 mA, so that fitting gains nothing there." in told
+    assert "Fitting the found model's numbers to the simulated loop takes the error of" in told
+    assert "the error of the current goes from 5.50 mA to 6.50 mA: fitting gains nothing there, so keep the" in told
 
 
 def test_numbers_stand_as_found_and_as_fitted(written):

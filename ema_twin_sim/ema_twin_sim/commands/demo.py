@@ -127,7 +127,7 @@ def run(
     _chapter("5", "The error falls", "ema-twin fit … --model better.yaml -o fitted.yaml, and compare all three")
     say(
         "Three models: polito_bench as it came; better.yaml, which has what was found; and fitted.yaml, the same with "
-        "every number fitted to the simulated loop, since the timing of impacts needs numbers known to 0.1 %.\n"
+        "every number fitted to the simulated loop, to see whether that brings the current any nearer.\n"
     )
     better = load_model(better_file)
     after = compare_models(recordings, better, noise=noise)
@@ -156,12 +156,24 @@ def run(
     with status() as progress:
         progress("writing the report and the views")
         labels, findings = ("polito_bench", better_file, fitted_file), report.weighed(found)
-        report.write_page(
+        notes = report.write_page(
             page, recordings, models, labels, findings, fit=fit, comparisons=comparisons, story=story, force=True
         )
-        write_rrd(views, recordings, models, labels, findings, comparisons=comparisons, names=ROLES, force=True)
+        shown = 3 if report.fitting_moved(models, findings, fit) else 2  # as the page has it
+        write_rrd(
+            views,
+            recordings,
+            models[:shown],
+            labels[:shown],
+            findings,
+            comparisons=comparisons[:shown],
+            names=ROLES[:shown],
+            force=True,
+        )
     _chapter("6", "Look at it", f"{time.perf_counter() - begin:.0f} s")
-    console.print(f"  {page}   the report: your model, with what was found, and fitted; in any browser")
+    for note in notes:
+        say(f"  {note}")
+    console.print(f"  {page}   the report: the models beside the recordings; in any browser")
     console.print(f"  {views}   the same as views, and the gear train turning: .venv/bin/rerun {views}")
     console.print(f"  {rrd}   the live run: .venv/bin/rerun {rrd}")
     console.print(f"  {output / 'live'}   MCAP of all topics, for Foxglove, PlotJuggler or ros2 bag")

@@ -157,12 +157,11 @@ def write_page(
     """
     from ..report.backwards import backwards
     from ..report.content import Content, shown
-    from ..report.fitted import two_values
     from ..report.page import write_report
     from .main import VERSION
 
     names, note = told_apart(models, labels), ""
-    if len(models) > 2 and not any(each.differ for each in two_values(models[1], models[2], findings, fit)):
+    if len(models) > 2 and not fitting_moved(models, findings, fit):
         note = f"{names[2]} is not shown: none of its numbers is farther from {names[1]}'s than its standard error."
         models, names, comparisons = models[:2], names[:2], comparisons[:2]
     given = shown(recordings, models, source, comparisons=comparisons)
@@ -170,6 +169,13 @@ def write_page(
     content = Content(tuple(models), names, given, apart, findings, VERSION, story, undiagnosed, fit, note)
     write_report(output, content, force=force)
     return [text for text in (backwards(content), note) if text]
+
+
+def fitting_moved(models: Sequence[Model], findings: Findings | None, fit: FitFindings | None) -> bool:
+    """Whether a number of the third model is farther from the second's than its standard error."""
+    from ..report.fitted import two_values
+
+    return any(each.differ for each in two_values(models[1], models[2], findings, fit))
 
 
 def told_apart(models: Sequence[Model], labels: Sequence[str | Path]) -> tuple[str, ...]:

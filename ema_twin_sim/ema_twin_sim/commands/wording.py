@@ -112,7 +112,9 @@ def fit_sentences(
     if fit is None or worst not in fit.after:
         return said
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
-    gain = "" if fit.after[worst] < fit.before[worst] else ", so that fitting gains nothing there"
+    gain = ""
+    if fit.after[worst] >= fit.before[worst]:
+        gain = ": fitting gains nothing there, so keep the model that was found"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
     goes = f"stays at {after}" if before == after else f"goes from {before} to {after}"
     return f"{said} On what was not fitted to ({fit.judged_on}), {which} {goes}{gain}."
