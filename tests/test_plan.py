@@ -171,6 +171,14 @@ def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
     assert done.lower > driven.lower - 0.02 and done.upper < 1.03 * driven.upper
 
 
+def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(stock):
+    bench = VirtualBench(stock, "torque_ripple", {"fraction": 0.03, "phase": 1.0}, {})
+    recording = bench.record("triangle:0.1:10", 20.0)
+    proposal = plan([recording], stock).proposal
+    assert proposal.beyond == () and min(then for _, then in proposal.shows.values()) >= DECIDED
+    assert driven_limits([observe(recording, stock)], RATIO).effort(_reached(stock, proposal)) <= 1.0
+
+
 def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
     """Nothing of it is in doubt: an encoder that is off its centre does not show while the output hardly turns."""
     bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65}, {})
@@ -254,6 +262,9 @@ def test_wider_limits_stop_before_the_stops_and_the_drive(stock):
     assert free.current == 2.0 * LIMITS.current
     fast = widened(LIMITS, stock, 0.0, 10.0)
     assert fast.speed == 10.0 * LIMITS.speed and fast.current == free.current
+    assert (fast.lower, fast.upper) == (free.lower, free.upper)  # stops may be where nothing has been
+    slow = widened(replace(LIMITS, speed=0.01), stock, 0.0, 10.0)
+    assert slow.upper == pytest.approx(LIMITS.upper - LIMITS.lower) == -slow.lower
     stopped = stock.with_value("transmission.end_stop_upper", 1.0).with_value("transmission.end_stop_lower", -0.05)
     held = widened(LIMITS, stopped, 0.2)
     assert held.upper == pytest.approx(0.9 * 0.8)

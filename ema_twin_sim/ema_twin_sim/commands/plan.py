@@ -64,8 +64,10 @@ def run(
     """Propose the next recording: the command that best tells apart the effects that are still in doubt, and shows most
     of those that the recordings so far could not have shown.
 
-    It stays within what the recordings have driven, unless only more than that decides or shows, which it then says. A
-    limit that is given takes the place of what was driven, and nothing goes beyond.
+    It stays within what the recordings have driven, unless only more than that decides more doubts or shows more
+    effects, which it then says. Where the model has no end stops, it goes no further than twice the speed so far leads
+    in the time of a recording, or than twice what was driven. A limit that is given takes the place of what was driven,
+    and nothing goes beyond.
     """
     from ema_bench_replay.errors import InputError
     from ema_bench_replay.outputs import new_file
@@ -121,12 +123,15 @@ def show(found: Plan) -> None:
     if found.verdict == "unknown":
         on = f" (it depends on {dependence_words(found.depends_on)})" if found.depends_on else ""
         console.print(f"Something is left over that fits no effect{on}: no command can be planned for that.\n")
-    if not found.in_doubt:
+    if not found.in_doubt and found.proposal is None:
         nothing = "" if found.verdict == "unknown" else ": no effect is missing that these recordings could show"
         held = f": the model lacks {listed(map(effect_words, found.added))}" if found.added else nothing
         console.print(f"[bold]Nothing is in doubt that another recording would settle{held}.[/bold]", soft_wrap=True)
         return
-    console.print("[bold]In doubt[/bold]")
+    if found.in_doubt:
+        console.print("[bold]In doubt[/bold]")
+    else:
+        console.print("[bold]No explanation is in doubt, but another recording would show more.[/bold]", soft_wrap=True)
     for doubt in found.in_doubt:
         console.print(f"  {_spoken(doubt.reason)}", markup=False, soft_wrap=True)
     proposal = found.proposal
@@ -136,7 +141,8 @@ def show(found: Plan) -> None:
         console.print(f"  {_spoken(proposal.why)}", markup=False, soft_wrap=True)
         if proposal.beyond:
             console.print(
-                f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it.",
+                f"  beyond what was recorded so far: {'; '.join(proposal.beyond)}. Make sure that the bench allows it"
+                " and nothing stops the output on the way, or give --max-speed, --max-travel or --max-current.",
                 markup=False,
                 soft_wrap=True,
             )

@@ -74,12 +74,16 @@ class Fit:
 
     @property
     def row_temperatures(self) -> np.ndarray:
-        """(m,) what each row's squared residual is divided by beside priors.
+        """(m,) what each row's squared residual is divided by beside priors."""
+        return self.row_temperatures_in(self.problem)
+
+    def row_temperatures_in(self, problem: EquationErrorProblem) -> np.ndarray:
+        """The same (m,) for the rows of other recordings of this machine.
 
         One for all where the output parts from the motor, since rows of both kinds tell of the same numbers there.
         """
         each = (self.temperature, self.temperature if self.parted else self.temperatures[1])
-        return np.repeat(each, (self.judged[0], len(self.raw) - self.judged[0]))
+        return np.repeat(each, (problem.size, problem.rows - problem.size))
 
     @property
     def jacobian(self) -> np.ndarray:

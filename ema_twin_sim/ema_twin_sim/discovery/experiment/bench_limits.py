@@ -84,9 +84,15 @@ class Limits:
         if done.upper > self.upper + slack or done.lower < self.lower - slack:
             way = unit_in("rad", self.motion)
             found.append(
-                f"travel from {done.lower:.2g} to {done.upper:.2g} {way} (so far {self.lower:.2g} to {self.upper:.2g})"
+                f"travel from {done.lower:.2g} to {done.upper:.2g} {way} (so far {self.lower:.2g} to {self.upper:.2g}"
+                f"{self._further(done)})"
             )
         return tuple(found)
+
+    def _further(self, done: Limits) -> str:
+        """How much longer the way was, where it was."""
+        times = (done.upper - done.lower) / max(self.upper - self.lower, _NONE)
+        return f", {times:.2g} times as far" if times > 1.0 + _SLACK_TRAVEL else ""
 
 
 def reached(o: Observation, ratio: float) -> Limits:
@@ -116,7 +122,9 @@ def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST
 
     The current is what drive, motor and gears feel. A slow recording says nothing of how fast a bench may turn: what
     limits the speed is the current that friction takes at it, and ``faster`` times what was driven. Travel ends before
-    the model's end stops, and the drive's own limits are kept well away from.
+    the model's end stops, and the drive's own limits are kept well away from. A bench may have stops that its model
+    lacks: there it turns no further either way than it has turned in all, or than twice the speed so far leads in the
+    usual time, however much faster it turns.
 
     ``origin`` [rad] is the output's angle at the start, from which the model's end stops are seen.
     """
@@ -128,11 +136,12 @@ def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST
         for stop, infinite in zip(stops, (-math.inf, math.inf), strict=True)
     )
     speed = min(faster * limits.speed, MOSTLY * model.value("drive.speed_limit") / ratio)
-    travel = speed * _LONG
+    unknown = max(limits.upper - limits.lower, min(LARGEST_EFFECT * limits.speed, speed) * _LONG)
+    below, above = (unknown if stop is None else speed * _LONG for stop in stops)
     return Limits(
         speed,
         faster * limits.acceleration,
-        min(limits.lower, max(-travel, (1.0 - SMALL) * lower)),
-        max(limits.upper, min(travel, (1.0 - SMALL) * upper)),
+        min(limits.lower, max(-below, (1.0 - SMALL) * lower)),
+        max(limits.upper, min(above, (1.0 - SMALL) * upper)),
         min(LARGEST_EFFECT * limits.current, MOSTLY * min(torque, model.value("drive.current_limit"))),
     )

@@ -71,7 +71,8 @@ class Showing:
         Each pair once.
         """
         shown = np.diag(self.apart) >= SIGNIFICANT
-        alike = self.matters & (np.minimum(self.apart, self.apart.T) < SIGNIFICANT) & np.outer(shown, shown)
+        either_way = self.matters | self.matters.T
+        alike = either_way & (np.minimum(self.apart, self.apart.T) < SIGNIFICANT) & np.outer(shown, shown)
         rows = {id: np.flatnonzero(row) for id, row in zip(self.effects, np.triu(alike, 1), strict=True)}
         return {id: tuple(self.effects[n] for n in row) for id, row in rows.items() if len(row)}
 
@@ -90,25 +91,29 @@ class Detection:
 
     def __init__(self, found: Fit, excluded: frozenset[str]) -> None:
         self.hypothesis = without_generic_bases(found.hypothesis)
-        self._temperature = found.temperature
+        self._found = found
         self._columns = _columns(found.hypothesis, excluded)
         self.effects = tuple(dict.fromkeys(column.effect for column in self._columns))
         _, priors = prior_rows(found.hypothesis)
         rows = self._rows(found.problem, found.hypothesis, found.predicted, found.weights, found.jacobian)
-        information = rows.T @ rows / self._temperature
+        information = _information(rows, found.row_temperatures)
         count = len(found.hypothesis.free)
         information[:count, :count] += priors.T @ priors
         physical = [not free.path.startswith("basis.") for free in found.hypothesis.free]
         self.so_far = marginal(information, np.array([*physical, *(True for _ in self._columns)]))
 
     def of(self, recording: Observation) -> np.ndarray:
-        """The information (m, m) that a recording adds about the free numbers, and the sizes of all effects."""
+        """The information (m, m) that a recording adds about the free numbers, and the sizes of all effects.
+
+        That friction wanders in it is not looked at, as it is in what the recordings so far tell: how it will is found
+        by a fit to what was measured. Of a machine whose friction wanders this promises a little too much.
+        """
         problem = EquationErrorProblem([recording])
         even = np.ones(problem.rows)
         predicted = problem.predict(self.hypothesis)
         slopes = jacobian(problem, self.hypothesis, predicted, even)
         rows = self._rows(problem, self.hypothesis, predicted, even, slopes)
-        return rows.T @ rows / self._temperature
+        return _information(rows, self._found.row_temperatures_in(problem))
 
     def apart(self, information: np.ndarray) -> np.ndarray:
         """Standard errors (n, n) as ``Showing`` has them; of an effect of any angle, at the angle that shows least."""
@@ -143,6 +148,12 @@ class Detection:
                 rows = problem.centred(problem.predict(more).rows - predicted.rows, weights)
             found.append(np.nan_to_num(rows * weights / STEP, nan=0.0, posinf=0.0, neginf=0.0))
         return np.column_stack([slopes, *found])
+
+
+def _information(rows: np.ndarray, temperatures: np.ndarray) -> np.ndarray:
+    """Of rows (m, k) that count as much as their temperatures (m,) allow: (k, k)."""
+    cooled = rows / np.sqrt(temperatures)[:, None]
+    return np.asarray(cooled.T @ cooled)
 
 
 def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:

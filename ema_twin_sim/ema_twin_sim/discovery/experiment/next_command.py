@@ -126,7 +126,7 @@ class _Field:
         detection: Detection | None,
     ) -> None:
         self.base = found.hypothesis.base
-        self.temperature = min((rival.fit.temperature for doubt in held for rival in doubt.rivals), default=1.0)
+        self.fits = [rival.fit for doubt in held for rival in doubt.rivals]
         self.found = id(found)
         self.detection = detection
         self.contenders: dict[int, _Explanation] = {}
@@ -217,29 +217,30 @@ class _Field:
         contender = self.contenders[other]
         h, known = contender.hypothesis, contender.information
         even = np.ones(problem.rows)
-        heat = self.temperature
+        # each row counts by what the best of the rivals leaves over in rows of its kind
+        cold = 1.0 / np.sqrt(np.min([f.row_temperatures_in(problem) for f in self.fits], axis=0))
         lower, upper = problem.bounds(h)
         moved = np.zeros(len(h.values))
         predicted = problem.predict(h)
-        missed = problem.centred(truth - predicted.rows, even)
-        best, rows = float(missed @ missed) / heat, missed
+        missed = problem.centred(truth - predicted.rows, even) * cold
+        best, rows = float(missed @ missed), missed
         for _ in range(steps):
-            slopes = jacobian(problem, h.at(contender.hypothesis.values + moved), predicted, even)
-            a = slopes.T @ slopes / heat + known
+            slopes = jacobian(problem, h.at(contender.hypothesis.values + moved), predicted, even) * cold[:, None]
+            a = slopes.T @ slopes + known
             scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
-            g = (slopes.T @ missed / heat - known @ moved) * scale
+            g = (slopes.T @ missed - known @ moved) * scale
             move = scale * np.linalg.solve(a * np.outer(scale, scale) + 1e-9 * np.eye(len(g)), g)
             if steps == 1:  # as far as straight lines tell
                 left = missed - slopes @ move
-                value = float(left @ left) / heat + float(move @ known @ move)
+                value = float(left @ left) + float(move @ known @ move)
                 return (math.sqrt(max(value, 0.0)) if math.isfinite(value) else 0.0), left
             gained = False
             for share in (1.0, 0.3):
                 trial = np.clip(contender.hypothesis.values + moved + share * move, lower, upper)
                 p = problem.predict(h.at(trial))
-                left = problem.centred(truth - p.rows, even)
+                left = problem.centred(truth - p.rows, even) * cold
                 away = trial - contender.hypothesis.values
-                value = float(left @ left) / heat + float(away @ known @ away)
+                value = float(left @ left) + float(away @ known @ away)
                 if value < best:
                     best, rows, moved, predicted, missed, gained = value, left, away, p, left, True
                     break
@@ -324,24 +325,26 @@ def best_command(
 
     With ``detection``, of those the one that shows most of what the recordings so far do not show; there need be no
     doubt then. ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within
-    what the recordings have driven, unless only a command beyond that decides or shows. ``few`` tries a handful only.
+    what the recordings have driven, unless only a command beyond that decides more doubts or shows more effects.
+    ``few`` tries a handful only.
     """
     field = _Field(problem, found, held, signals, detection)
     allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
     tried = _evaluate_all(field, allowed, few, (), progress)
-    if limits is None and not any(_settles(field, e) for e in tried):
-        # what does not show at all in slow motion may take much more speed than what is in doubt between rivals
+    if limits is None and (detection is not None or not any(_decides_all(e) for e in tried)):
+        # whether more would show beyond is told by trying; what does not show at all in slow motion may take much
+        # more speed than what is in doubt between rivals
         faster = LARGEST_EFFECT if detection is None else SEARCHED_UP_TO
         more = widened(allowed, field.base, field.origins[1], faster)
         tried += _evaluate_all(field, more, few, tried, progress)
     tried, so_far = _told_apart(field, tried)
-    finalists = _varied(_ranked(tried, allowed))[: _FEW_FINALISTS if few else _FINALISTS]
+    finalists = _varied(_ranked(tried, allowed, so_far))[: _FEW_FINALISTS if few else _FINALISTS]
     if field.pairs:
         progress("looking closer at the best commands")
         finalists = list(
             _SIDE_BY_SIDE.map(lambda e: replace(e, separation=field.separation(e.trial, _STEPS)), finalists)
         )
-    ranked = _ranked(finalists, allowed)
+    ranked = _ranked(finalists, allowed, so_far)
     separable = {pair for e in (*tried, *finalists) for pair, value in e.separation.items() if value >= DECIDED}
     inseparable = tuple(pair for pair in field.pairs if pair not in separable)
     telling = [e for e in _varied(ranked) if _tells(e, so_far)]
@@ -359,13 +362,9 @@ def best_command(
     return Choice(proposals[0], tuple(proposals[1:]), inseparable, so_far)
 
 
-def _settles(field: _Field, e: _Evaluated) -> bool:
-    """Whether a command decides all doubts, and leaves nothing hidden."""
-    if any(value < DECIDED for value in e.separation.values()):
-        return False
-    if field.detection is None or e.information is None:
-        return True
-    return bool((field.detection.apart(field.detection.so_far + e.information) >= DECIDED).all())
+def _decides_all(e: _Evaluated) -> bool:
+    """Whether a command decides all doubts."""
+    return all(value >= DECIDED for value in e.separation.values())
 
 
 def _told_apart(field: _Field, tried: Sequence[_Evaluated]) -> tuple[list[_Evaluated], Showing | None]:
@@ -417,27 +416,33 @@ def _evaluate_all(
     return [e for e in _SIDE_BY_SIDE.map(lambda trial: field.evaluate(trial, limits), trials) if e is not None]
 
 
-def _ranked(found: Sequence[_Evaluated], allowed: Limits) -> list[_Evaluated]:
-    """Best first: most pairs decided, most effects shown, else within limits and the largest smallest separation.
+def _ranked(found: Sequence[_Evaluated], allowed: Limits, so_far: Showing | None) -> list[_Evaluated]:
+    """Best first: most pairs decided, then what keeps within limits, or decides or shows more than all that does.
 
-    Among equals the gentlest.
+    Of those what shows all effects best; where effects are not asked for, of the largest smallest separation. Among
+    equals the gentlest.
     """
     separable = {pair for e in found for pair, value in e.separation.items() if value >= DECIDED}
     least = min((e.showing.named for e in found if e.showing is not None), default=0.0)
 
-    def rank(e: _Evaluated) -> tuple[int, bool, float]:
-        decided = sum(value >= DECIDED for value in e.separation.values())
-        if e.showing is not None:
-            return decided, True, e.showing.named - least
-        smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
-        return decided, allowed.effort(e.done) <= 1.0, min(smallest, DECIDED**2)
+    gains = {e: (sum(value >= DECIDED for value in e.separation.values()), len(_shows(e, so_far))) for e in found}
+    within = max((gains[e] for e in found if allowed.effort(e.done) <= 1.0), default=(0, 0))
+    enough = all(gained <= within for gained in gains.values())
 
-    left = sorted(found, key=rank, reverse=True)
+    def rank(e: _Evaluated) -> tuple[int, bool, float]:
+        liked = allowed.effort(e.done) <= 1.0 if enough else gains[e] > within
+        if e.showing is not None:
+            return gains[e][0], liked, e.showing.named - least
+        smallest = min((value for pair, value in e.separation.items() if pair in separable), default=0.0)
+        return gains[e][0], liked, min(smallest, DECIDED**2)
+
+    ranks = {e: rank(e) for e in found}
+    left = sorted(found, key=ranks.__getitem__, reverse=True)
     ordered: list[_Evaluated] = []
     while left:
-        most, inside, best = rank(left[0])
+        most, liked, best = ranks[left[0]]
         share = MOSTLY if left[0].showing is None else NEARLY_ALL
-        alike = [e for e in left if rank(e)[:2] == (most, inside) and rank(e)[2] >= share * best]
+        alike = [e for e in left if ranks[e][:2] == (most, liked) and ranks[e][2] >= share * best]
         # half of what was driven is gentle, and some turns average over what drifts
         gentlest = min(
             alike,
