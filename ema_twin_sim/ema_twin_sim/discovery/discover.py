@@ -159,7 +159,6 @@ def discover(
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
-    found = with_followed_numbers(loop, found) if known else found
     progress("judging on recordings that were not fitted to")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(as_measured, began, noise, found)
@@ -185,6 +184,8 @@ def discover(
         bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
         found = found.ended(bare, "it does not improve the model given what remains unexplained")
         unseen = judge_unseen(as_measured, began, noise, found, as_given=not model.is_open)
+    elif known:  # once all is judged: these numbers are fitted to all recordings together
+        found = with_followed_numbers(loop, found)
     as_given = as_given and not model.is_open
     best, problem = found.fit, found.problem
     unseen = unseen.shown(in_si(model))
