@@ -44,7 +44,8 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     refuse_different_weightings(bare, f)
     took = bare.misfits[0] - f.misfits[0]
-    if took < DEPENDS * f.temperatures[0]:
+    # where friction wanders, neighbouring rows are alike for long: any slow shape gains a little by that
+    if took < max(DEPENDS * f.temperatures[0], NEGLIGIBLE * f.judged[0]):
         return False
     beside = problem.with_generic_bases(shapes)
     best = next((found for _, found in screen_generic_bases(beside, bare)), None)
