@@ -28,7 +28,7 @@ METHOD = {
     ),
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
-    "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS",
+    "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS BASIS_STEPS",
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/parallel.py": "_POOL _MANY",
@@ -60,7 +60,8 @@ METHOD = {
         "LONGEST _SHORTEST _NICE _FEW_SPEEDS _SPEEDS _FEW_HALVES _HALVES _TIME_OF_SIZE"
     ),
     "discovery/experiment/doubts.py": "ALTERNATIVES _MOVING",
-    "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _STEP _STEPS _RUNNERS_UP _SIDE_BY_SIDE",
+    "discovery/experiment/next_command.py": "_TURNS _FINALISTS _FEW_FINALISTS _RUNNERS_UP _SIDE_BY_SIDE",
+    "discovery/experiment/rival_field.py": "_STEP STEPS",
     "discovery/experiment/suggestion.py": "SLOW FAST",
     "discovery/followed.py": "SECONDS STEPS ENOUGH TRIED FINER UNCOUNTED",
     "discovery/left_over.py": "_BINS _FEWEST",

@@ -57,7 +57,7 @@ def test_lines_that_an_encoder_interpolates_wrongly_do_not_hide_a_torque(stock):
         problem = EquationErrorProblem(observe_all(shown, stock))
         bare = settle(fit(problem, null_hypothesis(stock)))
         with_cogging = bare.hypothesis.with_effect("cogging", {"order": "24"}, {"torque": 0.002, "phase": 0.3})
-        gains.append(penalised_gain(bare.problem, bare, fit(bare.problem, with_cogging)))
+        gains.append(penalised_gain(bare, fit(bare.problem, with_cogging)))
     assert gains[1] == pytest.approx(gains[0], rel=0.02)
 
 

@@ -7,8 +7,20 @@ import ema_twin_sim
 
 PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
 ROOMS = (
-    *("criteria", "quantities", "reading_noise", "plant", "effects", "model", "own_effects", "simulation", "measured"),
-    *("identification", "comparison", "fitting", "discovery/criteria", "discovery/search", "discovery/experiment"),
+    *(
+        "criteria",
+        "listing",
+        "quantities",
+        "reading_noise",
+        "plant",
+        "effects",
+        "model",
+        "own_effects",
+        "simulation",
+        "measured",
+    ),
+    *("measured", "identification", "comparison", "fitting"),
+    *("discovery/criteria", "discovery/search", "discovery/experiment"),
     *("discovery", "new_machine", "nodes", "commands", "report", "views", "start"),
 )
 """From the ground up: each imports from those before it."""

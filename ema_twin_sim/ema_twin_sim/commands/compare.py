@@ -11,6 +11,7 @@ from rich.markup import escape
 
 from ..comparison.beyond_noise import beyond_noise, shown_signals
 from ..criteria import SMALL
+from ..listing import listed
 from ..quantities import quantity
 from . import options
 from .error_cells import ALL, error_cell, noise_cell
@@ -18,7 +19,7 @@ from .output import console, counted, say, sparkline, status
 from .side_by_side import show_side_by_side
 from .tables import ReportTable, is_narrow
 from .torque_errors import show_torque_errors
-from .wording import by_number, listed
+from .wording import by_number
 
 if TYPE_CHECKING:
     from ..comparison.compare import Comparison

@@ -12,6 +12,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
+from ..listing import listed
 from ..quantities import quantity
 from . import compare, options, report
 from . import discover as discover_verb
@@ -20,7 +21,7 @@ from .live_error import LINES_ARE, ErrorPrinter
 from .live_view import LiveView
 from .output import console, say, status
 from .rerun_file import write_rrd
-from .wording import effect_words, fit_sentences, listed
+from .wording import effect_words, fit_sentences
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery

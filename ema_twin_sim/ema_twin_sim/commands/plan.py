@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..criteria import DECIDED
+from ..listing import listed
 from . import options
 from .output import console, status
 from .tables import ReportTable
-from .wording import dependence_words, effect_words, listed
+from .wording import dependence_words, effect_words
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ema_bench_replay.errors import InputError
 
+from ..listing import listed
 from .output import say
-from .wording import listed
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
+from ..listing import listed
 from ..quantities import quantity
 
 if TYPE_CHECKING:
@@ -56,12 +57,6 @@ def by_number(name: str) -> list[tuple[str, float]]:
 def dependence_words(depends_on: Iterable[str]) -> str:
     """``the speed and time``."""
     return listed(_DEPENDENCES.get(quantity, quantity) for quantity in depends_on)
-
-
-def listed(words: Iterable[str], last: str = "and") -> str:
-    """``a, b and c``."""
-    *first, end = words
-    return f"{', '.join(first)} {last} {end}" if first else end
 
 
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:

@@ -137,7 +137,7 @@ def weigh(found: Discovery) -> Diagnosis:
     problem = found.equation
     tried = [contender for turn in found.search.rounds for trial in turn.tried for contender in _added(turn, trial)]
     contests = _contests(problem, found)
-    held = {cause.key: penalised_gain(problem, cause.before, cause.after) for cause, *_ in contests}
+    held = {cause.key: penalised_gain(cause.before, cause.after) for cause, *_ in contests}
     if not contests and found.verdict != "unknown":
         contests = [[contender for contender in tried if len(_new(contender)) == 1]]
     absent: dict[Key, float] = {contender.key: 1.0 for contender in tried} | dict.fromkeys(held, 1.0)
@@ -219,7 +219,7 @@ def _chances(
     table = np.zeros((DRAWS, len(entries) + 1))
     for column, contender in enumerate(entries):
         before, after = contender.before, contender.after
-        noise = np.repeat(noise_per_unit(problem, before, after), (problem.size, problem.rows - problem.size))
+        noise = np.repeat(noise_per_unit(before, after), (problem.size, problem.rows - problem.size))
         fall = np.bincount(blocks, (before.problem.costs(before.raw) - after.problem.costs(after.raw)) / noise)
         table[:, column] = drawn @ fall - (complexity_penalty(after) - complexity_penalty(before))
     wins = np.bincount(np.argmax(table, axis=1), minlength=len(entries) + 1) / DRAWS

@@ -14,12 +14,14 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import COST_EFFECT, COST_PARAMETER, DECIDED
 from ..effects import catalogue
+from ..listing import listed
 from ..model import Model
 from .discover import discover, excluded_effects
 from .experiment.bench_limits import Limits, driven_limits
-from .experiment.detection import Detection, Showing, listed
+from .experiment.detection import Detection, Showing
 from .experiment.doubts import NOTHING, doubts
-from .experiment.next_command import Pair, Proposal, best_command, signals_of
+from .experiment.next_command import Proposal, best_command, signals_of
+from .experiment.rival_field import Pair
 
 _ELSEWHERE = {
     "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",

@@ -13,12 +13,13 @@ import numpy as np
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .basis_columns import at_rows, hat_columns
 from .equation import EquationErrorProblem
-from .fit import Fit
+from .fit import Fit, fit
 
 KNOTS = 9  # of a dependence on speed or position
 KNOT = 2.5  # own s between the knots of a dependence on time
 MOST_KNOTS = 24
 ORDERS = np.arange(0.1, 60.0, 0.03)
+BASIS_STEPS = 3  # of a fit with one basis more, which is linear
 
 
 def beside_generic_bases(problem: EquationErrorProblem, f: Fit) -> EquationErrorProblem:
@@ -26,6 +27,12 @@ def beside_generic_bases(problem: EquationErrorProblem, f: Fit) -> EquationError
     if problem.generic_bases:
         return problem
     return problem.with_generic_bases({**_bases(problem), **load_bases(problem, f)})
+
+
+def fit_with_basis(problem: EquationErrorProblem, known: Fit, name: str) -> Fit:
+    """A known fit's hypothesis with one of the problem's generic bases more, from where it stands."""
+    h = known.hypothesis.with_generic_basis(name, problem.generic_bases[name].shape[1])
+    return fit(problem, h, BASIS_STEPS, known=known)
 
 
 def _bases(problem: EquationErrorProblem) -> Mapping[str, np.ndarray]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..commands.wording import effect_words, listed
+from ..commands.wording import effect_words
 from ..comparison.closeness import closer
+from ..listing import listed
 from .content import Content, signals_listed
 from .difference import NewEffect, new_effects
 

@@ -8,9 +8,9 @@ from datetime import datetime, timezone
 
 from ema_bench_replay.recording import NO_DATE, Recording
 
-from ..commands.wording import listed
 from ..comparison.beyond_noise import shown_signals
 from ..comparison.compare import Comparison, compare_all, explained_signals
+from ..listing import listed
 from ..model import Model
 from ..simulation.simulate import DRIVING
 from .beside import Beside, beside

@@ -10,13 +10,13 @@ import numpy as np
 from ..commands.wording import (
     effect_words,
     groups_sentence,
-    listed,
     no_effect_words,
     options_words,
     removed_words,
     verdict_of,
 )
 from ..discovery.diagnose import Ranked
+from ..listing import listed
 from ..quantities import axis_unit, estimate
 from .backwards import searched_model
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line

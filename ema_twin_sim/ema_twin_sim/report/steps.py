@@ -12,12 +12,12 @@ from ..commands.wording import (
     REFIT_IS,
     change_words,
     effect_words,
-    listed,
     options_words,
     removed_words,
     why_step,
 )
 from ..comparison.running_comparison import share_removed
+from ..listing import listed
 from ..quantities import axis_unit, estimate, quantity
 from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis

@@ -9,7 +9,6 @@ from ..commands.wording import (
     effect_words,
     fit_sentences,
     groups_sentence,
-    listed,
     no_effect_words,
     refit_sentence,
     removed_words,
@@ -19,6 +18,7 @@ from ..commands.wording import (
 from ..comparison.beyond_noise import is_noise, times_noise, times_words
 from ..comparison.running_comparison import SignalError, excess_removed
 from ..effects import catalogue
+from ..listing import listed
 from ..quantities import quantity
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words

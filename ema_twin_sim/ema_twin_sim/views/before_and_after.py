@@ -10,7 +10,8 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words, listed
+from ..commands.wording import effect_words
+from ..listing import listed
 from ..quantities import axis_unit, quantity
 from ..report.content import Shown, signal_words
 from ..report.findings import Findings

@@ -22,8 +22,8 @@ from ...criteria import (
     UNEXPLAINED,
 )
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit, fit
-from ...identification.generic_bases import beside_generic_bases, dependence
+from ...identification.fit import Fit
+from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis
 from ...identification.screening import screen_generic_bases
 from ...plant.measured_motion import SPEED
 from .plausible import only_constants, strained
@@ -99,9 +99,7 @@ def depends(problem: EquationErrorProblem, f: Fit) -> bool:
 
 def _worth_a_name(problem: EquationErrorProblem, f: Fit, basis: str) -> bool:
     """Whether a generic basis takes as much from some recording's rows as an effect must."""
-    columns = problem.generic_bases[basis].shape[1]
-    after = fit(problem, f.hypothesis.with_generic_basis(basis, columns), 3, known=f)
-    return largest_rms_reduction(problem, f, after) >= LEAST_SIZE
+    return largest_rms_reduction(problem, f, fit_with_basis(problem, f, basis)) >= LEAST_SIZE
 
 
 def coarse(problem: EquationErrorProblem) -> bool:

@@ -11,7 +11,7 @@ from ...criteria import DEPENDS, LEAST_SIZE, MISFIT_DOUBTED
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import dependence, load_bases
+from ...identification.generic_bases import dependence, fit_with_basis, load_bases
 from ...identification.screening import screen_generic_bases
 from .explained import coarse
 from .worth import ENCODER_ONLY, largest_rms_reduction
@@ -35,13 +35,11 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     basis = next((found for _, found in screen_generic_bases(beside, bare)), None)
     if basis is None:
         return False
-    columns = beside.generic_bases[basis].shape[1]
-    instead = fit(beside, bare.hypothesis.with_generic_basis(basis, columns), 3, known=bare)
+    instead = fit_with_basis(beside, bare, basis)
     refuse_different_weightings(instead, f)
     if dependence(basis) == "load" and largest_rms_reduction(problem, f, instead) < LEAST_SIZE:
         return False  # as in ``explained.depends``: a load is known no better
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
-    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[
-        0
-    ] - 2.0 * more  # each number gains two by chance, at most
+    by_chance = 2.0 * more  # each number gains two, at most
+    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[0] - by_chance
     return instead.misfits[0] <= MISFIT_DOUBTED * instead.judged[0] and gained > DEPENDS

@@ -18,7 +18,7 @@ from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...identification.generic_bases import dependence, load_bases, order_bases
+from ...identification.generic_bases import dependence, fit_with_basis, load_bases, order_bases
 from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_beside_gearbox
 from .worth import ENCODER_ONLY
@@ -51,7 +51,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     best = next((found for _, found in screen_generic_bases(beside, bare)), None)
     if best is None:
         return True
-    any_shape = fit(beside, bare.hypothesis.with_generic_basis(best, shapes[best].shape[1]), 3, known=bare)
+    any_shape = fit_with_basis(beside, bare, best)
     return took >= (1.0 - NEGLIGIBLE) * (bare.misfits[0] - any_shape.misfits[0])
 
 

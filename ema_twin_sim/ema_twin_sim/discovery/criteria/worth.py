@@ -50,17 +50,17 @@ def complexity_penalty(f: Fit) -> float:
     )
 
 
-def penalised_gain(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
+def penalised_gain(before: Fit, after: Fit) -> float:
     """How much better one fit is than another, prices paid; what remains of misfit makes differences count less.
 
     Raises DifferentWeightings where they do not compare, as do all that hold one fit against another.
     """
     fall = np.subtract(before.misfits, after.misfits)
-    gained = float(np.sum(fall / noise_per_unit(problem, before, after)))
+    gained = float(np.sum(fall / noise_per_unit(before, after)))
     return gained + complexity_penalty(before) - complexity_penalty(after)
 
 
-def noise_per_unit(problem: EquationErrorProblem, before: Fit, after: Fit) -> np.ndarray:
+def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
     """The difference of misfits, of the torque's rows and of the encoders' (2,), that counts as one: beside an output
     that bounces, more is fitted by chance.
     """
@@ -115,7 +115,7 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     if [*came.values()] == ["mesh_friction"]:
         if not VARYING_LOADS & after.hypothesis.held:
             floor = max(floor, LEAST_SIZE_LIKE_FRICTION)
-        elif after.parted and penalised_gain(problem, before, after) > DEPENDS:
+        elif after.parted and penalised_gain(before, after) > DEPENDS:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size
             floor *= 0.5
     return fall >= SMALL * excess and largest_rms_reduction(problem, before, after) >= floor * left

@@ -9,7 +9,6 @@ other effect, of whatever size, makes up for it. Effects of shape and sum are ta
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -189,9 +188,3 @@ def without_generic_bases(h: Hypothesis) -> Hypothesis:
     for name in h.generic_bases:
         h = h.without_generic_basis(name)
     return h
-
-
-def listed(ids: Sequence[str], last: str = "and") -> str:
-    """``a, b and c``."""
-    *first, end = ids
-    return f"{', '.join(first)} {last} {end}" if first else end

@@ -130,13 +130,13 @@ def _about(
         tried.append(fit(problem, h, 6, known=bare))
     others = {
         _last(f).effect: f
-        for f in sorted(tried, key=lambda f: penalised_gain(problem, best, f))
+        for f in sorted(tried, key=lambda f: penalised_gain(best, f))
         if _last(f).effect != instance.effect
     }
     alike = [f for f in tried if _last(f).effect == instance.effect]
     rivals = [Rival(NOTHING, bare), *(Rival(id, f) for id, f in others.items())]
     rivals += [Rival(_in_full(_last(f)), f) for f in alike]
-    behind = [(-penalised_gain(problem, best, rival.fit), rival) for rival in rivals]
+    behind = [(-penalised_gain(best, rival.fit), rival) for rival in rivals]
     near = sorted((entry for entry in behind if entry[0] < SIGNIFICANT**2), key=lambda entry: entry[0])[:ALTERNATIVES]
     if not near:
         return None
@@ -209,7 +209,7 @@ def _one_direction(problem: EquationErrorProblem, best: Fit, without: frozenset[
         return None
     rival = Rival(id, _as_large_as_may_be(problem, best, id))
     reason = f"no recording reverses, and in one direction {id} looks like friction that is off by a little"
-    return Doubt((Rival(NOTHING, best), rival), (0.0, -penalised_gain(problem, best, rival.fit)), reason)
+    return Doubt((Rival(NOTHING, best), rival), (0.0, -penalised_gain(best, rival.fit)), reason)
 
 
 def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fit:

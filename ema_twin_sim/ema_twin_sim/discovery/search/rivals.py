@@ -43,7 +43,7 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
         if better is None or better.behind > -1.0:
             break
         other = swapped(found, better.fits[0])
-        if penalised_gain(found.problem, found.fit, other.fit) <= 0.0:
+        if penalised_gain(found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
         found = other
         rivals = rivalries(found, without)
@@ -60,8 +60,8 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         if turn is None or (compliant and problem.size):
             continue
         stands_in = other_structures(best, name, without) if compliant else substitutes(best, name, turn)
-        fits = sorted(stands_in, key=lambda f: -penalised_gain(problem, best, f))
-        worth = [penalised_gain(problem, best, f) for f in fits]
+        fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
+        worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
         close = {effect for effect, gained in zip(effects, worth, strict=True) if gained > -RIVAL_MARGIN}
         runner_up, behind = (effects[0], -worth[0]) if fits else ("", float("inf"))
@@ -121,7 +121,7 @@ def swapped(found: Search, rival: Fit) -> Search:
         bare = bare.without(name)
     nothing = fit(problem, bare, 8, known=best)
     tried = tuple(
-        Trial(names, f, penalised_gain(problem, nothing, f), largest_rms_reduction(problem, nothing, f))
+        Trial(names, f, penalised_gain(nothing, f), largest_rms_reduction(problem, nothing, f))
         for names, f in ((added, rival), (removed, best))
     )
     after = prune(fit(problem, rival.hypothesis))

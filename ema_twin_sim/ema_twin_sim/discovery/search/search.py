@@ -235,13 +235,25 @@ def add_effects(
     most: int = MOST_EFFECTS,
 ) -> tuple[Fit, list[Round]]:
     """One effect a round, until none is worth its price."""
+
+    def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
+        progress("trying all effects")
+        return [with_one_more(current, h) for h in entrants(current.problem, current, without | excluded)]
+
+    return add_best(current, entering, most, progress)
+
+
+def add_best(
+    current: Fit,
+    entering: Callable[[Fit, frozenset[str]], Sequence[Fit]],
+    most: int,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Fit, list[Round]]:
+    """The best of those ``entering`` a round, until none is worth its price; less what went as soon as it came."""
     rounds: list[Round] = []
     excluded: frozenset[str] = frozenset()
     for _ in range(most):
-        progress("trying all effects")
-        turn = take_best(
-            current, [with_one_more(current, h) for h in entrants(current.problem, current, without | excluded)]
-        )
+        turn = take_best(current, entering(current, excluded))
         rounds.append(turn)
         if not turn.added:
             break
@@ -307,7 +319,7 @@ def trial_of(before: Fit, after: Fit) -> Trial:
     return Trial(
         new_names(before, after),
         after,
-        penalised_gain(problem, before, after),
+        penalised_gain(before, after),
         largest_rms_reduction(problem, before, after),
     )
 
@@ -362,10 +374,10 @@ def prune(f: Fit) -> Fit:
     while f.hypothesis.added or f.hypothesis.generic_bases:
         trials = [fit(problem, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
         trials += [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]
-        needless = [g for g in trials if penalised_gain(problem, f, g) >= 0.0 or not has_effect_size(problem, g, f)]
+        needless = [g for g in trials if penalised_gain(f, g) >= 0.0 or not has_effect_size(problem, g, f)]
         if not needless:
             break
-        best = max(needless, key=lambda g: penalised_gain(problem, f, g))
+        best = max(needless, key=lambda g: penalised_gain(f, g))
         f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
 

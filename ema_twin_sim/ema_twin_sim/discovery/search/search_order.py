@@ -42,11 +42,11 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
         for h in entrants(problem, start, frozenset(catalogue().keys() - {effect}))[:1]:
             other, _ = add_effects(with_one_more(start, h), others, most=MORE)
             other = fit(problem, other.hypothesis)  # misfits compare under one weighting only
-            if penalised_gain(problem, best, other) > 1.0:
+            if penalised_gain(best, other) > 1.0:
                 best = other
     if best is not found.fit:
         better = significant(swapped(found, best))
-        if penalised_gain(problem, found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
+        if penalised_gain(found.fit, fit(problem, better.fit.hypothesis)) > 0.0:
             return better
     return found
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit, fit
-from ...identification.generic_bases import beside_generic_bases, dependence, order_bases
+from ...identification.fit import Fit
+from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
 from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
@@ -17,7 +17,7 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
-from .search import less, significant, take_best, with_what_made_room
+from .search import add_best, less, significant, with_what_made_room
 from .trace import Round, Search
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
@@ -62,22 +62,17 @@ def _add_dependences(
 
     With each round go the orders that its residual shows most.
     """
-    rounds: list[Round] = []
-    excluded: frozenset[str] = frozenset()
-    for _ in range(MOST_ROUNDS):
+    tried = dict(bases)
+
+    def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
         progress("asking what the rest depends on")
-        bases = {**bases, **order_bases(current.problem, current)}
-        problem = current.problem.with_generic_bases(bases)
+        tried.update(order_bases(current.problem, current))
+        problem = current.problem.with_generic_bases({**tried})
         names = [name for _, name in screen_generic_bases(problem, current) if name not in excluded][:TRIED]
-        more = [current.hypothesis.with_generic_basis(name, bases[name].shape[1]) for name in names]
-        turn = take_best(current, [fit(problem, h, 3, known=current) for h in more])
-        rounds.append(turn)
-        if not turn.added:
-            break
-        progress("found " + " and ".join(turn.added))
-        excluded |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
-        current = turn.after
-    return current, rounds, bases
+        return [fit_with_basis(problem, current, name) for name in names]
+
+    after, rounds = add_best(current, entering, MOST_ROUNDS, progress)
+    return after, rounds, tried
 
 
 def doubted(found: Search) -> Search:
