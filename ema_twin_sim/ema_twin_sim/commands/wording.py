@@ -109,10 +109,10 @@ def fit_sentences(
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
     gain = ""
     if fit.after[worst] >= fit.before[worst]:
-        gain = ": fitting gains nothing there, so keep the model that was found"
+        gain = ", so that fitting is not shown to gain anything: keep the model that was found"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
-    goes = f"stays at {after}" if before == after else f"goes from {before} to {after}"
-    return f"{said} On what was not fitted to ({fit.judged_on}), {which} {goes}{gain}."
+    beside = f"the found model has {before} on the same recordings"
+    return f"{said} On what was not fitted to ({fit.judged_on}), {which} is {after}; {beside}{gain}."
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:
