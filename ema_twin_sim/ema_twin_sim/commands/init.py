@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..new_machine.columns import Guess, Guesses
-    from ..new_machine.drafts import Drafts, Given
+    from ..new_machine.drafts import Drafts
+    from ..new_machine.given import Given
 
 EXAMPLES = """Examples:
 
@@ -72,7 +73,8 @@ def run(
     from ema_bench_replay.configuration import find_configuration
 
     from ..model.model_file import check_model_name
-    from ..new_machine.drafts import Given, checked_drafts
+    from ..new_machine.drafts import checked_drafts
+    from ..new_machine.given import Given
 
     place = Path(output)
     if place.suffix.lower() in (".yaml", ".yml"):  # the name of the model, as other commands take it
@@ -139,7 +141,7 @@ def _say_what_it_rests_on(place: Path, by_size: Sequence[str]) -> None:
 
 def _to_look_at(text: str) -> str:
     """How many lines of a draft a person should look at; its first two tell of the mark itself."""
-    from ..new_machine.drafts import CHECK
+    from ..new_machine.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
     return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"

@@ -1,0 +1,75 @@
+"""The draft of an import map, from the columns of a trace."""
+
+from __future__ import annotations
+
+import json
+
+from ema_bench_replay.units import signal_unit
+
+from .check_comment import CHECK, check_comment
+from .columns import Guess, Guesses
+from .header_words import COUNTS
+from .shaft import Shaft
+
+ASSUMED_COUNTS = 4096
+
+
+def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
+    """YAML of an import map that reads a trace with these columns; ``shaft`` is that of the motor's position."""
+    lines = [
+        f"# First import map of {trace}, guessed from its header. Look at every line that says {CHECK}.",
+        "version: 1",
+        f"description: {json.dumps(trace)}",
+    ]
+    if guesses.motion != "rotary":
+        lines.append(f"motion: {guesses.motion}")
+    if guesses.time is None:
+        lines.append(f"operating_points: true  # {CHECK}: no column of time was found; each row is taken for a point")
+    else:
+        unit = guesses.time.unit or "s"
+        doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
+        lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")
+    lines.append("signals:")
+    lines += [_signal_line(guess, guesses.motion, shaft) for guess in guesses.signals]
+    if not guesses.drives:
+        without = "so that only what parts the two encoders shows" if guesses.both_encoders else "which all rests on"
+        lines.append(
+            f"# {CHECK}: no current and no torque was found, {without}. Where a voltage commands the drive's torque, "
+            "map it so:"
+        )
+        unit = signal_unit("motor_torque", guesses.motion)
+        lines.append(f"#  motor_torque: {{columns: ['…'], unit: V, gain: {{value: …, unit: {unit}/V}}}}")
+    if guesses.left:
+        lines.append(f"# not used: {', '.join(guesses.left)}")
+    return "\n".join(lines) + "\n"
+
+
+def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
+    of_position = guess.signal == "motor_position"
+    of_output = ", shaft: output" if (shaft.name if of_position else guess.shaft) == "output" else ""
+
+    def look(at: str) -> str:
+        """The comment on what to look at: the size of the numbers, and whose shaft they are of."""
+        return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
+
+    if guess.unit == COUNTS:
+        doubt = look(guess.doubt if guess.counts else "the counts of one turn, all edges counted")
+        return (
+            f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], counts_per_revolution: "
+            f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
+        )
+    unit = guess.unit or signal_unit(guess.signal, motion)
+    doubt = look(guess.doubt if guess.unit else "the header names no unit of it")
+    if of_position and not doubt and not of_output and motion != "linear":
+        doubt = "  # of the motor's shaft; `shaft: output` where it is given as the output's"
+    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{of_output}}}{doubt}"
+
+
+def _quoted(column: str) -> str:
+    """A column's name as the regular expression that fits it alone, in single quotes.
+
+    ``re.escape`` would escape its blanks and hyphens too, and a person shall read it.
+    """
+    special = set(r".^$*+?{}[]\|()")
+    plain = "".join("\\" + mark if mark in special else mark for mark in column)
+    return "'" + plain.replace("'", "''") + "'"

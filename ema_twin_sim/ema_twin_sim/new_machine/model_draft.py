@@ -1,0 +1,269 @@
+"""The draft of a model: everything open that recordings may tell, the rest from what they show and what was given."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import yaml
+
+from ema_bench_replay.recording import AT, Recording
+from ema_bench_replay.units import signal_unit, unit_in
+
+from ..reading_noise import reading_noise
+from ..simulation.behind_motor import of_encoders_alone
+from .check_comment import CHECK, check_comment
+from .drive_gains import drive_gains
+from .given import Given
+from .shaft import (
+    ALIKE,
+    EXACT,
+    Shaft,
+    fastest_motion,
+    positions_part,
+    ratio_of_positions,
+    told_at_joint,
+    whole_ratio,
+)
+from .speed_lag import speed_lag
+from .steps import smallest_step
+from .units_by_numbers import usual_counts
+
+SMALLEST_STEP = "smallest step of the recording"
+_FEWEST = 10
+_BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
+
+
+class ModelDraft(NamedTuple):
+    """The text of a model, and what in it was decided by usual sizes, with the remedy."""
+
+    text: str
+    assumed: tuple[str, ...] = ()
+
+
+def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
+    """YAML of a first model, everything open that recordings may tell.
+
+    Their motor position is as its column has it, of that ``shaft``.
+    """
+    recording = farthest(recordings)
+    motion = recording.motion
+    sensors = _sensor_lines(recording, (given.gear_ratio or shaft.ratio or 1.0) if shaft.name == "output" else 1.0)
+    inertia, viscous, dry = (1e-3, 0.01, 0.1) if motion == "rotary" else (1.0, 10.0, 1.0)
+    ratio = _ratio(recording, given.gear_ratio, shaft)
+    two_sided = (
+        ratio is not None
+        and recording.has("motor_position", "output_position")
+        and (abs(ratio.value - 1.0) > ALIKE or positions_part(recording, ratio.value))
+    )
+    two_sided |= of_encoders_alone(recording)  # which show nothing else than what is between them
+    turns = 1.0 if ratio is None else ratio.value
+    at_joint = _joint_constant(recordings, given.torque_constant, turns)
+    lines = [
+        f"# First model of {given.name}. Inertia and friction are open: fit finds them, discover goes on from there.",
+        f"# Look at every line that says {CHECK}.",
+        "version: 1",
+        "machine:",
+        f"  name: {given.name}",
+        *([f"  motion: {motion}"] if motion != "rotary" else []),
+        *_inertia_lines(motion, inertia, two_sided),
+        *([] if ratio is None else [ratio.line()]),
+        *_torque_lines(recording, given.torque_constant, at_joint),
+        *_drive_lines(recordings, given.torque_constant or 1.0),
+        "transmission: {kind: rigid}",
+        *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
+        "effects:",
+        "  viscous_friction: {effect: viscous_friction, options: {side: motor}, "
+        f"parameters: {{coefficient: {viscous}}}, open: true}}",
+        _friction_line("coulomb_friction", "motor", dry),
+        *([_friction_line("coulomb_friction_2", "output", dry * _BEHIND)] if two_sided else []),
+    ]
+    remedy = "where it is the motor's, remove `shaft: output` from its line of the model"
+    assumed = (f"torque constant told at the joint, the gear in it: {at_joint} ({remedy})",) if at_joint else ()
+    return ModelDraft("\n".join(lines) + "\n", assumed)
+
+
+def farthest(recordings: Sequence[Recording]) -> Recording:
+    """The recording on which the motor goes farthest, which tells most of a ratio and of counts."""
+
+    def travel(recording: Recording) -> float:
+        name = next((name for name in ("motor_position", "output_position") if recording.has(name)), None)
+        return 0.0 if name is None else float(np.ptp(_finite(recording.signals[name])))
+
+    return max(recordings, key=travel)
+
+
+def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
+    """The inertia; that behind the gearbox apart where an encoder there may show that it moves by itself."""
+
+    def line(name: str, value: float, comment: str) -> str:
+        unit = unit_in("kg m^2", motion)
+        return f"  {name}: {{value: {value:g}, unit: {unit}, tolerance: open, source: start value}}  # {comment}"
+
+    if not two_sided:
+        whole = "of all that moves" if motion == "linear" else "of all that turns, at the motor"
+        return [line("inertia", inertia, whole)]
+    return [
+        line("inertia", inertia * (1.0 - _BEHIND), "of what turns with the motor"),
+        line("output_inertia", inertia * _BEHIND, "of the rest, at the motor; only play or a spring tells them apart"),
+    ]
+
+
+def _friction_line(name: str, side: str, torque: float) -> str:
+    return (
+        f"  {name}: {{effect: coulomb_friction, options: {{side: {side}}}, "
+        f"parameters: {{torque: {torque:g}, static_ratio: 1.0}}, open: true}}"
+    )
+
+
+@dataclass(frozen=True)
+class _Ratio:
+    """A gear ratio, where it comes from, and what speaks against it."""
+
+    value: float
+    source: str
+    doubt: str = ""
+
+    def line(self) -> str:
+        value = f'{{value: {self.value:.6g}, unit: "1", tolerance: 0.0, source: {self.source}}}'
+        return f"  gear_ratio: {value}{check_comment(self.doubt)}"
+
+
+def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | None:
+    """The gear ratio: given, or what position and speed or both positions show, or one of a rotary machine."""
+    if given:
+        return _Ratio(given, "given")
+    if shaft.ratio is not None:
+        return _Ratio(shaft.ratio, "speed over position", "of the motor's speed to its position")
+    shown = ratio_of_positions(recording)
+    if shown is not None:
+        doubt = ""
+        if shown < 0.0:
+            doubt = "the shafts turn against each other: give the output's position `factor: -1` in the map"
+        elif abs(shown - 1.0) < ALIKE:
+            doubt = "is the motor's position given as the output's? Then say `shaft: output` in the map"
+        nearest = whole_ratio(shown, recording) if recording.motion == "rotary" else None
+        if nearest is not None:
+            if abs(shown / nearest - 1.0) > EXACT:
+                doubt = (
+                    doubt
+                    or f"the slope is {abs(shown):.6g}: taken for the whole number, which an angle error would bend"
+                )
+            shown = nearest
+        return _Ratio(abs(shown), "slope of both positions", doubt)
+    if recording.motion == "rotary":
+        return _Ratio(1.0, "assumed", "turns of the motor per turn of the output")
+    return None
+
+
+def _joint_constant(recordings: Sequence[Recording], given: float | None, ratio: float) -> str:
+    """Why a torque constant that was given must be the joint's, as no motor behind the ``ratio`` has so much."""
+    if recordings[0].motion != "rotary" or not recordings[0].has("current"):
+        return ""
+    return told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings)))
+
+
+def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> list[str]:
+    """The torque constant, where there is a current; ``at_joint`` is why it must be the joint's, else empty."""
+    if not recording.has("current"):
+        return []
+    source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
+    shaft = ""
+    if at_joint:
+        shaft, doubt = ", shaft: output", f"{at_joint}: taken for the joint's, the gear in it"
+    unit = unit_in("N m/A", recording.motion)
+    return [
+        f"  torque_constant: {{value: {given or 1.0:g}, unit: {unit}{shaft}, source: {source}}}{check_comment(doubt)}"
+    ]
+
+
+def _fastest_of_motor(ratio: float) -> Callable[[Recording], float]:
+    """The fastest [rad/s] that the motor went in a recording, which may tell its motion at the output."""
+
+    def fastest(recording: Recording) -> float:
+        told = "speed" if recording.has("speed") else "motor_position"
+        return fastest_motion(recording) * (ratio if recording.metadata.get(f"{told}{AT}") == "output" else 1.0)
+
+    return fastest
+
+
+def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
+    """The speed controller, where a recording shows its gains; what drives the twin else, where there is a setpoint."""
+    if not any(recording.has("speed_setpoint") for recording in recordings):
+        return []
+    shown = (drive_gains(recording, torque_constant) for recording in recordings)
+    found = next((gains for gains in shown if gains is not None), None)
+    motion = recordings[0].motion
+    if found is None:
+        return ["# The setpoint does not tell the drive's gains: the measured current drives the twin."]
+    source = "fitted: torque over speed error"
+    gain, time = unit_in("N m s/rad", motion), f"{found.integral_time:.4g}"
+    limit = unit_in("N m", motion)
+    return [
+        "drive:",
+        f"  speed_gain: {{value: {found.speed_gain:.4g}, unit: {gain}, tolerance: 0.2, source: '{source}'}}",
+        f"  integral_time: {{value: {time}, unit: s, tolerance: 0.2, source: '{source}'}}",
+        f"  integral_limit: {{value: 1e6, unit: {limit}, tolerance: 0.0, source: assumed}}",
+    ]
+
+
+def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
+    """What a recording tells of its sensors; nothing where there is none yet.
+
+    The motor turns ``ratio`` times as far as its position tells.
+    """
+    if len(recording) <= _FEWEST:
+        return []
+    motion = recording.motion
+    turn = 2.0 * math.pi if motion == "rotary" else 1.0
+    lines = []
+    for side in ("motor", "output"):
+        if not recording.has(f"{side}_position"):
+            continue
+        position = _finite(recording.signals[f"{side}_position"]) * (ratio if side == "motor" else 1.0)
+        step, source = smallest_step(position), SMALLEST_STEP
+        if counts := _counts_of_the_map(recording, f"{side}_position"):
+            step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
+        if step is None:  # as fine as a counter whose steps would make as much noise
+            step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
+        if 0.0 < step <= turn:
+            usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
+            lines.append(
+                f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
+                f"tolerance: 0.0, source: {source}}}"
+            )
+    of_speed = ratio if recording.metadata.get(f"speed{AT}") == "output" else 1.0
+    for name, turned in (("current", 1.0), ("speed", of_speed)):
+        if recording.has(name):
+            noise = turned * reading_noise(_finite(recording.signals[name]))
+            lines.append(
+                f"  {name}_noise: {{value: {noise:.3g}, "
+                f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
+            )
+    lag = speed_lag(recording, ratio / of_speed)
+    if lag is not None:
+        lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
+    if recording.has("motor_torque") and not recording.has("current"):
+        noise = reading_noise(_finite(recording.signals["motor_torque"]))
+        torque = signal_unit("motor_torque", motion)
+        lines.append(
+            f"  current_noise: {{value: {noise:.3g}, unit: A, "
+            f"source: third differences of the recording; one ampere stands for one {torque}}}"
+        )
+    if not recording.of_points:
+        lines.append(f"  sample_period: {{value: {recording.sample_period:g}, unit: s, tolerance: 0.0}}")
+    return lines
+
+
+def _counts_of_the_map(recording: Recording, signal: str) -> float | None:
+    """The counts per turn by which a recording was read; None where it is no counter's."""
+    content = yaml.safe_load(recording.metadata.get("map_text", "")) or {}
+    counts = content.get("signals", {}).get(signal, {}).get("counts_per_revolution")
+    return None if counts is None else float(counts)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return values[np.isfinite(values)]
