@@ -35,7 +35,7 @@ JUDGED = ("current", "output_position", "motor_position")
 SECONDS = 6.0  # own s of a recording that are simulated
 STEPS = 4  # at most, under each weighting
 ENOUGH = 5e-3  # fall of the cost, as a share, below which a step is the last
-TRIED = ((0.0, 1.0), (0.0, 0.4), (1e-2, 1.0), (1e-1, 0.5))  # damping and share of a step
+TRIED = ((0.0, 1.0), (1e-2, 1.0), (0.0, 0.4), (1e-1, 0.5))  # damping and share of a step, one after the other
 FINER = 0.2  # times the usual step of a finite difference: an impact is over in a fraction of a millisecond
 UNCOUNTED = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
 
@@ -98,14 +98,14 @@ class _Following:
 
         least = cost(rows, h)
         for _ in range(STEPS):
-            trials = self._trials(h, rows, cauchy_scale, inflation)
-            missed = self._missed(trials)
-            costs = [cost(*one) for one in zip(missed, trials, strict=True)]
-            best = int(np.argmin(costs))
-            fall = least - costs[best]
-            if not fall > 0.0:
+            for trial in self._trials(h, rows, cauchy_scale, inflation):
+                (missed,) = self._missed([trial])
+                fall = least - cost(missed, trial)
+                if fall > 0.0:
+                    break
+            else:
                 break
-            h, rows, least = trials[best], missed[best], costs[best]
+            h, rows, least = trial, missed, least - fall
             if fall < ENOUGH * least:
                 break
         return h
