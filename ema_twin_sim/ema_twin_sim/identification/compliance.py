@@ -48,18 +48,17 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     spread = encoder_spread(problem)
     part = excerpt(problem)
     springs = _springs(h)
+    back_and_forth = 0.0 if h.by_torque else hysteresis(problem, current)
     families = []
     if "shaft_compliance" not in held:
         wound = [h.with_effect("shaft_compliance", {}, s) for s in springs]
         if not h.by_torque:  # nor does any tell how much friction winds it up
-            held_back = [_wound_by(spring, hysteresis(problem, current)) for spring in wound]
+            held_back = [_wound_by(spring, back_and_forth) for spring in wound]
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
             wound += [spring for spring in held_back if spring is not None]
         families.append(ranked(part, wound))
     if "backlash" not in held and spread > 0.0:
-        families.append(
-            ranked(part, _gaps(h, spread) if h.by_torque else _held_in_gaps(h, hysteresis(problem, current)))
-        )
+        families.append(ranked(part, _gaps(h, spread) if h.by_torque else _held_in_gaps(h, back_and_forth)))
     hopeless = HOPELESS * min((family[0][0] for family in families), default=0.0)
     best = [best_of(part, family) for family in families if family[0][0] <= hopeless]
     play = next((f for f in best if "shaft_compliance" not in held and "backlash" in f.hypothesis.effects), None)
