@@ -11,6 +11,7 @@ from ema_bench_replay.recording import Recording
 
 from ...criteria import STANDSTILL
 from ...identification.equation import EquationErrorProblem
+from ...listing import listed
 from ...measured.observation import Observation
 from ...plant.measured_motion import SPEED
 from ..search.rivals import Rivalry
@@ -39,8 +40,8 @@ def suggest(
     choice = best_command(problem, found.fit, held, signals_of(recordings), few=True)
     if choice.best is None:
         names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
-        said = f"tells apart {' and '.join(names)}" if len(names) > 1 else f"tells whether there is {names[0]} too"
-        return f"no command within what was recorded {said}".replace("_", " ")
+        said = f"tells {listed(names)} apart" if len(names) > 1 else f"tells whether there is {names[0]} too"
+        return f"none of the commands that were tried {said}".replace("_", " ")
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
     return f"{choice.best.command} for {choice.best.seconds:g} s: {choice.best.why}{beyond}"

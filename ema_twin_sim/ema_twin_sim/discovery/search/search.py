@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -297,13 +298,14 @@ def _add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Rou
 
 def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
     """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
-    trials = _ranked(trial_of(current, g) for g in tried)
+    choices = Counter(c.effect for c in candidates(current.hypothesis))
+    trials = _ranked((trial_of(current, g) for g in tried), choices)
     took = _best(current, trials)
     if took is None and not current.parted:
         # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
         again = [trial_of(current, fit(t.fit.problem, t.fit.hypothesis)) for t in near]
-        trials = _ranked([*again, *(t for t in trials if t not in near)])
+        trials = _ranked([*again, *(t for t in trials if t not in near)], choices)
         took = _best(current, trials)
     if took is None:
         return Round(current, trials, current)
@@ -324,13 +326,20 @@ def trial_of(before: Fit, after: Fit) -> Trial:
     )
 
 
-def _ranked(trials: Iterable[Trial]) -> tuple[Trial, ...]:
+def _ranked(trials: Iterable[Trial], choices: Mapping[str, int]) -> tuple[Trial, ...]:
     """Best first; a generic basis fits anything: an effect that does nearly as well goes before it.
 
     So does, before any other effect, what every machine has and this model lacks: where nothing reverses, friction is
-    a load, and a load would be no friction.
+    a load, and a load would be no friction. And of two that do equally well, the one that had fewer ``choices`` of its
+    options to be the best of.
     """
-    return tuple(sorted(trials, key=lambda t: -t.gain * _favour(t)))
+    return tuple(sorted(trials, key=lambda t: _by_choice(t, choices) - t.gain * _favour(t)))
+
+
+def _by_choice(t: Trial, choices: Mapping[str, int]) -> float:
+    """What the best of several choices gains by chance, as twice a log-likelihood."""
+    came = (t.fit.hypothesis.added[name].effect for name in t.names if name in t.fit.hypothesis.added)
+    return sum(2.0 * math.log(max(choices.get(id, 1), 1)) for id in came)
 
 
 def _favour(t: Trial) -> float:
