@@ -1,11 +1,16 @@
 """Bags that other tools wrote, or that are damaged: read as far as they go, or refused in one line."""
 
 import math
+import resource
 import struct
 
+import lz4.frame
 import pytest
+import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.data_stream import RecordBuilder
+from mcap.records import Chunk
 from mcap.writer import CompressionType, Writer
 
 from ema_bench_replay.bags.bag_metadata import STATE_QOS, qos_profile
@@ -200,3 +205,67 @@ class TestBadInput:
     def test_time_that_stands_still(self, tmp_path):
         samples = [({**values, "stamp": 10**9}, log_time) for values, log_time in some_samples()]
         refused(write_other(tmp_path / "b.mcap", samples), "time does not go on at sample 1")
+
+
+class TestBounds:
+    """What a file says of its own size is no reason to believe it, nor to make room for it."""
+
+    @staticmethod
+    def bomb(path, compression, content, claimed):
+        with path.open("wb") as stream:
+            writer = Writer(stream, use_chunking=False)
+            writer.start(profile="ros2")
+            schema = writer.register_schema(STATE, "ros2msg", DEFINITION.encode())
+            writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
+            packed = {"zstd": zstandard.compress, "lz4": lz4.frame.compress}[compression](content)
+            builder = RecordBuilder()
+            Chunk(compression, packed, 1, 0, 0, claimed).write(builder)
+            stream.write(builder.end())
+        return path
+
+    @pytest.mark.parametrize("compression", ["zstd", "lz4"])
+    @pytest.mark.parametrize("claimed", [1000, 1 << 30, 1 << 60])
+    def test_a_chunk_that_is_larger_than_it_says_or_says_too_much(self, tmp_path, compression, claimed):
+        path = self.bomb(tmp_path / "b.mcap", compression, bytes(64 << 20), claimed)
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        refused(path, "chunk is damaged")
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 32 << 10  # kB: half of what was packed
+
+    @pytest.mark.parametrize(
+        ("lines", "told"),
+        [
+            ("float64 current\nfloat64 current\n", "has the field current twice"),
+            ("float64[3] current\n", "several numbers as its current"),
+            (f"float64 current\ntest/Loop a\n{'=' * 80}\nMSG: test/Loop\ntest/Loop a\n", "contains itself"),
+            ("float64 current\n" + "# much\n" * 200_000, "more than 1 MiB"),
+            (
+                "float64 current\ntest/D0 a\n"
+                + "".join(f"{'=' * 80}\nMSG: test/D{k}\ntest/D{k + 1} a\ntest/D{k + 1} b\n" for k in range(40))
+                + f"{'=' * 80}\nMSG: test/D40\nint8[0] a\n",
+                "more than 100000 fields",
+            ),
+        ],
+    )
+    def test_definitions_that_lead_nowhere(self, tmp_path, lines, told):
+        rest = DEFINITION[DEFINITION.index("=" * 80) :]
+        path = write_other(tmp_path / "good.mcap", some_samples(3))
+        with (tmp_path / "b.mcap").open("wb") as stream:
+            writer = Writer(stream)
+            writer.start(profile="ros2")
+            schema = writer.register_schema(STATE, "ros2msg", f"std_msgs/Header header\n{lines}{rest}".encode())
+            channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
+            writer.add_message(channel, 0, b"\0\1\0\0" + bytes(200), 0)
+            writer.finish()
+        assert len(read_bag(path)) == 3
+        refused(tmp_path / "b.mcap", told)
+
+    def test_a_header_without_a_stamp(self, tmp_path):
+        definition = f"std_msgs/Header header\nfloat64 current\n{'=' * 80}\nMSG: std_msgs/Header\nstring frame_id\n"
+        with (tmp_path / "b.mcap").open("wb") as stream:
+            writer = Writer(stream)
+            writer.start(profile="ros2")
+            schema = writer.register_schema(STATE, "ros2msg", definition.encode())
+            channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
+            writer.add_message(channel, 0, b"\0\1\0\0" + bytes(40), 0)
+            writer.finish()
+        refused(tmp_path / "b.mcap", "header.stamp.sec")

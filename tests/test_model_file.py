@@ -130,6 +130,33 @@ def _outcome(text):
         return str(error)
 
 
+@pytest.mark.parametrize("libyaml", [True, False])
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("x: !!int ''", "line 1: is no YAML: this is no int"),
+        ("x: !!bool maybe", "line 1: is no YAML: this is no bool"),
+        ("x: !!timestamp now", "line 1: is no YAML: this is no timestamp"),
+        ("x: &x [*x]", "it contains itself"),
+        (
+            "a0: &a0 [x, x, x, x, x, x, x, x]\n"
+            + "".join(f"a{k}: &a{k} [{', '.join([f'*a{k - 1}'] * 8)}]\n" for k in range(1, 9)),
+            "its aliases make it too large",
+        ),
+        (
+            "a0: &a0 {k: 1}\n"
+            + "".join(f"a{k}: &a{k}\n  <<: [{', '.join([f'*a{k - 1}'] * 8)}]\n" for k in range(1, 9)),
+            "its aliases make it too large",
+        ),
+        ("base: " + "long" * 2000, "is no file beside it"),
+    ],
+)
+def test_yaml_that_would_grow_or_is_not_what_it_says(libyaml, text, told, tmp_path, monkeypatch):
+    monkeypatch.setattr("ema_bench_replay.checked_yaml.yaml.__with_libyaml__", libyaml)
+    assert told in refused(tmp_path, text)
+    assert len(refused(tmp_path, text)) < 500 + len(str(tmp_path))
+
+
 def test_a_key_given_twice_is_refused_with_its_line(tmp_path):
     assert "line 2: is no YAML: the key 'version' is there twice" in refused(tmp_path, "version: 1\nversion: 1\n")
     text = "version: 1\neffects:\n  backlash: {}\n  'backlash': {}\n"

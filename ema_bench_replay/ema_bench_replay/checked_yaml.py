@@ -16,6 +16,7 @@ from ema_bench_replay.errors import InputError
 
 _READ_OTHERWISE = re.compile(r"[\t?!\ufeff]|[|>][-+0-9]*#")  # by libyaml than by PyYAML, in places
 _LARGEST = 1 << 20  # bytes; the files that are written by hand have a few thousand
+_MOST_NODES = 100_000  # keys and values once every alias is written out; files by hand have some hundred
 
 
 def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[Any, str]:
@@ -49,15 +50,48 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
 
 
 def parse_yaml(text: str) -> Any:
-    """The content of a YAML text. What libyaml refuses goes through PyYAML's own parser, whose words are told."""
+    """The content of a YAML text. What libyaml refuses goes through PyYAML's own parser, whose words are told.
+
+    Raises YAMLError, RecursionError or ValueError where it is none, or would grow beyond all bounds.
+    """
     if yaml.__with_libyaml__ and not _READ_OTHERWISE.search(text):
         with suppress(yaml.YAMLError, RecursionError, ValueError):
             return _QuickLoader(text).get_single_data()
     return _Loader(text).get_single_data()
 
 
+def _count(node: yaml.Node, counted: dict[int, int]) -> int:
+    """How many nodes there are once every alias is written out. Raises ComposerError where they are too many."""
+    if id(node) in counted:
+        if not counted[id(node)]:
+            raise yaml.composer.ComposerError(None, None, "it contains itself", node.start_mark)
+        return counted[id(node)]
+    counted[id(node)] = 0  # not known before its children are
+    children = () if isinstance(node, yaml.ScalarNode) else node.value
+    if isinstance(node, yaml.MappingNode):
+        children = [one for pair in node.value for one in pair]
+    total = 1 + sum(_count(child, counted) for child in children)
+    if total > _MOST_NODES:
+        raise yaml.composer.ComposerError(None, None, "its aliases make it too large", node.start_mark)
+    counted[id(node)] = total
+    return total
+
+
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader, which would take the last of two equal keys."""
+    """PyYAML's safe loader, which would take the last of two equal keys, and write out aliases without end."""
+
+    def get_single_node(self) -> yaml.Node | None:
+        node = super().get_single_node()
+        if node is not None:
+            _count(node, {})
+        return node
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep=deep)
+        except (LookupError, AttributeError):  # of a value that is not what its tag says
+            wrong = f"this is no {node.tag.rpartition(':')[2]}"
+            raise yaml.constructor.ConstructorError(None, None, wrong, node.start_mark) from None
 
     def compose_mapping_node(self, anchor: Any) -> yaml.MappingNode:
         node = super().compose_mapping_node(anchor)

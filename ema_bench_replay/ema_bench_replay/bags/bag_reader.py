@@ -125,6 +125,8 @@ def _read(scan: McapScan, channels: set[int], types: Types) -> dict[str, np.ndar
                 origins = decode(types, root, block.data, block.offsets[:1], block.sizes[:1], _ORIGINS)
         except CdrError as error:
             raise InputError(f"{scan.path}: a message {error}; it was not written as its definition says") from None
+        if absent := [name for name in _STAMP if name not in fields]:
+            raise InputError(f"{scan.path}: a message has no {absent[0]}; record it with a std_msgs/Header")
         seconds, nanoseconds = (fields.pop(name).astype(np.int64) for name in _STAMP)
         columns.add({**fields, "stamp": seconds * 1_000_000_000 + nanoseconds, "log_time": block.log_times})
     return {**columns.finish(), **origins}

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,8 @@ _PRIMITIVES = {
     **{"bool": "u1", "byte": "u1", "char": "u1", "uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2"},
     **{"uint32": "u4", "int32": "i4", "uint64": "u8", "int64": "i8", "float32": "f4", "float64": "f8"},
 }
+_LONGEST_DEFINITION = 1 << 20  # characters; those of messages have some hundred
+_MOST_FIELDS = 100_000  # of one message, those of its parts included
 _FIELD = re.compile(
     r"(?P<type>[\w/]+)(?:<=\d+)?(?P<array>\[(?P<count>(?:<=)?\d*)\])?\s+(?P<name>\w+)(?P<constant>\s*=)?"
 )
@@ -50,7 +53,9 @@ class Layout:
 
 
 def parse(definition: str, type_name: str) -> tuple[Types, str]:
-    """All types of a ros2msg definition text, and the key of the one it defines."""
+    """All types of a ros2msg definition text, and the key of the one it defines. Raises CdrError."""
+    if len(definition) > _LONGEST_DEFINITION:
+        raise CdrError("has a definition of more than 1 MiB")
     root = _short(type_name)
     types: Types = {}
     for position, part in enumerate(re.split(r"^=+$", definition, flags=re.MULTILINE)):
@@ -78,7 +83,10 @@ def layout_of(types: Types, root: str, message: bytes | memoryview) -> Layout:
         return length
 
     walk = _Walk(types, order, length_at)
-    walk.struct(root, "")
+    try:
+        walk.struct(root, "")
+    except RecursionError:
+        raise CdrError("has a type that contains itself") from None
     if walk.end > len(message):
         raise CdrError("is shorter than its type")
     return walk.layout(len(message))
@@ -127,6 +135,8 @@ def decode(
         if not same.all():
             alike, messages = alike[same], messages[same]
         for name in set(names).intersection(layout.dtype.names or ()):
+            if layout.dtype[name].shape:
+                raise CdrError(f"has several numbers as its {name}")
             if name not in result:
                 result[name] = np.empty(len(offsets), layout.dtype[name].newbyteorder("="))
             result[name][alike] = messages[name]
@@ -140,12 +150,16 @@ class _Walk:
     def __init__(self, types: Types, order: str, length_at: Callable[[int], int]) -> None:
         self.types, self.order, self.length_at = types, order, length_at
         self.end = _HEADER
+        self.visited = 0
         self.names: list[str] = []
         self.formats: list[Any] = []
         self.offsets: list[int] = []
         self.lengths: list[tuple[int, int]] = []
 
     def layout(self, size: int) -> Layout:
+        twice = next((name for name, count in Counter(self.names).items() if count > 1), None)
+        if twice is not None:
+            raise CdrError(f"has the field {twice} twice")
         parts: Any = {"names": self.names, "formats": self.formats, "offsets": self.offsets, "itemsize": size}
         return Layout(np.dtype(parts), tuple(self.lengths))
 
@@ -153,6 +167,7 @@ class _Walk:
         if name not in self.types:
             raise CdrError(f"uses the type {name}, which its definition lacks")
         for field in self.types[name]:
+            self.visit()
             here = f"{path}{field.name}"
             if field.count is None:
                 self.value(field.type, here)
@@ -163,7 +178,13 @@ class _Walk:
                     self.place(here, _PRIMITIVES[field.type], count)
             else:
                 for index in range(count):
+                    self.visit()
                     self.value(field.type, f"{here}[{index}]")
+
+    def visit(self) -> None:
+        self.visited += 1
+        if self.visited > _MOST_FIELDS:
+            raise CdrError(f"has more than {_MOST_FIELDS} fields")
 
     def value(self, kind: str, path: str) -> None:
         if kind in _PRIMITIVES:

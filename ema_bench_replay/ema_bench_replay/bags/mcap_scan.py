@@ -26,7 +26,8 @@ from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.errors import InputError
 
 _PLAIN_BLOCK = 4 << 20
-_LARGEST_CHUNK = 2 << 30
+_LARGEST_CHUNK = 256 << 20  # bytes, unpacked; writers make chunks of some MiB
+_LARGEST_RATIO = 10_000  # of unpacked to packed bytes: what is only zeros packs no tighter
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<BQHIQ")  # opcode, length, channel, sequence, log time
 _MESSAGE_HEAD = 31  # bytes of a message record before its data
@@ -140,17 +141,20 @@ class McapScan:
         """Records in a chunk; None, with the damage noted, where they cannot be had."""
         try:
             chunk = Chunk.read(ReadDataStream(BytesIO(content)))
-            if chunk.uncompressed_size > _LARGEST_CHUNK:
+            if chunk.uncompressed_size > min(_LARGEST_CHUNK, _LARGEST_RATIO * (len(chunk.data) + 1)):
                 raise ValueError  # no writer does this
+            most = chunk.uncompressed_size + 1  # what is packed may be larger than it says
             if chunk.compression == "zstd":
-                data = zstandard.ZstdDecompressor().decompress(chunk.data, max_output_size=chunk.uncompressed_size)
+                data = zstandard.ZstdDecompressor().stream_reader(chunk.data, read_across_frames=True).read(most)
             elif chunk.compression == "lz4":
-                data = lz4.frame.decompress(chunk.data)
+                data = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=most)
             elif chunk.compression == "":
                 data = chunk.data
             else:
                 how = f"its chunks are compressed with {chunk.compression!r}"
                 raise InputError(f"{self.path}: {how}; write it with zstd, lz4 or none")
+            if len(data) != chunk.uncompressed_size:
+                raise ValueError
         except InputError:
             raise
         except (zstandard.ZstdError, RuntimeError, *_UNREADABLE):

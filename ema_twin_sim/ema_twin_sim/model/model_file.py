@@ -150,13 +150,11 @@ def _base(path: Path, named: object) -> Path:
     """The file that a model's ``base`` names: beside it, or a shipped one by its name."""
     name = Checker(path).text(named, "base")
     beside = path.parent / name
-    if beside.is_file():
-        return beside
     try:
-        return find_configuration("models", name)
-    except InputError:
+        return beside if beside.is_file() else find_configuration("models", name)
+    except (InputError, OSError, ValueError):  # OSError, ValueError: a name that no file can have
         raise InputError(
-            f"{path}: base: {name!r} is no file beside it, and no model in config/models; name one of them"
+            f"{path}: base: {name[:200]!r} is no file beside it, and no model in config/models; name one of them"
         ) from None
 
 
