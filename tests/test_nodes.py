@@ -199,6 +199,45 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     assert [reports["monitor"][f"bench samples that came {count}"] for count in ("late", "twice")] == ["1", "1"]
 
 
+def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
+    """Bytes that are no state, infinite and absurd values: left out of all statistics, counted, and the run goes on."""
+    twin = graph.add(TwinNode)
+    monitor = graph.add(MonitorNode)
+    tester = graph.plain_node()
+    answers, said = [], {}
+    tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
+
+    def keep(message):
+        said.update((status.name.split(":")[0], status) for status in message.status)
+
+    tester.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    spoilt = {
+        5: {"speed_setpoint": math.inf},
+        6: {"speed": 1e300},
+        7: {"motor_position": -math.inf, "current": 1e200},
+    }
+    for sequence in range(20):
+        if sequence == 10:
+            for bytes_ in (b"\0\1\0\0", b"", b"\7", b"\0\1\0\0" + b"\xff" * 60):
+                publisher.publish(bytes_)
+        signals = bench_signals() | spoilt.get(sequence, {})
+        publisher.publish(write_state(10**9 + sequence * PERIOD, 1, sequence, signals))
+    graph.spin_until(lambda: len(answers) == 20 and monitor.pairing.compared == 20)
+    assert all(math.isfinite(answer.speed) and abs(answer.speed) < 10.0 for answer in answers)
+    rmse = monitor.comparison.rmse
+    assert all(rmse[name] < 10.0 for name in ("speed", "current", "motor_position")), rmse
+    assert twin.failure is None
+    told = "values on bench/state are infinite or absurd"
+    graph.spin_until(lambda: {"twin", "monitor"} <= said.keys() and all(told in said[n].message for n in said))
+    for status in said.values():
+        assert status.level == DiagnosticStatus.WARN or status.name.startswith("monitor")
+        assert "are no EmaState and were left out" in status.message
+        counts = {value.key: value.value for value in status.values}
+        assert counts["values on bench/state that are infinite or absurd"] == "4"
+        assert int(counts["messages on bench/state that are no EmaState"]) >= 2  # the middleware keeps some back
+
+
 def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
     twin = graph.add(TwinNode, input="setpoint")
     tester = graph.plain_node()

@@ -6,7 +6,7 @@ from rclpy.node import Node
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics, qos
-from ema_bench_replay.nodes.sample_codec import read_state
+from ema_bench_replay.nodes.incoming import Incoming
 from ema_twin_msgs.msg import EmaState
 
 from ..model import Model
@@ -23,6 +23,7 @@ class BesideBench:
 
     Attributes:
         follower: the twin and what it counts.
+        incoming: what was wrong with the messages that came.
         failure: why the twin does not answer this run any more; None where it does. It starts again with the next one.
     """
 
@@ -33,6 +34,7 @@ class BesideBench:
         self._logger = node.get_logger()
         self._failed_run = 0
         self.follower = Follower(model, wanted, from_start)
+        self.incoming = Incoming("bench/state")
         node.create_subscription(EmaState, "bench/state", self._on_sample, qos.state(from_start), raw=True)
 
     @property
@@ -46,7 +48,10 @@ class BesideBench:
         return self.follower.pace
 
     def _on_sample(self, message: bytes) -> None:
-        run, sequence, stamp, sample = read_state(message)
+        state = self.incoming.read(message)
+        if state is None:
+            return
+        run, sequence, stamp, sample = state
         if self.failure is not None and run == self._failed_run:
             return
         try:
@@ -72,6 +77,8 @@ class BesideBench:
             level, message = diagnostics.WARN, "waits: no sample on bench/state yet"
         elif self.pace.complaint:
             level, message = diagnostics.WARN, self.pace.complaint
+        elif self.incoming.complaint:
+            level, message = diagnostics.WARN, self.incoming.complaint
         elif stream.lost:
             level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
         else:
@@ -82,4 +89,5 @@ class BesideBench:
             "samples answered": self.follower.answered,
             "computes at": self.pace.in_words,
         }
-        return diagnostics.Report(level, message, {**state, "runs begun": stream.runs, **stream.figures("samples")})
+        counts = {"runs begun": stream.runs, **stream.figures("samples"), **self.incoming.figures}
+        return diagnostics.Report(level, message, {**state, **counts})

@@ -13,9 +13,10 @@ from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameter_events
 
 from ema_bench_replay.nodes import diagnostics, qos
+from ema_bench_replay.nodes.incoming import Incoming
 from ema_bench_replay.nodes.messages import header, signals_message
 from ema_bench_replay.nodes.parameters import Declaration, check_all, declare, refuse_unknown
-from ema_bench_replay.nodes.sample_codec import State, read_state, write_residual
+from ema_bench_replay.nodes.sample_codec import State, write_residual
 from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
@@ -104,6 +105,7 @@ class MonitorNode(Node):
         self._prepared = False
         self._history = History(given["history"])
         self._trend = Trend(self._window)
+        self._incoming = {side: Incoming(f"{side}/state") for side in ("bench", "twin")}
 
         self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
         self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
@@ -155,7 +157,9 @@ class MonitorNode(Node):
 
     def _on_bench(self, message: bytes) -> None:
         self._bench_arrival = time.monotonic()
-        sample = read_state(message)
+        sample = self._incoming["bench"].read(message)
+        if sample is None:
+            return
         passes = self.pairing.passes
         answer = self.pairing.add_bench(sample)
         if self.pairing.passes != passes:
@@ -165,7 +169,9 @@ class MonitorNode(Node):
             self._compare(sample, answer)
 
     def _on_twin(self, message: bytes) -> None:
-        answer = read_state(message)
+        answer = self._incoming["twin"].read(message)
+        if answer is None:
+            return
         sample = self.pairing.add_twin(answer)
         if sample is not None:
             self._compare(sample, answer)
@@ -234,6 +240,8 @@ class MonitorNode(Node):
         comparison = self.comparison
         rmse_window = comparison.rmse_window
         level, words = self._level(rmse_window)
+        wrong = [one.complaint for one in self._incoming.values() if one.complaint]
+        words = "; ".join([words, *wrong])
         if pairing.missing:
             words = f"{words}; {pairing.missing} samples of this run are missing"
         if growing := self._trend.growing():
@@ -252,11 +260,13 @@ class MonitorNode(Node):
             "twin samples of a run that was left": pairing.outdated,
             **pairing.bench.figures("bench samples"),
             **pairing.twin.figures("twin samples"),
+            **self._incoming["bench"].figures,
+            **self._incoming["twin"].figures,
         }
         if mixed := self.mixed:
             return diagnostics.Report(diagnostics.ERROR, mixed, figures)
         return diagnostics.Report(
-            max(bytes([level]), diagnostics.WARN if pairing.missing else diagnostics.OK), words, figures
+            max(bytes([level]), diagnostics.WARN if pairing.missing or wrong else diagnostics.OK), words, figures
         )
 
     def destroy_node(self) -> None:
