@@ -11,7 +11,8 @@ from ema_bench_replay.recording import Recording
 def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
     """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import wrote.
 
-    Raises InputError, in one line, where there is none or it cannot be used.
+    Both positions of a run begin at zero (see `Recording.from_zero`), wherever they were. Raises InputError, in one
+    line, where there is none or it cannot be used.
     """
     # each reader is imported when it is needed: who reads an MCAP needs no CSV
     path = Path(path)
@@ -20,7 +21,8 @@ def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
     if path.is_dir() or path.suffix.lower() == ".mcap":
         from ema_bench_replay.bags.bag_reader import read_bag
 
-        return read_bag(path)
+        recording = read_bag(path)
+        return recording if recording.of_points else recording.from_zero()  # as a trace is read, and a live twin counts
     if path.suffix.lower() in (".csv", ".txt", ".tsv"):
         from ema_bench_replay.traces.import_map import load_map
         from ema_bench_replay.traces.trace_csv import read_trace

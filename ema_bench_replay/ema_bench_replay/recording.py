@@ -164,6 +164,8 @@ class Recording:
         """
         signals = dict(self.signals)
         shift = {name: _first(signals[name]) for name in ("motor_position", "output_position") if name in signals}
+        if not any(shift.values()):
+            return self
         for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
             if name in signals and origin in shift:
                 signals[name] = signals[name] - shift[origin]
