@@ -24,6 +24,7 @@ VERBS = (
     "info",
     "diff",
     "export",
+    "recover",
     "demo",
 )
 

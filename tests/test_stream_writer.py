@@ -1,20 +1,26 @@
 """Bags that are written while they run."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 
+import pytest
 import yaml
 from mcap.reader import make_reader
+from mcap.writer import CompressionType
 from rosbags.highlevel import AnyReader
 
 from ema_bench_replay.bags.bag_metadata import STATE_QOS
 from ema_bench_replay.bags.cdr import parse, serialise
+from ema_bench_replay.bags.recover import recover
 from ema_bench_replay.bags.stream_writer import StreamWriter
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
-from tests.bags import DEFINITION, STATE
+from tests.bags import DEFINITION, STATE, assert_same, some_samples, write_other
 
 
 class TestStreamWriter:
@@ -33,7 +39,7 @@ class TestStreamWriter:
         assert times == [(NO_DATE + k * 1_000_000, k) for k in range(3000)]
         with (tmp_path / "live" / "live.mcap").open("rb") as file:
             chunks = make_reader(file).get_summary().chunk_indexes
-        assert len(chunks) == 6 and all(c.message_end_time - c.message_start_time < 5e8 for c in chunks)
+        assert len(chunks) == 20 and all(c.message_end_time - c.message_start_time < 1.5e8 for c in chunks)
 
     def test_a_topic_that_nobody_offers_yet(self, tmp_path):
         writer = StreamWriter(tmp_path / "live")
@@ -46,13 +52,15 @@ class TestStreamWriter:
         with (tmp_path / "live" / "live.mcap").open("rb") as file:
             assert [channel.topic for channel in make_reader(file).get_summary().channels.values()] == ["/empty"]
 
-    def test_a_killed_writer_loses_less_than_a_second(self, tmp_path):
+    def test_a_killed_writer_loses_a_quarter_of_a_second_and_the_rest_is_recovered(self, tmp_path):
         script = f"""
 import itertools, sys, time
 from ema_bench_replay.bags.bag_metadata import STATE_QOS
 from ema_bench_replay.bags.cdr import parse, serialise
 from ema_bench_replay.bags.definitions import message_definition
+from ema_bench_replay.bags.recover import recover
 from ema_bench_replay.bags.stream_writer import StreamWriter
+from ema_bench_replay.errors import InputError
 types, root = parse(message_definition("{STATE}").text, "{STATE}")
 writer = StreamWriter(sys.argv[1])
 writer.add_topic("/bench/state", "{STATE}", STATE_QOS)
@@ -72,4 +80,60 @@ for k in itertools.count():
         run.wait()
         recording = load(tmp_path / "live")
         assert recording.warnings == ("live.mcap: the file is cut; used up to the last whole part",)
-        assert last - (recording.start + recording.stamps[-1]) < 1e9
+        assert last - (recording.start + recording.stamps[-1]) < 0.25e9
+        cut = tmp_path / "live" / "live.mcap"
+        before = cut.read_bytes()
+        found = recover(cut, tmp_path / "whole.mcap")
+        assert cut.read_bytes() == before and found.damage == "the file is cut"
+        assert found.messages == {"/bench/state": len(recording)}
+        assert_same(load(tmp_path / "whole.mcap"), replace(recording, name="whole", warnings=()))
+        with (tmp_path / "whole.mcap").open("rb") as file:
+            assert make_reader(file).get_summary().statistics.message_count == len(recording)
+        with AnyReader([tmp_path / "whole.mcap"]) as reader:
+            assert sum(1 for _ in reader.messages()) == len(recording)
+
+    @pytest.mark.parametrize("what", ["file", "folder"])
+    def test_a_file_that_is_removed_is_told(self, tmp_path, what):
+        """What is written to it goes on without an error of the system's, and is nowhere."""
+        writer = StreamWriter(tmp_path / "live")
+        writer.add_topic("/empty", "std_msgs/msg/Header", "")
+        writer.write("/empty", b"\0\1\0\0" + bytes(13), 1)
+        writer.flush()
+        shutil.rmtree(tmp_path / "live") if what == "folder" else writer.path.unlink()
+        writer.write("/empty", b"\0\1\0\0" + bytes(13), 2)
+        with pytest.raises(InputError, match="was removed while it was written, with 2 messages"):
+            writer.flush()
+
+
+class TestRecover:
+    @pytest.fixture
+    def whole(self, tmp_path):
+        return write_other(tmp_path / "whole.mcap", some_samples(500), compression=CompressionType.ZSTD)
+
+    def test_a_cut_file_at_every_place(self, whole, tmp_path):
+        data = whole.read_bytes()
+        counts = []
+        for share in (0.999, 0.9, 0.5, 0.2):
+            cut = tmp_path / "cut.mcap"
+            cut.write_bytes(data[: int(share * len(data))])
+            counts.append(recover(cut, tmp_path / "out.mcap", force=True).messages["/bench/state"])
+            assert len(load(tmp_path / "out.mcap")) == counts[-1] == len(load(cut))
+        assert counts == sorted(counts, reverse=True) and counts[0] == 500 > counts[-1] > 0
+
+    def test_what_is_refused(self, whole, tmp_path):
+        for path, output, told in (
+            (whole, whole, "the damaged bag itself"),
+            (whole, tmp_path / "x.txt", "give FILE.mcap"),
+            (whole, tmp_path / "there.mcap", "exists already"),
+            (tmp_path / "empty.mcap", tmp_path / "x.mcap", "nothing of it can be recovered"),
+        ):
+            (tmp_path / "there.mcap").touch()
+            (tmp_path / "empty.mcap").write_bytes(whole.read_bytes()[:40])
+            with pytest.raises(InputError, match=told):
+                recover(path, output)
+        assert not (tmp_path / "x.mcap").exists() and len(load(whole)) == 500
+
+    def test_a_whole_bag_stays_what_it_is(self, whole, tmp_path):
+        found = recover(whole, tmp_path / "copy.mcap")
+        assert found.damage is None and found.messages == {"/bench/state": 500}
+        assert_same(load(tmp_path / "copy.mcap"), replace(load(whole), name="copy"))

@@ -30,7 +30,8 @@ _LARGEST_CHUNK = 256 << 20  # bytes, unpacked; writers make chunks of some MiB
 _LARGEST_RATIO = 10_000  # of unpacked to packed bytes: what is only zeros packs no tighter
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<BQHIQ")  # opcode, length, channel, sequence, log time
-_MESSAGE_HEAD = 31  # bytes of a message record before its data
+_WHOLE_HEAD = struct.Struct("<BQHIQQ")  # the same, and the publish time
+_MESSAGE_HEAD = _WHOLE_HEAD.size  # bytes of a message record before its data
 # What the library's parsers raise where bytes are not what they should be.
 _UNREADABLE = (McapError, struct.error, ValueError, OSError, KeyError, AssertionError, MemoryError, OverflowError)
 
@@ -42,6 +43,16 @@ class Block(NamedTuple):
     offsets: np.ndarray  # int64 (n,): where each message's data begins
     sizes: np.ndarray  # int64 (n,): bytes of it
     log_times: np.ndarray  # int64 (n,), ns
+
+
+class Message(NamedTuple):
+    """One message as it is written."""
+
+    channel: int
+    sequence: int
+    log_time: int  # ns
+    publish_time: int  # ns
+    data: bytes
 
 
 class McapScan:
@@ -72,6 +83,15 @@ class McapScan:
             offsets, sizes, times = self._messages(data, wanted)
             if offsets:
                 yield Block(data, np.array(offsets), np.array(sizes), np.array(times))
+
+    def messages(self) -> Iterator[Message]:
+        """Every message of all channels, in the file's order, up to where the file is damaged."""
+        self.metadata, self.damage = [], None
+        for data in self._contents():
+            offsets, sizes, _ = self._messages(data, set(self.channels))
+            for offset, size in zip(offsets, sizes, strict=True):
+                _, _, channel, number, logged, published = _WHOLE_HEAD.unpack_from(data, offset - _MESSAGE_HEAD)
+                yield Message(channel, number, logged, published, data[offset : offset + size])
 
     def _open(self) -> BinaryIO:
         try:

@@ -36,7 +36,7 @@ _AT_ONCE = 2000
 """Messages of a topic taken in one go: the others, and a signal to end, shall not wait longer."""
 _LAST_WORDS = 10.0
 """s at the end for what has arrived and was not taken yet."""
-_FLUSH = 0.5
+_FLUSH = 0.15
 """s after which a message is on disk, however slowly they come."""
 
 
@@ -177,7 +177,10 @@ class RecordNode(Node):
             self._fail(error)
         text = f"{sum(self.written.values())} messages of {len(self.written)} topics in {self._writer.path}"
         lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
-        if lost:
+        if self._problem:
+            after = sum(self.lost.values())
+            self.get_logger().error(f"{self._problem}; {after} messages that came afterwards are not recorded")
+        elif lost:
             self.get_logger().warning(f"{text}; lost: {', '.join(lost)}{self._doubt()}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")

@@ -30,6 +30,7 @@ from . import (
     init,
     live,
     plan,
+    recover,
     remove,
     report,
     simulate,
@@ -49,7 +50,7 @@ app = typer.Typer(
 )
 for verb in (
     init, import_, compare, diagnose, discover, report, fit, plan, live, simulate, add, remove, effects, info, diff,
-    export, demo,
+    export, recover, demo,
 ):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")
     app.command(name, epilog=verb.EXAMPLES)(verb.run)

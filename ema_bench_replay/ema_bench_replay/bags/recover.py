@@ -1,0 +1,61 @@
+"""A bag that was never finished, or is damaged, as a whole one: what can be read of it, with an index."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from mcap.writer import Writer
+
+from ema_bench_replay.bags.mcap_scan import McapScan
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.outputs import new_file
+
+
+@dataclass(frozen=True)
+class Recovered:
+    """What was found in a damaged bag."""
+
+    messages: dict[str, int]  # by topic
+    seconds: float  # from the first message to the last
+    damage: str | None  # in words; None where the bag was whole
+
+
+def recover(path: Path, output: Path, *, force: bool = False) -> Recovered:
+    """Write all messages of the MCAP at ``path`` to ``output``, up to the damage; the original stays as it is.
+
+    Raises InputError where there is none to be had, or the output cannot be written.
+    """
+    if output.suffix.lower() != ".mcap":
+        raise InputError(f"{output}: is no name of a bag; give FILE.mcap")
+    if output.exists() and output.samefile(path):
+        raise InputError(f"{output}: is the damaged bag itself, which stays; give another name")
+    scan = McapScan(path)
+    counts: Counter[str] = Counter()
+    first, last = math.inf, -math.inf
+    with new_file(output, force=force) as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2", library="ema_bench_replay")
+        written: dict[int, int] = {}  # channels by their number in the original
+        schemas: dict[int, int] = {0: 0}  # a channel of schema 0 has none
+        for message in scan.messages():
+            if message.channel not in written:
+                channel = scan.channels[message.channel]
+                if channel.schema_id not in schemas and (schema := scan.schemas.get(channel.schema_id)):
+                    schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
+                written[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, schemas.get(channel.schema_id, 0), channel.metadata
+                )
+            writer.add_message(
+                written[message.channel], message.log_time, message.data, message.publish_time, message.sequence
+            )
+            counts[scan.channels[message.channel].topic] += 1
+            first, last = min(first, message.log_time), max(last, message.log_time)
+        if not counts:
+            raise InputError(f"{path}: {scan.damage or 'holds no message'}; nothing of it can be recovered")
+        for record in scan.metadata:
+            writer.add_metadata(record.name, record.metadata)
+        writer.finish()
+    return Recovered(dict(sorted(counts.items())), (last - first) * 1e-9, scan.damage)
