@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import permutations
+
 import numpy as np
 
 
@@ -11,3 +14,14 @@ def reading_noise(values: np.ndarray) -> float:
         return 0.0
     third = np.diff(values, 3)
     return float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
+
+
+def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
+    """The same of values (n,) at operating points, whose rows may come in any order.
+
+    ``over`` are what the values may depend on, (n,) each: in the order in which these rise, one within the other, the
+    values are smoothest, and that tells least noise. Few levels of one thing may be equal: zero is no noise.
+    """
+    orders = [np.arange(len(values)), *(np.lexsort(keys) for keys in permutations(over))]
+    shown = [noise for order in orders if (noise := reading_noise(values[order])) > 0.0]
+    return min(shown, default=0.0)

@@ -29,6 +29,8 @@ ema-twin init trace_*.csv -o press --gear-ratio 50 --torque-constant 0.8
 
 ema-twin init trace.csv -o press --map my_map.yaml      (the model only)
 
+ema-twin init friction_curve.csv -o press --operating-points      (each row is steady)
+
 ema-twin init -o press      (asks which columns your traces have)"""
 
 LEAST_RATIO = 1e-3
@@ -62,6 +64,9 @@ def run(
         str | None,
         typer.Option("--map", metavar="MAP", help="An import map that is right already: only the model is written."),
     ] = None,
+    operating_points: Annotated[
+        bool, typer.Option("--operating-points", help="Each row is a point: at rest, or at a constant speed.")
+    ] = False,
     force: options.Force = False,
 ) -> None:
     """Write a first import map and a first model of a machine that is new here, from its recordings.
@@ -93,13 +98,16 @@ def run(
     if not traces:
         guesses, given = _asked(given)
     else:
-        guesses, holed = _guessed(traces[0], gear_ratio)
+        guesses, holed = _guessed(traces[0], gear_ratio, operating_points)
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         _write(path, text, force)
     if traces:
         for guess in guesses.signals:
-            say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
+            if guess.column not in drafts.left_out:
+                say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
+        for column in drafts.left_out:
+            say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
         _say_what_it_rests_on(files[1], drafts.assumed)
     for question in drafts.questions:
         warn(question)
@@ -147,17 +155,19 @@ def _to_look_at(text: str) -> str:
     return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"
 
 
-def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Guess, ...]]:
+def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
     """What the columns of a trace seem to be, and what those would be that are left out because of a few cells.
 
-    Raises InputError where nothing can be told of them.
+    Its rows are operating points where they are said to be (``of_points``), or seem so. Raises InputError where nothing
+    can be told of them.
     """
     import numpy as np
 
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
-    from ..new_machine.units_by_numbers import is_time_series, with_units
+    from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
     numbers = dict(zip(table.header, table.columns, strict=True))
@@ -165,11 +175,10 @@ def _guessed(trace: Path, gear_ratio: float | None) -> tuple[Guesses, tuple[Gues
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
     guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
-    if guesses.time is None and is_time_series(guesses, numbers):
-        raise InputError(
-            f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and the rows follow each other as "
-            "samples do; export it too, in a column named 'time [s]' or 'time [ms]'"
-        )
+    try:
+        guesses = with_kind_of_rows(guesses, numbers, of_points)
+    except InputError as error:
+        raise InputError(f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and {error}") from None
     guesses = with_units(guesses, numbers, gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
@@ -234,8 +243,8 @@ def _say_next(
     """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         say(f"{path}: {_to_look_at(text)}")
-    if guesses.time is None:
-        say("No column of time was found: each row is taken for an operating point, at rest or at constant speed.")
+    if why := guesses.points_doubt:
+        say(f"{why[:1].upper()}{why[1:]}: each row is taken for an operating point, at rest or at constant speed.")
     map_name, model = (quote(str(file)) for file in files)
     say("Then:")
     say(f"  ema-twin info {trace} --map {map_name}")

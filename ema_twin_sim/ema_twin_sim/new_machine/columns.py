@@ -85,11 +85,18 @@ class Guesses:
     signals: tuple[Guess, ...]
     left: tuple[str, ...]  # columns that nothing is made of
     motion: str  # rotary, or linear where a position is in metres
+    of_points: bool = False  # whether each row is an operating point, and no sample of a motion
+    points_doubt: str = ""  # why it is taken for one, where nobody said so
 
     @property
     def drives(self) -> bool:
         """Whether what drives the machine is among them."""
         return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
+
+    def without(self, columns: Sequence[str]) -> Guesses:
+        """The same with nothing made of these columns."""
+        kept = tuple(guess for guess in self.signals if guess.column not in columns)
+        return replace(self, signals=kept, left=(*self.left, *columns))
 
     @property
     def both_encoders(self) -> bool:
@@ -147,7 +154,7 @@ def guess_columns(
     )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
-    return Guesses(None if time is None else _time(time), signals, left, motion)
+    return _timed(time, signals, left, motion)
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
@@ -169,7 +176,14 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
                 f"use one of {', '.join(units_of(signal, motion))}"
             )
         signals.append(Guess(signal, words.name, unit, bool(_has(words.words, _OUTPUT))))
-    return Guesses(_time(read["time"]) if "time" in read else None, tuple(signals), (), motion)
+    return _timed(read.get("time"), tuple(signals), (), motion)
+
+
+def _timed(time: HeaderWords | None, signals: tuple[Guess, ...], left: tuple[str, ...], motion: str) -> Guesses:
+    """The guesses with a column of time, or with rows that are operating points."""
+    if time is not None:
+        return Guesses(_time(time), signals, left, motion)
+    return Guesses(None, signals, left, motion, of_points=True, points_doubt="no column of time was found")
 
 
 def _has(words: Sequence[str], pattern: str) -> bool:

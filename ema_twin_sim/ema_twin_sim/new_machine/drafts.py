@@ -19,6 +19,7 @@ from ..model import load_model
 from ..model.constants import CONSTANTS
 from .columns import Guess, Guesses
 from .given import Given
+from .load_sensor import follows_load
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .shaft import Shaft, position_shaft, too_slow_for_a_motor
@@ -26,12 +27,15 @@ from .usual_sizes import unusual_sizes
 
 
 class Drafts(NamedTuple):
-    """Texts of a map and of a model, what to ask about the recording's units, and what was decided by usual sizes."""
+    """Texts of a map and of a model, what to ask about the recording's units, what was decided by usual sizes, and what
+    of the guesses the map leaves out, by column.
+    """
 
     map: str
     model: str
     questions: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
@@ -50,6 +54,10 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         return Drafts(drafted, checked_model((recording,), given, shaft).text)
     for recording in recordings:
         _refuse_slow_samples(recording, guesses)
+    left_out = () if follows_load(recordings) else tuple(g.column for g in guesses.signals if g.signal == "load_torque")
+    if left_out:
+        guesses = guesses.without(left_out)
+        recordings = _read(draft_map(guesses, of, shaft), traces)
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in unusual_sizes(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
@@ -70,7 +78,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             "as in 'motor position [rad]', and run init again)"
         ]
     model = checked_model(recordings, given, shaft)
-    return Drafts(draft_map(guesses, of, shaft), model.text, questions, (*assumed, *model.assumed))
+    return Drafts(draft_map(guesses, of, shaft), model.text, questions, (*assumed, *model.assumed), left_out)
 
 
 def _of_the_output(guess: Guess) -> Guess:
@@ -105,7 +113,8 @@ def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:
     if guesses.time is not None and not recording.of_points and recording.sample_period > longest:
         raise InputError(
             f"{recording.name}: samples come every {recording.sample_period:g} s by column {guesses.time.column!r}; is "
-            "it in ms? Then say so in its name, as in 'time [ms]'"
+            "it in ms? Then say so in its name, as in 'time [ms]'; if each row is an operating point, at rest or at a "
+            "constant speed, give --operating-points"
         )
 
 

@@ -23,9 +23,10 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
     ]
     if guesses.motion != "rotary":
         lines.append(f"motion: {guesses.motion}")
-    if guesses.time is None:
-        lines.append(f"operating_points: true  # {CHECK}: no column of time was found; each row is taken for a point")
-    else:
+    if guesses.of_points:
+        doubt = f"{guesses.points_doubt}; each row is taken for a point" if guesses.points_doubt else ""
+        lines.append(f"operating_points: true{check_comment(doubt)}")
+    if guesses.time is not None:
         unit = guesses.time.unit or "s"
         doubt = check_comment(guesses.time.doubt if guesses.time.unit else "the header names no unit")
         lines.append(f"time: {{column: {_quoted(guesses.time.column)}, unit: {unit}}}{doubt}")

@@ -13,7 +13,7 @@ import yaml
 from ema_bench_replay.recording import AT, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
-from ..reading_noise import reading_noise
+from ..reading_noise import noise_at_points, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .check_comment import CHECK, check_comment
 from .drive_gains import drive_gains
@@ -33,6 +33,8 @@ from .steps import smallest_step
 from .units_by_numbers import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
+DEPENDED_ON = ("motor_position", "speed", "load_torque")
+"""What a drive's torque depends on at an operating point."""
 _FEWEST = 10
 _BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
 
@@ -237,8 +239,8 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             )
     of_speed = ratio if recording.metadata.get(f"speed{AT}") == "output" else 1.0
     for name, turned in (("current", 1.0), ("speed", of_speed)):
-        if recording.has(name):
-            noise = turned * reading_noise(_finite(recording.signals[name]))
+        if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has a speed of its own
+            noise = turned * _noise(recording, name)
             lines.append(
                 f"  {name}_noise: {{value: {noise:.3g}, "
                 f"unit: {signal_unit(name, motion)}, source: third differences of the recording}}"
@@ -247,7 +249,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
     if lag is not None:
         lines.append(f"  speed_smoothing: {{value: {lag:.3g}, unit: s, source: lag of the speed behind the position}}")
     if recording.has("motor_torque") and not recording.has("current"):
-        noise = reading_noise(_finite(recording.signals["motor_torque"]))
+        noise = _noise(recording, "motor_torque")
         torque = signal_unit("motor_torque", motion)
         lines.append(
             f"  current_noise: {{value: {noise:.3g}, unit: A, "
@@ -263,6 +265,16 @@ def _counts_of_the_map(recording: Recording, signal: str) -> float | None:
     content = yaml.safe_load(recording.metadata.get("map_text", "")) or {}
     counts = content.get("signals", {}).get(signal, {}).get("counts_per_revolution")
     return None if counts is None else float(counts)
+
+
+def _noise(recording: Recording, signal: str) -> float:
+    """The noise of a reading of a signal, in its own unit."""
+    values = recording.signals[signal]
+    if not recording.of_points:
+        return reading_noise(_finite(values))
+    over = [recording.signals[name] for name in DEPENDED_ON if recording.has(name)]
+    whole = np.isfinite([values, *over]).all(axis=0)
+    return noise_at_points(values[whole], [other[whole] for other in over])
 
 
 def _finite(values: np.ndarray) -> np.ndarray:

@@ -23,7 +23,6 @@ from .header_words import COUNTS
 SLOWEST_SAMPLES = 0.1
 """s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
 
-_SERIES = 500  # rows; fewer may be operating points, one after the other
 _PARTS = 40  # of a recording, whose ways are compared
 _FEWEST = 8  # of them that must be long enough
 _USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
@@ -34,7 +33,7 @@ _LINES = (100, 125, 128, 250, 256, 360, 400, 500, 512, 600, 625, 720, 900, 1000,
 
 def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: float | None) -> Guesses:
     """The guesses with the units that the numbers (n,) of each column tell; what they do not tell stays unknown."""
-    if guesses.time is None or guesses.motion != "rotary":
+    if guesses.time is None or guesses.of_points or guesses.motion != "rotary":
         return guesses
     time = numbers[guesses.time.column]
     known = {guess.signal: guess for guess in guesses.signals}
@@ -99,15 +98,6 @@ def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np
     asked = numbers[command.column] * units_of("output_command")[command.unit]
     times = _steady(*_differences(asked, numbers[followed.column] * _radians(followed)))
     return times is None or abs(times - 1.0) < PART
-
-
-def is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether rows follow each other as samples do, and are no operating points: what moves changes slowly."""
-    known = {guess.signal: numbers[guess.column] for guess in guesses.signals}
-    moving = [known[name] for name in ("motor_position", "speed", "output_position") if name in known]
-    if not moving or len(moving[0]) < _SERIES:
-        return False
-    return all(np.median(np.abs(np.diff(values))) < NEGLIGIBLE * np.ptp(values) for values in moving)
 
 
 def _open(guess: Guess) -> bool:

@@ -1,0 +1,68 @@
+"""Whether a torque that a sensor measured behind the machine is its load: then the drive's torque follows it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ema_bench_replay.recording import Recording
+
+from ..criteria import NEGLIGIBLE, PART
+from ..measured.smoothing import gaussian, smooth
+
+_WIDTH = 10.0  # samples over which all is smoothed, and
+_SHARE = 0.002  # of a recording's
+_ENDS = 4.0  # widths at either end that are left out
+_FEWEST = 30  # rows
+_MOTION = 4  # columns of what the motion takes: acceleration, speed, its direction, a constant
+
+
+def follows_load(recordings: Sequence[Recording]) -> bool:
+    """Whether the drive's torque follows the load that was measured, beside what the motion takes.
+
+    True where that cannot be told: without a drive's torque or a motion, or with a load that hardly changes. A sensor
+    in an unloaded joint tells its own offset, which drifts; taken for a load, that would stand in the friction's place.
+    """
+    parts = [_rows(r) for r in recordings if r.has("load_torque") and not r.of_points]
+    rows = np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
+    if len(rows) < _FEWEST:
+        return True
+    motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
+    if np.std(load) < NEGLIGIBLE * float(np.sqrt(np.mean(load**2))):
+        return True
+    by_load, by_torque = _beside(motion, load), _beside(motion, torque)
+    both = float(np.linalg.norm(by_load) * np.linalg.norm(by_torque))
+    return both == 0.0 or abs(float(by_load @ by_torque)) >= PART * both
+
+
+def _rows(recording: Recording) -> np.ndarray | None:
+    """Rows (n, ``_MOTION`` + 2) of a recording a kernel apart, load and drive's torque last; None without a motion."""
+    drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
+    if drive is None or not (recording.has("speed") or recording.has("motor_position")):
+        return None
+    width = max(_WIDTH, _SHARE * len(recording))
+    plain, slope = gaussian(width, 1.0), gaussian(width, 1.0, 1)
+    if recording.has("speed"):
+        speed, acceleration = (smooth(_whole(recording.signals["speed"]), kernel) for kernel in (plain, slope))
+    else:
+        position = _whole(recording.signals["motor_position"])
+        speed, acceleration = smooth(position, slope), smooth(position, gaussian(width, 1.0, 2))
+    load, torque = (smooth(_whole(recording.signals[name]), plain) for name in ("load_torque", drive))
+    rows = np.stack([acceleration, speed, np.sign(speed), np.ones(len(speed)), load, torque], axis=1)
+    kept = np.arange(round(_ENDS * width), len(rows) - round(_ENDS * width), max(1, round(width)))
+    return rows[kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]]
+
+
+def _whole(values: np.ndarray) -> np.ndarray:
+    """The values (n,), where one is missing as a straight line has it."""
+    known = np.isfinite(values)
+    return values if known.all() else np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+
+
+def _beside(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """What columns (n, k) leave of values (n,)."""
+    size = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
+    found, *_ = np.linalg.lstsq(columns / size, values, rcond=None)
+    left: np.ndarray = values - columns / size @ found
+    return left

@@ -1,0 +1,59 @@
+"""A torque sensor in an unloaded joint tells its own offset: init takes it for a load only if the drive follows it."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.commands.init import run as init
+
+CONSTANT = 7.6  # N m/A at the joint
+
+
+def trace(tmp_path, load, shown, torque_constant=CONSTANT):
+    """A joint that swings, its friction and a ``load`` (n,) on it; its sensor has ``shown`` (n,)."""
+    rng = np.random.default_rng(6)
+    time = np.arange(8000) * 2e-3
+    angle = 1.2 * np.sin(0.9 * time)
+    speed, acceleration = np.gradient(angle, 2e-3), np.gradient(np.gradient(angle, 2e-3), 2e-3)
+    torque = 0.15 * acceleration + 0.7 * speed + 1.3 * np.sign(speed) + load(time)
+    current = torque / torque_constant + 0.01 * rng.standard_normal(len(time))
+    sensor = shown(time) + 0.02 * rng.standard_normal(len(time))
+    table = np.stack([time, angle, speed, current, sensor], axis=1)
+    header = "time [s],position [rad],speed [rad/s],current [A],joint torque sensor [Nm]"
+    path = tmp_path / "joint.csv"
+    np.savetxt(path, table, "%.7g", ",", header=header, comments="")
+    return path
+
+
+def wandering(time):
+    return 0.8 * np.sin(0.37 * time + 1.0) + 0.5 * np.sin(2.3 * time)
+
+
+def drifting(time):
+    return -0.25 + 0.1 * np.sin(0.37 * time + 1.0) + 0.05 * np.sin(2.3 * time)
+
+
+@pytest.mark.parametrize(
+    ("load", "shown", "used"),
+    [
+        (wandering, wandering, True),
+        (wandering, lambda t: -wandering(t), True),  # which way it counts is another question
+        (wandering, lambda t: wandering(t) - 0.4, True),
+        (lambda t: 0.0 * t, drifting, False),
+        (lambda t: 0.0 * t + 1.0, lambda t: 0.0 * t + 50.0, True),  # what never changes cannot be followed
+    ],
+)
+def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, capsys):
+    init(str(tmp_path / "joint"), [trace(tmp_path, load, shown)], torque_constant=CONSTANT)
+    drawn = (tmp_path / "joint_map.yaml").read_text()
+    assert ("load_torque" in drawn) == used
+    told = capsys.readouterr().out
+    assert ("joint torque sensor [Nm] → load_torque" in told) == used
+    assert ("the drive's torque does not follow it" in told) != used
+
+
+@pytest.mark.parametrize("constant", [0.076, 760.0])
+def test_no_torque_constant_need_be_known(constant, tmp_path):
+    init(str(tmp_path / "a"), [trace(tmp_path, wandering, wandering, constant)])
+    assert "load_torque" in (tmp_path / "a_map.yaml").read_text()
+    init(str(tmp_path / "b"), [trace(tmp_path, lambda t: 0.0 * t, drifting, constant)])
+    assert "load_torque" not in (tmp_path / "b_map.yaml").read_text()
