@@ -1,11 +1,14 @@
 """A wrong model is not dressed up: with the true effect left out, nothing else is named in its place."""
 
+from dataclasses import replace
+
 import pytest
 
 from ema_twin_sim.discovery.criteria.explained import apart
 from ema_twin_sim.discovery.criteria.plausible import insignificant, only_constants, strained
 from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.search import rivals
 from ema_twin_sim.discovery.search.search import search
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import QUANTITIES
@@ -116,6 +119,20 @@ def test_friction_goes_before_a_load_that_does_the_same(stock):
     one_way = record(stock, ("ramp:0.05", "ramp:0.1", "ramp:0.2"))
     found = discover(one_way, stock.without_effect("coulomb_friction"))
     assert found.added == ("coulomb_friction",)
+
+
+@pytest.mark.parametrize(("behind", "stays"), [(-3.0, True), (-20.0, False)])
+def test_friction_gives_way_to_a_load_that_is_surely_better_only(behind, stays, stock, monkeypatch):
+    """By chance the one or the other is a little nearer, where nothing reverses."""
+    without_friction = stock.without_effect("coulomb_friction")
+    problem = EquationErrorProblem(observe_all(record(stock, ("ramp:0.05", "ramp:0.1")), without_friction))
+    found = search(problem, null_hypothesis(without_friction))
+    (friction,) = (rivalry for rivalry in rivals.rivalries(found) if rivalry.effect == "coulomb_friction")
+    assert friction.runner_up == "constant_load"
+    monkeypatch.setattr(rivals, "rivalries", lambda *_: (replace(friction, behind=behind),))
+    monkeypatch.setattr(rivals, "penalised_gain", lambda *_: -behind)
+    kept, _ = rivals.judged_against_rivals(found)
+    assert ("coulomb_friction" in kept.fit.hypothesis.effects) == stays
 
 
 def test_every_effect_of_the_catalogue_tells_over_what_it_shows():

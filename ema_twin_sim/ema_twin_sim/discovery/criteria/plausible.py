@@ -8,6 +8,7 @@ has a cause of its own.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -48,9 +49,10 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     """The added effect that is the least sure to be there, where that is not sure enough.
 
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
-    free it must still be told from nothing: 49 ± 57 mN m is no number to give anybody; and surely so where constants
-    are open, which leaves more than noise over. Not asked of what constants off their file show: how far they are off
-    was that effect's worth. Of two that take each other's place it is the later one, which explains less.
+    free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
+    bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
+    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth. Of two
+    that take each other's place it is the later one, which explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
@@ -70,11 +72,27 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
             # over a part of a turn, an amplitude and its angle take each other's place
-            needed = 1.0 if any(p.periodic for p in effect.parameters) else sure
+            periodic = any(p.periodic for p in effect.parameters)
+            needed = 1.0 if periodic else 0.0 if shape and math.isfinite(size.upper) else LIKELY
             if abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0)):
+                return name
+            if not periodic and _sureness(f, spread, off, k, shape) < sure:
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
+
+
+def _sureness(f: Fit, spread: np.ndarray, off: float, size: int, shape: Sequence[int]) -> float:
+    """Standard errors by which what an effect does in the rows that were judged is away from nothing.
+
+    ``spread`` (k, k) is the covariance of all free numbers, ``size`` and ``shape`` are the effect's among them, ``off``
+    how far its size is from none. Where a size and its shape take each other's place, each is hardly known and what
+    they do together well: a lubricant that thins by a share at one speed, or by more at a higher one.
+    """
+    own = [size, *shape]
+    done = off * f.jacobian[:, size]  # what the effect does, to first order
+    changes = f.jacobian[:, own].T @ done / max(float(done @ done), 1e-300)
+    return 1.0 / math.sqrt(max(float(changes @ spread[np.ix_(own, own)] @ changes), 1e-300))
 
 
 def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:

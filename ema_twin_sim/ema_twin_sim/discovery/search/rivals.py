@@ -11,7 +11,7 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
-from .search import prune
+from .search import is_lacked, prune
 from .trace import Round, Search, Trial, new_names
 
 SWAPS = 3
@@ -39,8 +39,9 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
     """
     rivals = rivalries(found, without)
     for _ in range(SWAPS):
-        better = max(rivals, key=lambda rivalry: -rivalry.behind, default=None)
-        if better is None or better.behind > -1.0:
+        beaten = [rivalry for rivalry in rivals if rivalry.behind <= -_needed(found, rivalry)]
+        better = max(beaten, key=lambda rivalry: -rivalry.behind, default=None)
+        if better is None:
             break
         other = swapped(found, better.fits[0])
         if penalised_gain(found.fit, other.fit) <= 0.0:
@@ -48,6 +49,14 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
         found = other
         rivals = rivalries(found, without)
     return found, rivals
+
+
+def _needed(found: Search, rivalry: Rivalry) -> float:
+    """By how much a rival must be better to take an effect's place: surely, where every machine has that effect.
+
+    Where nothing reverses, friction is a constant load but for chance, and the model would be left without friction.
+    """
+    return RIVAL_MARGIN if is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
 
 
 def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:

@@ -346,10 +346,13 @@ def _favour(t: Trial) -> float:
     h = t.fit.hypothesis
     if {*t.names} & {*h.generic_bases}:
         return NEARLY_ALL
-    came = [h.added[name].effect for name in t.names]
+    return 1.0 / NEARLY_ALL if all(is_lacked(h, h.added[name].effect) for name in t.names) else 1.0
+
+
+def is_lacked(h: Hypothesis, effect: str) -> bool:
+    """Whether an added effect is one that every machine has, and the model it was added to lacks."""
     there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
-    lacked = all(catalogue()[id].every_machine and there.count(id) == 1 for id in came)
-    return 1.0 / NEARLY_ALL if lacked else 1.0
+    return catalogue()[effect].every_machine and there.count(effect) == 1
 
 
 def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
