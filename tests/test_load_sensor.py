@@ -39,7 +39,8 @@ def drifting(time):
         (wandering, lambda t: -wandering(t), True),  # which way it counts is another question
         (wandering, lambda t: wandering(t) - 0.4, True),
         (lambda t: 0.0 * t, drifting, False),
-        (lambda t: 0.0 * t + 1.0, lambda t: 0.0 * t + 50.0, True),  # what never changes cannot be followed
+        (lambda t: 0.0 * t + 1.0, lambda t: 0.0 * t + 0.1, True),  # what never changes cannot be followed
+        (wandering, lambda t: np.where(np.arange(len(t)) % 900 == 50, -478.0, wandering(t)), True),  # a bad contact
     ],
 )
 def test_a_load_is_what_the_drive_follows(load, shown, used, tmp_path, capsys):

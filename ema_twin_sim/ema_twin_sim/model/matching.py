@@ -14,12 +14,15 @@ from .model import Model
 
 BY_TORQUE = "driven_by"
 """The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
+BY_SPEED = "position_by"
+"""The metadata of a recording that has no position but its motor's speed: ``{BY_SPEED: "speed"}``."""
 _STILL = 100.0  # times the way of an output that a rigid train would have made it go
 _IMPOSSIBLE = 10.0  # times the drive's limit: no unit that was mistaken, but a sample that is spoilt
 
 
 def matched(recording: Recording, model: Model) -> Recording:
-    """The recording with all of the motor's signals at the fast shaft, and a current where it has but a torque.
+    """The recording with all of the motor's signals at the fast shaft; with a current where it has but a torque, and
+    the way of its speed where it has no position.
 
     Raises InputError where recording and model are of different motions (rotary, linear), or a speed is one that the
     drive never gives.
@@ -42,12 +45,28 @@ def matched(recording: Recording, model: Model) -> Recording:
         signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
         metadata[BY_TORQUE] = "torque"
     warnings = recording.warnings
+    if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
+        signals["motor_position"] = _way(signals["speed"], recording.time)
+        metadata[BY_SPEED] = "speed"
+        warnings = (
+            *warnings,
+            f"{recording.name}: has no position; the way that its speed makes stands in: angles count from its start",
+        )
     if clamped := _clamped(signals, model):
         del signals["output_position"]
         warnings = (*warnings, f"{recording.name}: {clamped}")
     if signals.keys() == recording.signals.keys() and metadata == recording.metadata:
         return recording
     return replace(recording, signals=signals, motor_angle_origin=origin, metadata=metadata, warnings=warnings)
+
+
+def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """The way (n,) that a speed makes; where that is missing, as a straight line has it. NaN if it is nowhere known."""
+    known = np.isfinite(speed)
+    if not known.any():
+        return np.full(len(speed), np.nan)
+    whole = np.interp(time, time[known], speed[known])
+    return np.concatenate([[0.0], np.cumsum(0.5 * (whole[1:] + whole[:-1]) * np.diff(time))])
 
 
 def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:

@@ -8,8 +8,10 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import NEGLIGIBLE, PART
+from ..criteria import NEGLIGIBLE, PART, TOO_MUCH
 from ..measured.smoothing import gaussian, smooth
+from ..measured.spoilt_samples import despiked
+from ..reading_noise import reading_noise
 
 _WIDTH = 10.0  # samples over which all is smoothed, and
 _SHARE = 0.002  # of a recording's
@@ -21,19 +23,35 @@ _MOTION = 4  # columns of what the motion takes: acceleration, speed, its direct
 def follows_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque follows the load that was measured, beside what the motion takes.
 
-    True where that cannot be told: without a drive's torque or a motion, or with a load that hardly changes. A sensor
-    in an unloaded joint tells its own offset, which drifts; taken for a load, that would stand in the friction's place.
+    True where that cannot be told: without a drive's torque or a motion, or with a load that changes by no more than
+    its sensor's noise. A sensor in an unloaded joint tells its own offset, which drifts; taken for a load, that would
+    stand in the friction's place.
     """
     parts = [_rows(r) for r in recordings if r.has("load_torque") and not r.of_points]
     rows = np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
     if len(rows) < _FEWEST:
         return True
     motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
-    if np.std(load) < NEGLIGIBLE * float(np.sqrt(np.mean(load**2))):
+    if np.std(load) < max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * max(map(_load_noise, recordings))):
         return True
     by_load, by_torque = _beside(motion, load), _beside(motion, torque)
     both = float(np.linalg.norm(by_load) * np.linalg.norm(by_torque))
     return both == 0.0 or abs(float(by_load @ by_torque)) >= PART * both
+
+
+def _load_noise(recording: Recording) -> float:
+    """Standard deviation that the noise of a load's sensor has once it is smoothed."""
+    if not recording.has("load_torque"):
+        return 0.0
+    return reading_noise(_whole(recording.signals["load_torque"])) * float(np.linalg.norm(_kernel(recording)))
+
+
+def _kernel(recording: Recording, derivative: int = 0) -> np.ndarray:
+    return gaussian(_width(recording), 1.0, derivative)
+
+
+def _width(recording: Recording) -> float:
+    return max(_WIDTH, _SHARE * len(recording))
 
 
 def _rows(recording: Recording) -> np.ndarray | None:
@@ -41,13 +59,12 @@ def _rows(recording: Recording) -> np.ndarray | None:
     drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
     if drive is None or not (recording.has("speed") or recording.has("motor_position")):
         return None
-    width = max(_WIDTH, _SHARE * len(recording))
-    plain, slope = gaussian(width, 1.0), gaussian(width, 1.0, 1)
+    width, plain, slope = _width(recording), _kernel(recording), _kernel(recording, 1)
     if recording.has("speed"):
         speed, acceleration = (smooth(_whole(recording.signals["speed"]), kernel) for kernel in (plain, slope))
     else:
         position = _whole(recording.signals["motor_position"])
-        speed, acceleration = smooth(position, slope), smooth(position, gaussian(width, 1.0, 2))
+        speed, acceleration = smooth(position, slope), smooth(position, _kernel(recording, 2))
     load, torque = (smooth(_whole(recording.signals[name]), plain) for name in ("load_torque", drive))
     rows = np.stack([acceleration, speed, np.sign(speed), np.ones(len(speed)), load, torque], axis=1)
     kept = np.arange(round(_ENDS * width), len(rows) - round(_ENDS * width), max(1, round(width)))
@@ -55,9 +72,9 @@ def _rows(recording: Recording) -> np.ndarray | None:
 
 
 def _whole(values: np.ndarray) -> np.ndarray:
-    """The values (n,), where one is missing as a straight line has it."""
+    """The values (n,) without transmission errors; where one is missing, as a straight line has it."""
     known = np.isfinite(values)
-    return values if known.all() else np.interp(np.arange(len(values)), np.flatnonzero(known), values[known])
+    return despiked(np.interp(np.arange(len(values)), np.flatnonzero(known), values[known]))
 
 
 def _beside(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
