@@ -54,3 +54,17 @@ def test_friction_that_bends_down_is_named_however_far_its_bend_is_driven(bend):
 def test_friction_that_is_straight_does_not_bend():
     found = discover([moved(lambda v: 12.0 * np.tanh(v / 1e-3) + 30.0 * v, seed) for seed in (3, 4)], open_joint())
     assert found.added == ()
+
+
+def test_a_joint_that_only_crept_gives_its_friction():
+    """Nothing of its inertia shows, and a second of its own is minutes; yet there are three minutes of motion."""
+    rng = np.random.default_rng(9)
+    time = np.arange(11_500) * 0.0157
+    angle = 0.017 * np.sin(0.3 * time)
+    speed = 0.0051 * np.cos(0.3 * time)
+    current = (5.5 * np.tanh(speed / 1e-6)) / 10.0 + 0.02 * rng.standard_normal(len(time))
+    signals = {"current": current, "speed": speed, "motor_position": angle}
+    crept = Recording("crept", np.arange(len(time)) * 15_700_000, signals, motor_angle_origin=0.0)
+    found = discover([crept], open_joint())
+    assert found.added == ()
+    assert found.model.effects["coulomb_friction"].parameters["torque"] == pytest.approx(5.5, rel=0.03)

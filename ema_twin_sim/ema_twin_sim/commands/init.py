@@ -184,7 +184,9 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
     holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
     for name, count in no_numbers.items():
-        say(f"{name}: {count} of {rows} cells hold no number: not used")
+        if not name and count == rows:
+            continue  # what follows a delimiter at the end of each line
+        say(f"{name or 'a column without a name'}: {count} of {rows} cells hold no number: not used")
     if not guesses.signals:
         raise InputError(
             f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; rename its columns, as in "

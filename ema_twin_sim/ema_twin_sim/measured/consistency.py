@@ -36,6 +36,12 @@ PIECE = 300.0  # s that are judged at once: half an hour takes memory, and tells
 LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
 """Effects whose torque a model knows beforehand, whatever moves."""
 
+_ALSO = {
+    frozenset({"output_position", "motor_position"}): ", and machine.gear_ratio",
+    frozenset({"motor_position", "speed"}): ", and the time; or remove the line of the one that the trace has wrong",
+}
+"""What else may be wrong where two signals do not fit."""
+
 DEGREES, RPM, TURN = 180.0 / math.pi, 60.0 / (2.0 * math.pi), 2.0 * math.pi
 
 
@@ -103,7 +109,7 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
             recording.name,
             f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
             f"check unit, factor and counts of {factor.signal} and {factor.other} in the import map"
-            + (", and machine.gear_ratio" if pair == {"output_position", "motor_position"} else ""),
+            + _ALSO.get(frozenset(pair), ""),
         )
     yield from _by_limit(recording, model)
     yield from _by_inertia(recording, model)

@@ -15,7 +15,7 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CHAOTIC, COUNTED, HARD, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
+from ..criteria import CHAOTIC, CORRELATION, COUNTED, HARD, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -103,8 +103,11 @@ class Observation:
         )
 
 
-def observe(recording: Recording, model: Model) -> Observation:
-    """Take from a recording what a diagnosis needs. Raises InputError where it lacks a signal that all stands on."""
+def observe(recording: Recording, model: Model, widest: float = math.inf) -> Observation:
+    """Take from a recording what a diagnosis needs, through a kernel of a width of ``widest`` [own s] at most.
+
+    Raises InputError where it lacks a signal that all stands on.
+    """
     if recording.of_points:
         return _observe_points(recording, model)
     missing = _missing(recording)
@@ -136,7 +139,7 @@ def observe(recording: Recording, model: Model) -> Observation:
             f"{recording.name}: its current is {shown(model, signals['current'][0], 'A')[0]:g} A all along; is that "
             "the right column of the trace? Name it in the import map"
         )
-    width = max(WIDTH if "speed" in signals else COUNTER_WIDTH, LEAST_PERIODS * period)
+    width = max(min(WIDTH if "speed" in signals else COUNTER_WIDTH, widest), LEAST_PERIODS * period)
     # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
     geared = model.value("machine.output_inertia") > 0.0
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
@@ -256,7 +259,10 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     """All recordings. Raises InputError where together they hold too little motion to judge anything."""
     if not recordings:
         raise InputError("no recording is given; a diagnosis needs at least one")
-    found = [observe(recording, model) for recording in recordings]
+    # of a machine that creeps, whose own second is long, a usual kernel would leave a few rows of a long recording; two
+    # widths make a row, and some rows count as one
+    widest = sum(recording.duration for recording in recordings) / (2.0 * CORRELATION * LEAST_ROWS)
+    found = [observe(recording, model, widest) for recording in recordings]
     if any(recording.of_points for recording in recordings):
         return found
     # where no torque was measured, it is the encoders' difference that is judged

@@ -40,8 +40,8 @@ def draft_map(guesses: Guesses, trace: str, shaft: Shaft) -> str:
         )
         unit = signal_unit("motor_torque", guesses.motion)
         lines.append(f"#  motor_torque: {{columns: ['…'], unit: V, gain: {{value: …, unit: {unit}/V}}}}")
-    if guesses.left:
-        lines.append(f"# not used: {', '.join(guesses.left)}")
+    if left := [name for name in guesses.left if name]:
+        lines.append(f"# not used: {', '.join(left)}")
     return "\n".join(lines) + "\n"
 
 
