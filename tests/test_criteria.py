@@ -20,7 +20,7 @@ METHOD = {
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
     "measured/observation.py": "START JITTER LEAST_NOISE LARGEST",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
-    "measured/smoothing.py": "REACH",
+    "measured/smoothing.py": "REACH DERIVATIVE_REACH",
     "measured/spoilt_samples.py": "NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
     "identification/compliance.py": (

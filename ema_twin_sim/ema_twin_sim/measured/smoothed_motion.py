@@ -67,8 +67,8 @@ def smoothed_motion(
     position = signals["motor_position"]
     if "speed" in signals:
         smoothing = model.value("sensors.speed_smoothing")
-        sharp = gaussian(period, period) + smoothing * gaussian(period, period, 1)
-        speed = smooth(signals["speed"], sharp)
+        speed = smooth(signals["speed"], gaussian(period, period))
+        speed += smoothing * smooth(signals["speed"], gaussian(period, period, 1))
         exact = gaussian(width, period, 1) + smoothing * gaussian(width, period, 2)
         acceleration = smooth(signals["speed"], exact)
         travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])

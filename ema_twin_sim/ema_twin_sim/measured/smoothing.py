@@ -11,13 +11,18 @@ from numba import float64, int64, njit, void
 
 REACH = 3.5
 """Standard deviations after which a kernel is cut off."""
+DERIVATIVE_REACH = 5.0
+"""The same of a kernel that differentiates, whose tails are heavier. Cut off at 3.5, a second derivative would be 0.7 %
+too large, a first one 0.2 %, of what swings by a radian in two standard deviations; every inertia would be too small by
+as much.
+"""
 
 
 def gaussian(width: float, period: float, derivative: int = 0) -> np.ndarray:
     """Kernel (2 m + 1,) that smooths by a Gaussian of standard deviation ``width`` [s] and differentiates
     (``derivative`` 0, 1 or 2) a signal of that sample ``period`` [s]; exact on polynomials up to the second degree.
     """
-    half = max(2, int(np.ceil(REACH * width / period)))
+    half = max(2, int(np.ceil((DERIVATIVE_REACH if derivative else REACH) * width / period)))
     time = np.arange(-half, half + 1) * period
     kernel = np.exp(-0.5 * (time / width) ** 2)
     kernel /= kernel.sum()

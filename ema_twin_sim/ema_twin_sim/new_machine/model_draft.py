@@ -13,6 +13,7 @@ import yaml
 from ema_bench_replay.recording import AT, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
+from ..model.constants import CONSTANTS
 from ..reading_noise import noise_at_points, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .check_comment import CHECK, check_comment
@@ -231,7 +232,8 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
         if step is None:  # as fine as a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
-        if 0.0 < step <= turn:
+        bounds = CONSTANTS[f"sensors.{side}_encoder_counts"]
+        if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # a simulation's position may be finer
             usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
             lines.append(
                 f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "

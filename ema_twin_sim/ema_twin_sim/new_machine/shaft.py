@@ -35,7 +35,7 @@ BUS = 600.0
 where drives of small motors and robots have 24 to 325 V."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
-_AT_ENDS = 40  # samples that this smoothing bends at either end
+_AT_ENDS = 50  # samples that this smoothing bends at either end
 _ROUND = 1.0 / 3.0  # of a turn of the output, from which on an angle error is told from a slope
 _STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the furthest way

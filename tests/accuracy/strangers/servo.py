@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
-LONGEST_STEP = 1.0 / 16000.0  # s
+LONGEST_STEP = 1.0 / 100000.0  # s
 
 HIDDEN = (
     "gravity_load",
