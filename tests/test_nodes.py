@@ -26,6 +26,7 @@ from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import Change, run_live
 from ema_twin_sim.nodes.monitor import MonitorNode
 from ema_twin_sim.nodes.twin import TwinNode
+from ema_twin_sim.nodes.verdict import Level
 
 PERIOD = 2_000_000
 
@@ -236,6 +237,32 @@ def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
         counts = {value.key: value.value for value in status.values}
         assert counts["values on bench/state that are infinite or absurd"] == "4"
         assert int(counts["messages on bench/state that are no EmaState"]) >= 2  # the middleware keeps some back
+
+
+def test_two_benches_mix_and_one_that_was_started_again_does_not(graph):
+    """A node that was killed is listed as a publisher for a while: that alone disturbs nothing."""
+    graph.add(TwinNode)
+    monitor = graph.add(MonitorNode)
+    tester = graph.plain_node()
+    levels = []
+    tester.create_subscription(Health, "/monitor/health", lambda health: levels.append(health.level), qos.LATEST)
+    publishers = [tester.create_publisher(EmaState, "/bench/state", qos.STATE) for _ in range(2)]
+
+    def send(publisher, run, sequence):
+        publisher.publish(write_state(run * 10**9 + sequence * PERIOD, run, sequence, bench_signals()))
+
+    for run, publisher in enumerate(publishers, start=1):  # the first falls silent, and the second comes
+        for sequence in range(100):
+            send(publisher, run, sequence)
+    graph.spin_until(lambda: monitor.pairing.run == 2 and monitor.pairing.compared == 100)
+    assert monitor.count_publishers("/bench/state") == 2 and not monitor.mixed
+    for sequence in range(100, 200):
+        for run, publisher in enumerate(publishers, start=1):
+            send(publisher, run, sequence)
+    graph.spin_until(lambda: "more than one node publishes bench/state" in monitor.mixed)
+    graph.spin_until(lambda: levels and levels[-1] == bytes([Level.ERROR]))
+    tester.destroy_publisher(publishers[0])
+    graph.spin_until(lambda: not monitor.mixed)
 
 
 def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):

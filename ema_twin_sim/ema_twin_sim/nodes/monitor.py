@@ -27,6 +27,7 @@ from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
 from .follower import input_for
 from .live_model import live_model
+from .mixing import Mixing
 from .pairing import Pairing
 from .trend import Trend
 from .verdict import Level, errors_in_words, level_of
@@ -106,6 +107,7 @@ class MonitorNode(Node):
         self._history = History(given["history"])
         self._trend = Trend(self._window)
         self._incoming = {side: Incoming(f"{side}/state") for side in ("bench", "twin")}
+        self._mixing = {"bench/state": Mixing(self.pairing.bench), "twin/state": Mixing(self.pairing.twin)}
 
         self._residual_publisher = self.create_publisher(Residual, "monitor/residual", qos.RESIDUAL)
         self._health_publisher = self.create_publisher(Health, "monitor/health", qos.LATEST)
@@ -143,7 +145,7 @@ class MonitorNode(Node):
     @property
     def mixed(self) -> str:
         """What is wrong where several nodes publish one of the two states, else empty."""
-        topics = [topic for topic in ("bench/state", "twin/state") if self.count_publishers(topic) > 1]
+        topics = [topic for topic, mixing in self._mixing.items() if mixing.mixed]
         if not topics:
             return ""
         both = " and ".join(topics)
@@ -203,6 +205,8 @@ class MonitorNode(Node):
         if not over and now - self._pair_arrival > patience:
             silent = now - self._bench_arrival > patience
             return Level.STALE, "no sample arrives" if silent else "the twin does not answer the bench's samples"
+        if mixed := self.mixed:
+            return Level.ERROR, mixed
         comparison = self.comparison
         driven = DRIVEN.get(comparison.source, ())
         limits = self._limits["warn_at"], self._limits["error_at"]
@@ -214,6 +218,8 @@ class MonitorNode(Node):
     def _publish_health(self) -> None:
         comparison, pairing = self.comparison, self.pairing
         rmse_window = comparison.rmse_window
+        for topic, mixing in self._mixing.items():
+            mixing.look(self.count_publishers(topic))
         self._trend.add((self._stamp - self._first_stamp) * 1e-9, rmse_window)
         if self.diagnosis_services is not None and time.monotonic() - self._first_pair > _SETTLED:
             self._prepared, self._first_pair = True, math.inf
@@ -263,8 +269,6 @@ class MonitorNode(Node):
             **self._incoming["bench"].figures,
             **self._incoming["twin"].figures,
         }
-        if mixed := self.mixed:
-            return diagnostics.Report(diagnostics.ERROR, mixed, figures)
         return diagnostics.Report(
             max(bytes([level]), diagnostics.WARN if pairing.missing or wrong else diagnostics.OK), words, figures
         )
