@@ -90,3 +90,14 @@ def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_f
     assert level(found.model, "mesh_friction", "coefficient") == pytest.approx(0.063, rel=0.1)
     ratio = found.model.value("machine.gear_ratio")
     assert ratio * level(found.model, "gravity_load", "torque") == pytest.approx(114.0, rel=0.03)
+
+
+def test_a_table_of_holding_currents_is_no_motion(real, tmp_path):
+    """Its rows have stamps, milliseconds or seconds apart, and a speed that is zero throughout."""
+    traces = real / "laas_holding_current.csv"
+    import_map, model = drafted(traces, tmp_path, torque_constant=0.025)
+    found = discover([load(traces, import_map=import_map)], model)
+    assert {*found.added} == {"cogging"}
+    orders = {i.options["order"] for i in found.model.effects.values() if i.effect == "cogging"}
+    assert orders == {"72", "18", "12", "144", "24", "36"}
+    assert found.unseen.rmse[-1] <= 0.025

@@ -11,6 +11,7 @@ from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model import load_model
 from ema_twin_sim.model.matching import matched
 from ema_twin_sim.new_machine.columns import guess_columns
+from ema_twin_sim.new_machine.steps import smallest_step
 from tests.command_line import done, refused, twin
 from tests.conftest import RECORDINGS
 
@@ -147,6 +148,14 @@ def test_an_encoder_without_steps_is_as_fine_as_its_noise(tmp_path):
     done("init", "a.csv", "-o", "a", cwd=tmp_path)
     counts = load_model(tmp_path / "a.yaml").value("sensors.motor_encoder_counts")
     assert 360.0 / counts / np.sqrt(12.0) == pytest.approx(0.01, rel=0.2)
+
+
+def test_a_steady_speed_is_no_counters_step():
+    """Each sample goes by about as much as the one before; a counter's would stand still now, or go twice as far."""
+    rng = np.random.default_rng(3)
+    way = np.cumsum(1.5e-3 * (1.0 + 0.02 * rng.standard_normal(3000)))
+    assert smallest_step(np.round(way, 5)) is None
+    assert smallest_step(2e-3 * np.floor(way / 2e-3)) == pytest.approx(2e-3)
 
 
 def test_what_init_refuses(tmp_path):
