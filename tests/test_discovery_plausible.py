@@ -6,6 +6,7 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.explained import apart
 from ema_twin_sim.discovery.criteria.plausible import insignificant, only_constants, strained
+from ema_twin_sim.discovery.criteria.worth import has_effect_size, penalised_gain
 from ema_twin_sim.discovery.diagnose import weigh
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search import rivals
@@ -68,6 +69,18 @@ def test_a_cause_for_each_constant_is_no_explanation(stock):
     without = null_hypothesis(stock.without_effect("viscous_friction"))
     one = without.with_effect("viscous_friction", {"side": "motor"}, {"coefficient": 0.02})
     assert only_constants(problem, fit(problem, one.with_effect("added_inertia", {}, {"inertia": 1e-5}))) == ()
+
+
+@pytest.mark.parametrize("more", [0.10, 0.16, 0.17, 0.18, 0.25])
+def test_an_inertia_that_is_worth_its_price_is_large_enough(more, stock):
+    """Nothing but a constant off its file shows it: how large it is among the rows is no matter."""
+    inertia = sum(stock.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
+    added = {"inertia": more * inertia}
+    problem = EquationErrorProblem(observe_all(record(stock.with_effect("added_inertia", added), RUNS), stock))
+    before = fit(problem, null_hypothesis(stock), 20)
+    after = fit(problem, null_hypothesis(stock).with_effect("added_inertia", {}, added), 20)
+    assert (penalised_gain(before, after) > 0.0) == has_effect_size(problem, before, after)
+    assert has_effect_size(problem, before, after) == (more > 0.16)
 
 
 def test_a_torque_constant_stands_behind_all_constants_or_none(stock):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
+from ema_twin_sim.discovery.criteria.explained import apart
+from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, parts_the_encoders
 from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -28,6 +29,8 @@ def standing(recordings, model, effect, parameters):
         ("stribeck_friction", {"torque": 0.06, "speed": 2.0}),
         ("constant_load", {"torque": 0.03}),
         ("gravity_load", {"torque": 0.04, "angle": 0.3}),
+        # what is small gains little more than a basis gains by its many columns, on noise alone
+        ("constant_load", {"torque": 5e-4}),
     ],
 )
 def test_the_true_effect_stands(effect, parameters, stock):
@@ -58,3 +61,34 @@ def test_a_late_encoder_stands_where_it_is_most_of_how_the_encoders_part(amplitu
         wave = amplitude * np.sin(60.0 * output)
         lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
     assert standing(lined, stock, "encoder_delay", {"delay": 5e-4}) == stands
+
+
+@pytest.mark.parametrize(
+    ("hidden", "parameters", "amplitude", "stands"),
+    [
+        ("shaft_compliance", {"stiffness": 18.0, "damping": 0.02}, 8e-6, True),
+        ("backlash", {"width": 1e-3}, 0.0, False),
+        ("backlash", {"width": 3e-3}, 0.0, False),
+    ],
+)
+def test_a_spring_stands_beside_lines_that_err_and_not_for_play(hidden, parameters, amplitude, stands, stock):
+    """The encoders part by far more than their noise in each; but most of it is the spring's where there is one."""
+    lined = []
+    for recording in record(stock.with_effect(hidden, parameters), (*RUNS, "ramp:0.1")):
+        output = recording.signals["output_position"]
+        wave = amplitude * np.sin(1000.0 * output)
+        lined.append(with_signals(recording, {**recording.signals, "output_position": output + wave}))
+    null = null_hypothesis(stock)
+    start = settle(fit(EquationErrorProblem(observe_all(lined, stock)), null))
+    spring = {"stiffness": 18.0, "damping": 0.02}
+    f = settle(fit(start.problem, null.with_effect("shaft_compliance", {}, spring), 20))
+    assert apart(f.problem, f, start)
+    assert parts_the_encoders(f.problem, f, "shaft_compliance") == stands
+
+
+def test_play_no_wider_than_lines_err_does_not_stand(stock):
+    """A spring between teeth winds up, and any play beside it gains a little where an encoder errs."""
+    recordings = record(stock.with_effect("shaft_compliance", {"stiffness": 60.0, "damping": 0.02}), RUNS)
+    problem = EquationErrorProblem(observe_all(recordings, stock))
+    f = fit(problem, null_hypothesis(stock).with_effect("backlash", {}, {"width": 5e-6}), 0)
+    assert not parts_the_encoders(f.problem, f, "backlash")

@@ -7,6 +7,8 @@ import pytest
 
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.trace import Search
+from ema_twin_sim.discovery.search.wandering_end import less_what_wandering_explains
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -14,13 +16,17 @@ from ema_twin_sim.identification.uncertainty import covariance
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.wandering import wandering
 from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.plant.measured_motion import SPEED
 from tests.recorded import record, with_signals
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4", "speed-sine:0.08:0.3")
 
 
-def worn(recordings, share, stock, seed=5):
-    """The recordings of a machine whose friction is by ``share`` (root mean square) more or less, a while each."""
+def worn(recordings, share, stock, seed=5, asymmetry=0.0):
+    """The recordings of a machine whose friction is by ``share`` (root mean square) more or less, a while each.
+
+    By a share ``asymmetry`` that friction is larger one way than the other.
+    """
     random = np.random.default_rng(seed)
     kt = stock.value("machine.torque_constant")
     dry, viscous = (
@@ -32,10 +38,19 @@ def worn(recordings, share, stock, seed=5):
         knots = np.linspace(0.0, recording.duration, 4)
         drift = np.interp(recording.time, knots, random.normal(0.0, share, len(knots)))
         speed = recording.signals["speed"]
-        friction = (dry + viscous * np.abs(speed)) * np.tanh(speed / 0.05)
+        friction = (dry + viscous * np.abs(speed)) * (np.tanh(speed / 0.05) + asymmetry)
         signals = {**recording.signals, "current": recording.signals["current"] + drift * friction / kt}
         found.append(with_signals(recording, signals))
     return found
+
+
+def ended_beside_play(recordings, stock):
+    """What is left, once wandering is asked for, of play and a Stribeck friction that were fitted to recordings."""
+    h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.003})
+    h = h.with_effect("stribeck_friction", {}, {"torque": 0.05, "speed": 2.0})
+    f = settle(fit(EquationErrorProblem(observe_all(recordings, stock)), h, 20))
+    found = less_what_wandering_explains(Search(f, ()), lambda text: None)
+    return set(found.fit.hypothesis.effects)
 
 
 def settled(recordings, model):
@@ -103,8 +118,27 @@ class TestShare:
         found = told(record(stock.with_effect("gravity_load", {"torque": 0.02, "angle": 0.3}), RUNS), stock)
         assert found is None or found.share < 0.05
 
+    def test_what_is_larger_one_way_wanders_as_a_whole(self, stock):
+        """A part of it then drives one way and brakes the other: the noise knows that as well as the rest."""
+        true = stock.with_effect("asymmetric_friction", {"fraction": 0.3})
+        problem = EquationErrorProblem(observe_all(worn(record(true, RUNS), 0.05, stock, asymmetry=0.3), stock))
+        h = null_hypothesis(stock).with_effect("asymmetric_friction", {}, {"fraction": 0.3})
+        f = settle(fit(problem, h))
+        wander = wandering(f.problem, f)
+        sense = np.concatenate([np.sign(o.motion[o.rows, SPEED]) for o in problem.observations])
+        braking = 0.1 * sense / problem.noise  # of 0.1 N m, all the time
+        whole, odd = wander.whitened(braking * (1.0 + 0.3 * sense)), wander.whitened(braking * (1.0 - 0.3 * sense))
+        assert np.sum(whole**2) < 0.2 * np.sum(odd**2)
+
 
 class TestBesideIt:
+    def test_what_it_explains_as_well_is_not_named_beside_play(self, stock):
+        """Beside play it is asked for last, once all was found that might be its likeness."""
+        play = stock.with_effect("backlash", {"width": 0.003})
+        assert ended_beside_play(worn(record(play, RUNS), 0.05, stock), stock) == {"backlash"}
+        both = play.with_effect("stribeck_friction", {"torque": 0.06, "speed": 2.0})
+        assert ended_beside_play(worn(record(both, RUNS), 0.05, stock), stock) == {"backlash", "stribeck_friction"}
+
     def test_what_is_hidden_is_named_and_the_rest_is_told(self, stock):
         """The constants stay near the file's: without wandering in the noise, friction drags viscous far away."""
         true = stock.with_effect("constant_load", {"torque": 0.03})

@@ -41,7 +41,7 @@ from .search.search import less, search, settle, significant
 from .search.search_order import in_another_order, search_without_first
 from .search.trace import Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
-from .search.wandering_end import wandering_after_all
+from .search.wandering_end import less_what_wandering_explains, wandering_after_all
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
@@ -256,7 +256,7 @@ def _searched(
         return found, explained(found.problem, found.fit, found.rounds[0].before)
     if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
         return found, False
-    found = in_another_order(found, excluded, progress)
+    found = less_what_wandering_explains(in_another_order(found, excluded, progress), progress)
     start, wander = found.rounds[0].before, found.problem.weighting.wander
     if explained(found.problem, found.fit, start):
         return found, wander is None or _explained_without_wander(found.fit, start)

@@ -20,7 +20,7 @@ SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
 
 def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
     """How friction wanders, by what a fit leaves over: the share that is most likely; None where none is."""
-    columns = _friction_over_time(problem)
+    columns = _friction_over_time(problem, float(f.predicted.plant["asymmetry"][0]))
     if columns is None:
         return None
     slopes = f.jacobian[: problem.size]
@@ -54,8 +54,12 @@ def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest:
     return -0.5 * independent * math.log(max(left, 1e-300)) - 0.5 * float(np.sum(np.log(inflation)))
 
 
-def _friction_over_time(problem: EquationErrorProblem) -> list[tuple[slice, np.ndarray]] | None:
-    """Per recording its rows, and what the friction there (m, k), in units of noise, would add a while each."""
+def _friction_over_time(problem: EquationErrorProblem, asymmetry: float) -> list[tuple[slice, np.ndarray]] | None:
+    """Per recording its rows, and what the friction there (m, k), in units of noise, would add a while each.
+
+    Friction that a fit has found to be larger one way than the other, by a share ``asymmetry`` of itself, wanders as a
+    whole: a part of what wanders then drives one way and brakes the other, as a load does.
+    """
     moving = [o for o in problem.observations if len(o.rows) and not o.of_points]
     if not moving:
         return None
@@ -77,6 +81,6 @@ def _friction_over_time(problem: EquationErrorProblem) -> list[tuple[slice, np.n
             continue
         lasts = float(o.motion[-1, TIME])
         times = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
-        friction = (np.maximum(by_speed[k] @ levels, 0.0))[:, None] * sense[k]
+        friction = (np.maximum(by_speed[k] @ levels, 0.0))[:, None] * (sense[k] + asymmetry)
         found.append((part, at_rows_of(o, friction * hat_columns(o.motion[:, TIME], times))))
     return found

@@ -2,7 +2,7 @@
 
 Over a small angle, gravity is a constant load but for a few per cent, and a spring is gravity. What such a likeness
 leaves may be less than the noise, but it has the shape of what is really there: a basis over the true quantity, in the
-effect's place, explains all that the effect does and this too.
+effect's place, explains all that the effect does and this too, and beside it the effect is needless.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, fit_with_basis, load_bases
 from ...identification.screening import screen_generic_bases
 from .explained import coarse
-from .worth import ENCODER_ONLY, largest_rms_reduction
+from .worth import ENCODER_ONLY, by_chance, largest_rms_reduction, penalised_gain
 
 
 def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
@@ -29,7 +29,10 @@ def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the basis that fits best in an effect's place leaves nothing, and gains more than chance would."""
+    """Whether the basis that fits best in an effect's place leaves nothing, and gains more than chance would.
+
+    And whether the effect is needless beside it.
+    """
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     beside = problem.with_generic_bases({**problem.generic_bases, **load_bases(problem, bare)})
     basis = next((found for _, found in screen_generic_bases(beside, bare)), None)
@@ -40,6 +43,7 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if dependence(basis) == "load" and largest_rms_reduction(problem, f, instead) < LEAST_SIZE:
         return False  # as in ``explained.depends``: a load is known no better
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
-    by_chance = 2.0 * more  # each number gains two, at most
-    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[0] - by_chance
-    return instead.misfits[0] <= MISFIT_DOUBTED * instead.judged[0] and gained > DEPENDS
+    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[0] - by_chance(more)
+    if instead.misfits[0] > MISFIT_DOUBTED * instead.judged[0] or gained <= DEPENDS:
+        return False
+    return penalised_gain(instead, fit_with_basis(beside, f, basis)) <= 0.0

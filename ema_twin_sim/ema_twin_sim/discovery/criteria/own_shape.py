@@ -13,20 +13,40 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
+from ...criteria import APART, DEPENDS, INTERPOLATED, MOSTLY, NEGLIGIBLE, SMALL
 from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, fit_with_basis, load_bases, order_bases
+from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_beside_gearbox
-from .worth import ENCODER_ONLY
+from .worth import ENCODER_ONLY, by_chance
 
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """The added effects that explain what they do by their own shape; also those over what there is no basis for."""
     return tuple(name for name in f.hypothesis.added if _own(problem, f, name))
+
+
+def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether play or a spring explains most of how the encoders part, and leaves no more than their lines may.
+
+    An encoder that errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the
+    place of play, leaves much more where the output is thrown. A play that is no wider than such errors may be one.
+    """
+    instance = f.hypothesis.instance(name)
+    if instance.effect not in COMPLIANT_EFFECTS:
+        return False
+    size = catalogue()[instance.effect].parameters[0]
+    lines = INTERPOLATED * float(np.median(problem.noise_of_encoders(slice(problem.size, problem.rows))))
+    if size.unit == "rad" and instance.parameters[size.name] < lines:
+        return False
+    parts = [f.raw[part] for part in problem.encoder_parts if part.stop > part.start]
+    if any(float(np.sqrt(np.mean(rows**2))) > APART for rows in parts):
+        return False
+    return _mostly(problem, f, fit(problem, f.hypothesis.without(name)))
 
 
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
@@ -37,22 +57,36 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return beside_gearbox > max(DEPENDS, SMALL * alone)
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     if effect.id in ENCODER_ONLY:
-        left = 1.0 - MOSTLY
-        return _of_the_encoders(problem, f) <= left * _of_the_encoders(problem, bare)
+        return _mostly(problem, f, bare)
     shapes = _over(problem, bare, over)
     if not shapes:  # of what shows over this, there is no other shape
         return True
     refuse_different_weightings(bare, f)
     took = bare.misfits[0] - f.misfits[0]
-    # where friction wanders, neighbouring rows are alike for long: any slow shape gains a little by that
-    if took < max(DEPENDS * f.temperatures[0], NEGLIGIBLE * f.judged[0]):
+    if took < DEPENDS * f.temperatures[0]:
         return False
     beside = problem.with_generic_bases(shapes)
     best = next((found for _, found in screen_generic_bases(beside, bare)), None)
     if best is None:
         return True
     any_shape = fit_with_basis(beside, bare, best)
-    return took >= (1.0 - NEGLIGIBLE) * (bare.misfits[0] - any_shape.misfits[0])
+    scale = f.temperatures[0]
+    return _gained(bare, f, scale) >= (1.0 - NEGLIGIBLE) * _gained(bare, any_shape, scale)
+
+
+def _gained(before: Fit, after: Fit, scale: float) -> float:
+    """What a fit gains by the torque and by constants that come nearer to their file, in units of what is left.
+
+    Less what its numbers gain by chance: of a basis, which has many, that is soon more than two per cent.
+    """
+    refuse_different_weightings(before, after)
+    gained = (before.misfits[0] - after.misfits[0]) / scale + before.prior_cost - after.prior_cost
+    return gained - by_chance(len(after.hypothesis.free) - len(before.hypothesis.free))
+
+
+def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:
+    """Whether most of how the encoders part beside a ``bare`` fit is gone."""
+    return _of_the_encoders(problem, f) <= (1.0 - MOSTLY) * _of_the_encoders(problem, bare)
 
 
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:

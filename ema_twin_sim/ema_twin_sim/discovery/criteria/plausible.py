@@ -18,10 +18,9 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.uncertainty import covariance, scaled_inverse
-from .worth import largest_rms_reduction
+from .worth import NOTHING_ELSE, largest_rms_reduction
 
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
-NOTHING_ELSE = ("acceleration", "current")  # over these, no effect shows in anything but constants off their file
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
 """Effects of which each may stand behind one constant that is off, where the model has it."""
 BEHIND_ALL = "torque_constant_error"  # what may stand behind all of them at once

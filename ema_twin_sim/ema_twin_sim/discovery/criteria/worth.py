@@ -35,6 +35,8 @@ STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or s
 VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
+NOTHING_ELSE = frozenset({"acceleration", "current"})
+"""Over these, no effect shows in anything but constants off their file."""
 ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
 
 
@@ -58,6 +60,11 @@ def penalised_gain(before: Fit, after: Fit) -> float:
     fall = np.subtract(before.misfits, after.misfits)
     gained = float(np.sum(fall / noise_per_unit(before, after)))
     return gained + complexity_penalty(before) - complexity_penalty(after)
+
+
+def by_chance(numbers: int) -> float:
+    """What so many numbers more gain where there is nothing, in units of what is left: each two, at most."""
+    return 2.0 * numbers
 
 
 def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
@@ -101,6 +108,9 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     over = {catalogue()[id].depends_on for id in came.values()}
     if over == {"encoders"} and _hardly_parts(problem, before, after):
         return False
+    if over <= NOTHING_ELSE and penalised_gain(before, after) > 0.0:
+        # constants could do the same: what rows gain is what these were kept from by their file
+        return True
     relief = before.prior_cost - after.prior_cost
     if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
         return True

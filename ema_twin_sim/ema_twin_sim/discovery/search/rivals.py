@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...criteria import RIVAL_MARGIN
+from ...effects import catalogue
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
-from .search import is_lacked, prune
+from .search import add_effects, is_lacked, prune
 from .trace import Round, Search, Trial, new_names
 
 SWAPS = 3
@@ -46,7 +47,7 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
         other = swapped(found, better.fits[0])
         if penalised_gain(found.fit, other.fit) <= 0.0:
             break  # the rival did not stay either
-        found = other
+        found = with_displaced(found, other)
         rivals = rivalries(found, without)
     return found, rivals
 
@@ -57,6 +58,13 @@ def _needed(found: Search, rivalry: Rivalry) -> float:
     Where nothing reverses, friction is a constant load but for chance, and the model would be left without friction.
     """
     return RIVAL_MARGIN if is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
+
+
+def with_displaced(before: Search, other: Search) -> Search:
+    """The search after a rival took the place of an effect, with that effect where it is worth its price beside it."""
+    held = before.fit.hypothesis.added
+    back = {held[name].effect for name in new_names(other.fit, before.fit) if name in held}
+    return other.further(*add_effects(other.fit, frozenset(catalogue()) - back, most=1))
 
 
 def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:

@@ -14,7 +14,7 @@ from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
-from ..criteria.own_shape import by_own_shape
+from ..criteria.own_shape import by_own_shape, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
 from .search import add_best, less, significant, with_what_made_room
@@ -95,7 +95,8 @@ def _doubtful(found: Search) -> list[str]:
     stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
-    stands -= {name for name in added if lags and over[name] == "encoders"}
+    by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
+    stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     return [name for name in added if name not in stands]
 
 

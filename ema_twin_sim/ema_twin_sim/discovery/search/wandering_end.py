@@ -11,10 +11,11 @@ from dataclasses import replace
 
 from ...criteria import BESIDE_IMPACTS, CORRELATION
 from ...identification.fit import Fit, fit
+from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ..criteria.explained import explained
-from .search import add_effects, depends_on_more, settle, significant, torque_left
+from .search import add_effects, depends_on_more, prune, settle, significant, torque_left
 from .trace import Search
 
 
@@ -23,14 +24,38 @@ def wandering_after_all(
 ) -> Search | None:
     """The search, its end beside friction that wanders, where nothing else is left then; None where more is."""
     plain = found.problem
-    wander = None if plain.weighting.wander is not None else wandering(plain, found.fit)
+    wander = _wander(found)
     if wander is None:
         return None
     progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
-    begun = plain.weighting.begun_anew(BESIDE_IMPACTS if found.fit.parted else FAR)
-    anew = fit(plain.under(replace(begun, wander=wander)), found.fit.hypothesis)
-    beside = significant(found.further(*add_effects(settle(anew), without, progress)))
+    beside = significant(found.further(*add_effects(_beside(found.fit, wander), without, progress)))
     allowed = torque_left(beside.fit) + CORRELATION * wander.complexity_penalty / plain.size
     if explained(beside.problem, beside.fit, start) and not depends_on_more(plain, beside.fit.hypothesis, allowed):
         return beside
     return None
+
+
+def less_what_wandering_explains(found: Search, progress: Callable[[str], None]) -> Search:
+    """The search beside friction that wanders and less what is needless then; itself where nothing is.
+
+    Asked beside play or a spring, where the search could not ask before both were found: what the friction's
+    wandering adds over a few reversals has the shape of some friction curve, and of a small load.
+    """
+    wander = _wander(found) if found.fit.parted else None
+    if wander is None:
+        return found
+    progress(f"friction seems to wander by {wander.share:.1%}: asking what that explains as well")
+    beside = _beside(found.fit, wander)
+    after = prune(beside)
+    return found if after is beside else significant(found.ended(after, "friction that wanders explains as much"))
+
+
+def _wander(found: Search) -> Wander | None:
+    """How friction wanders by what an end leaves over; None where nothing shows, or it is part of the noise already."""
+    return None if found.problem.weighting.wander is not None else wandering(found.problem, found.fit)
+
+
+def _beside(f: Fit, wander: Wander) -> Fit:
+    """The same effects, fitted beside friction that wanders."""
+    begun = f.problem.weighting.begun_anew(BESIDE_IMPACTS if f.parted else FAR)
+    return settle(fit(f.problem.under(replace(begun, wander=wander)), f.hypothesis))
