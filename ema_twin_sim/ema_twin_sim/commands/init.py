@@ -183,13 +183,9 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     from ema_bench_replay.traces.trace_table import read_table
 
     from ..new_machine.columns import guess_columns
-<<<<<<< HEAD
     from ..new_machine.rows import with_kind_of_rows
-    from ..new_machine.units_by_numbers import with_units
-=======
     from ..new_machine.turns import counted_on_turns
-    from ..new_machine.units_by_numbers import is_time_series, with_units
->>>>>>> strange
+    from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
     numbers = dict(zip(table.header, table.columns, strict=True))
@@ -197,20 +193,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
     guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
-<<<<<<< HEAD
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
         raise InputError(f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and {error}") from None
-    guesses = with_units(guesses, numbers, gear_ratio)
-=======
-    if guesses.time is None and is_time_series(guesses, numbers):
-        raise InputError(
-            f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and the rows follow each other as "
-            "samples do; export it too, in a column named 'time [s]' or 'time [ms]'"
-        )
     guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
->>>>>>> strange
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
     holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
