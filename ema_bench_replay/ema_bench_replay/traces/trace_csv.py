@@ -15,6 +15,7 @@ from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
 from ema_bench_replay.traces.trace_writer import write_trace
+from ema_bench_replay.traces.wrapped_angle import counted_on
 
 __all__ = ["read_trace", "write_trace"]
 
@@ -175,15 +176,25 @@ class _Trace:
         """A signal in SI units; positions from zero on."""
         place = self.columns[signal.signal]
         values = self.table.columns[place]
+        if signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
+            values = self._counted_on(values, 2.0 * np.pi / abs(signal.factor), self.table.header[place])
         if signal.counts_per_revolution:
-            values = self._counts(signal, signal.counts_per_revolution, place, time)
+            values = self._counts(signal, signal.counts_per_revolution, place, values, time)
         if signal.signal not in ("motor_position", "output_position"):
             return values * signal.factor
         self.origins[signal.signal] = float(values[0] * signal.factor)
         return (values - values[0]) * signal.factor
 
-    def _counts(self, signal: SignalMap, per_revolution: float, place: int, time: np.ndarray) -> np.ndarray:
-        values = self.table.columns[place]
+    def _counted_on(self, values: np.ndarray, turn: float, name: str) -> np.ndarray:
+        """An angle (n,) that begins again after each ``turn`` of its own unit, as the shaft went."""
+        on, turns = counted_on(values, turn)
+        if turns:
+            self._warn(f"{name} begins again after {turn:.6g}, a turn, {turns} times: repaired, counted on")
+        return on
+
+    def _counts(
+        self, signal: SignalMap, per_revolution: float, place: int, values: np.ndarray, time: np.ndarray
+    ) -> np.ndarray:
         whole = values.astype(np.int64)
         name = self.table.header[place]
         if (whole == values).all():

@@ -13,8 +13,10 @@ from typing import BinaryIO
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.header_lines import header_lines
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
+from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
 
 #: A longer trace is refused: it would not fit into the memory of an ordinary machine.
 LARGEST = 2 << 30
@@ -76,9 +78,11 @@ def read_table(
 ) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
-    Comments (#, %), blank lines and single quoted texts may stand above the header. A cut last row is left out, with a
-    warning. `delimiter` and `number_format` ("german", "english") are found out where they are None. `needed` tells
-    of a header which columns must hold numbers; others may hold words and empty cells. Raises InputError.
+    Comments (#, %), blank lines, quoted texts and what else has other cells than the rows may stand above the header, a
+    row of units below it: they are then in brackets behind the names. Times of day and dates are told in s. A cut last
+    row is left out, with a warning. `delimiter` and `number_format` ("german", "english") are found out where they are
+    None. `needed` tells of a header which columns must hold numbers; others may hold words and empty cells. Raises
+    InputError.
     """
     try:
         if path.stat().st_size > LARGEST:
@@ -260,6 +264,9 @@ class _RowReader:
                 try:
                     rows[number, column] = self.format.value(cell)
                 except ValueError:
+                    if is_time_of_day(cell):
+                        rows[number, column] = seconds(cell)
+                        continue
                     if column not in self.needed:
                         rows[number, column] = np.nan
                         continue
@@ -280,16 +287,8 @@ def _sha256(file: BinaryIO) -> str:
 
 
 def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
-    """Header line, its number (counted from 1) and what follows it in the block."""
-    number = 0
-    while block:
-        number += 1
-        raw, _, block = block.partition(b"\n")
-        try:
-            line = raw.decode("utf-8").strip()
-        except UnicodeDecodeError:
-            line = raw.decode("cp1252", errors="replace").strip()
-        is_preamble = line.startswith(("#", "%")) or line.lower().startswith("sep=") or re.fullmatch(r'"[^"]*"', line)
-        if line and not is_preamble:
-            return line, number, block
-    raise InputError(f"{path}: {'has no header line' if number else 'is empty'}; export the trace again")
+    """Header, the number of its last line (counted from 1) and what follows it in the block."""
+    found = header_lines(block)
+    if found is None:
+        raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")
+    return found.text, found.line, block[found.end :]

@@ -108,6 +108,7 @@ def run(
                 say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
         for column in drafts.left_out:
             say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
+        _warn_of_foreign_units(guesses)
         _say_what_it_rests_on(files[1], drafts.assumed)
     for question in drafts.questions:
         warn(question)
@@ -132,6 +133,22 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     say(f"{place}: {_to_look_at(text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+
+
+def _warn_of_foreign_units(guesses: Guesses) -> None:
+    """Warn of columns whose header tells a unit that is none of their signal's, as per cent of a rated torque."""
+    from ema_bench_replay.units import signal_unit
+
+    from ..new_machine.header_words import header_words
+
+    for guess in guesses.signals:
+        foreign = header_words(guess.column).foreign
+        if guess.unit is None and foreign and not foreign.isdigit():
+            signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
+            warn(
+                f"{guess.column}: {foreign} is no unit of the {signal}: read as if one were one {unit}, and so is all "
+                "that is told in it; write what one is worth as the signal's `factor` in the map"
+            )
 
 
 def _say_what_it_rests_on(place: Path, by_size: Sequence[str]) -> None:
@@ -167,6 +184,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
 
     from ..new_machine.columns import guess_columns
     from ..new_machine.rows import with_kind_of_rows
+    from ..new_machine.turns import counted_on_turns
     from ..new_machine.units_by_numbers import with_units
 
     table = read_table(trace, needed=lambda header: ())
@@ -179,7 +197,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
         raise InputError(f"{trace}: header: none of {', '.join(table.header)[:200]} is the time, and {error}") from None
-    guesses = with_units(guesses, numbers, gear_ratio)
+    guesses = with_units(*counted_on_turns(guesses, numbers), gear_ratio)
     rows = len(table.columns[0])
     empty = frozenset(name for name, count in no_numbers.items() if count == rows)
     holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)

@@ -22,14 +22,14 @@ from ..criteria import SMALL
 from .header_words import COUNTS, HeaderWords, header_words
 
 _STEMS: dict[str, str] = {
-    "time": r"time|zeit",
+    "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
     "temperature": r"^temp",
-    "torque": r"torque|moment|force|kraft|^trq|^tau$",
-    "current": r"current|strom|^amps?$|^cur$",
+    "torque": r"torque|moment|force|kraft|^trq|^tau$|effort|^couple|^coppia|^par$|^forza$|^fuerza$",
+    "current": r"current|strom|^amps?$|^cur$|^courant|^corr?iente|^corrente",
     "voltage": r"volt|spannung",
-    "speed": r"speed|veloc|drehzahl|geschwind|omega|^vel$|^rpm$",
+    "speed": r"speed|veloc|drehzahl|geschwind|omega|^vel$|^rpm$|^spd$|^vitesse|^vit$|^regime$|^giri$",
     "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
-    r"|verdreh",
+    r"|verdreh|^angol|^angul|^codeur|^recorrido$",
 }
 """Parts of words that tell a quantity, in the order in which they are looked for."""
 
@@ -43,17 +43,26 @@ _SYMBOLS: dict[str, frozenset[str]] = {
 }
 """Whole words that are symbols of a quantity."""
 
-_SETPOINT = r"setp|soll|command|demand|desire|target|refer|vorgabe|fuehrung|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
-_ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback)$|istwert|^ist"
-_OUTPUT = r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
-_MOTOR = r"motor|rotor|antrieb|^(mot|m|1|fast|primary|drive|input)$"
+_SETPOINT = (
+    r"setp|soll|command|demand|desire|target|refer|rifer|consign|vorgabe|fuehrung"
+    r"|^(set|ref|cmd|sp|des|star|goal|wanted|tgt)$"
+)
+_ACTUAL = r"^(ist|act|actual|meas|measured|fb|feedback|mesuree?|misurat[ao]|medid[ao]|reale?)$|istwert|^ist"
+_OUTPUT = (
+    r"output|abtrieb|^load|^last(?!_)|^link|^joint|^arm(?!a)|^slow$|second|^out$|^(l|o|2)$|brake|bremse|dyno"
+    r"|^sortie|^charge$|^uscita|^carico|^salida|^carga$"
+)
+_MOTOR = r"motor|rotor|antrieb|^moteur|^motore|^(mot|m|1|fast|primary|drive|input)$"
 _NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|beschleun|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
 _SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
 """Words of positions that may be lengths."""
-_TIME_WORDS = r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|stamp|rel|abs|relative|since|start)$"
+_TIME_WORDS = (
+    r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
+    r"|temps|tempo|tiempo)$"
+)
 _DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
 """Subscripts of currents and voltages that are not the quadrature axis'."""
 
@@ -231,11 +240,13 @@ def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]
 def _is_time(read: HeaderWords) -> bool:
     if read.quantity not in ("time", None) or read.foreign:
         return False
-    known = all(re.search(_TIME_WORDS, word) for word in read.words)
+    known = all(re.search(_TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
     if read.quantity == "time":
         # of a drawing, the axis x is time where its unit is one of time
         return known or _word_quantity(read.words) == "time" or read.words == ("x",)
-    return known or (_has(read.words, r"time|zeit") and not _has(read.words, _NO_SIGNAL))
+    if read.words == ("x", "value"):  # as LabVIEW names its measurements' time
+        return True
+    return known or (_has(read.words, r"time|zeit|stamp") and not _has(read.words, _NO_SIGNAL))
 
 
 def _column(read: HeaderWords) -> _Column | None:

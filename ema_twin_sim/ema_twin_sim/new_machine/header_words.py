@@ -15,7 +15,8 @@ COUNTS = "count"
 
 _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     # unit: (quantity, its spellings in lower case)
-    "s": ("time", ("s", "sec", "secs", "second", "seconds", "sek", "sekunden")),
+    "s": ("time", ("s", "sec", "secs", "second", "seconds", "sek", "sekunden", "secondes", "secondi",
+                   "segundos")),
     "ms": ("time", ("ms", "msec", "millisec", "milliseconds", "millisekunden")),
     "us": ("time", ("us", "µs", "usec", "microseconds", "mikrosekunden")),
     "ns": ("time", ("ns", "nsec", "nanoseconds")),
@@ -24,9 +25,10 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mdeg": ("position", ("mdeg", "mgrad", "m°", "millidegree", "millidegrees")),
     "arcmin": ("position", ("arcmin",)),
     "arcsec": ("position", ("arcsec",)),
-    "deg": ("position", ("deg", "°", "degree", "degrees", "grad", "degs")),
+    "deg": ("position", ("deg", "°", "degree", "degrees", "grad", "degs", "degre", "degres", "gradi",
+                          "grado", "grados")),
     "rev": ("position", ("rev", "revs", "revolution", "revolutions", "turn", "turns", "umdr", "umdrehung",
-                         "umdrehungen", "u", "r")),
+                         "umdrehungen", "u", "r", "tr", "tour", "tours", "giro", "giri", "vuelta", "vueltas")),
     COUNTS: ("position", ("count", "counts", "cnt", "cnts", "inc", "incs", "increments", "ink", "inkr", "inkremente",
                           "tick", "ticks", "pulses", "impulse", "lsb")),
     "m": ("position", ("m", "meter", "metre", "metres", "meters")),
@@ -36,9 +38,11 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "rad/s": ("speed", ("rad/s", "rad/sec", "rad s^-1", "rad s-1", "rads^-1", "rad*s^-1", "1/s", "s^-1", "radps",
                         "radians/s", "radian/second", "radians/second")),
     "rpm": ("speed", ("rpm", "1/min", "u/min", "min^-1", "min-1", "r/min", "rev/min", "upm", "umdr/min", "turns/min",
-                      "revs/min", "rev/minute", "revolutions/minute")),
+                      "revs/min", "rev/minute", "revolutions/minute", "tr/min", "tours/min", "giri/min",
+                      "vueltas/min")),
+    "krpm": ("speed", ("krpm", "1000/min", "1000 rpm")),
     "deg/s": ("speed", ("deg/s", "°/s", "grad/s", "deg/sec", "degree/s", "degrees/s", "deg s^-1", "° s^-1", "dps",
-                        "degps", "deg/second", "degree/second", "degrees/second")),
+                        "degps", "deg/second", "degree/second", "degrees/second", "gradi/s", "grados/s", "degres/s")),
     "rev/s": ("speed", ("rev/s", "u/s", "rps", "r/s", "turns/s", "turn/s", "umdr/s", "revs/s", "hz", "1/sec",
                         "turns/second", "revolutions/second")),
     "mrad/s": ("speed", ("mrad/s",)),
@@ -51,6 +55,11 @@ _SPELLINGS: dict[str, tuple[str, tuple[str, ...]]] = {
     "mN m": ("torque", ("mnm", "mn m", "mn*m", "mn·m", "mn.m")),
     "N cm": ("torque", ("ncm", "n cm", "n*cm", "n·cm")),
     "kN m": ("torque", ("knm", "kn m", "kn*m", "kn·m")),
+    "lbf in": ("torque", ("lbf in", "lbf*in", "lbf·in", "lbf.in", "lbf-in", "in lbf", "in·lbf", "in-lbf",
+                          "lb-in", "in-lb")),
+    "lbf ft": ("torque", ("lbf ft", "lbf*ft", "lbf·ft", "lbf.ft", "lbf-ft", "ft lbf", "ft·lbf", "ft-lbf",
+                          "lb-ft", "ft-lb")),
+    "ozf in": ("torque", ("ozf in", "ozf·in", "ozf-in", "oz in", "oz·in", "oz-in", "in oz", "in-oz")),
     "N": ("torque", ("n", "newton", "newtons")),
     "mN": ("torque", ("mn",)),
     "kN": ("torque", ("kn",)),
@@ -76,6 +85,7 @@ _GREEK = str.maketrans(
         **dict.fromkeys("γΓ", " gamma "),
     }
 )
+_ACCENTS = str.maketrans("éèê", "eee")
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
 _SUBSCRIPTS = frozenset({"m", "r", "a", "c", "n", "v"})
 """Units of one letter that are also a subscript: after an underscore they tell the motor, an axis or a phase."""
@@ -120,6 +130,7 @@ def header_words(name: str) -> HeaderWords:
 
 def _unit(text: str) -> str | None:
     plain = re.sub(r"\s*([/*·])\s*|\s+per\s+", lambda found: found[1] or "/", text.strip().rstrip(".").lower())
+    plain = plain.translate(_ACCENTS)
     return _UNIT_OF.get(re.sub(r"\s+", " ", plain))
 
 

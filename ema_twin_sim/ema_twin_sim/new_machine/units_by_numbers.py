@@ -164,7 +164,8 @@ def _position_told(position: Guess, one: float) -> Guess | None:
     for unit in _USUAL[0]:
         if abs(one / units_of("motor_position")[unit] - 1.0) < NEGLIGIBLE:
             return replace(position, unit=unit)
-    return None
+    counts = usual_counts(2.0 * math.pi / one)  # a counter that does not say so
+    return None if counts is None else replace(position, unit=COUNTS, counts=counts)
 
 
 def _unusual(position: Guess, one: float) -> Guess:

@@ -1,0 +1,151 @@
+"""Where the header of a text trace stands: above it programs write who measured what, below it often a row of units.
+
+The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are passed over
+in any case.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ema_bench_replay.traces.time_of_day import is_time_of_day
+
+MOST_LINES = 200
+"""Lines among which the first row of numbers must be, else the first line that is no comment is the header."""
+_DELIMITERS = (";", "\t", ",")
+_NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
+_UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
+_UNITS = frozenset(
+    {
+        *(
+            "s",
+            "sec",
+            "ms",
+            "us",
+            "ns",
+            "min",
+            "rad",
+            "mrad",
+            "deg",
+            "grad",
+            "rev",
+            "turns",
+            "u",
+            "tr",
+            "inc",
+            "counts",
+        ),
+        *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
+    }
+)
+"""What stands for a unit by itself, in lower case; others have a mark that names have not."""
+
+
+@dataclass(frozen=True)
+class HeaderLines:
+    """The header's text, the number (counted from 1) of the last line that is part of it, and its bytes' end."""
+
+    text: str
+    line: int
+    end: int  # the first byte of the rows
+
+
+def header_lines(block: bytes) -> HeaderLines | None:
+    """The header of a text that begins with ``block``; None where no line of it is one."""
+    lines: list[tuple[str, int]] = []
+    end = 0
+    while end < len(block) and len(lines) < MOST_LINES:
+        after = block.find(b"\n", end) + 1 or len(block)
+        lines.append((_decoded(block[end:after]), after))
+        end = after
+    plain = next((k for k, (text, _) in enumerate(lines) if not _is_comment(text)), None)
+    if plain is None:
+        return None
+    rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
+    header = plain if rows is None else _above(lines, plain, rows)
+    if rows is not None and header == rows - 2:
+        mark = _delimiter(lines[header][0])
+        text = mark.join(_with_units(_cells(lines[header][0], mark), _cells(lines[rows - 1][0], mark)))
+        return HeaderLines(text, rows, lines[rows - 1][1])
+    text = lines[header][0]
+    if rows is not None and header == rows - 1:
+        mark = _delimiter(lines[rows][0])
+        cells, width = _cells(text, mark), _width(lines[rows][0], mark)
+        if len(cells) == width + 1 > 2:
+            text = mark.join(cells[:width])
+    return HeaderLines(text, header + 1, lines[header][1])
+
+
+def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
+    """The header's place among lines whose ``rows`` begin there; ``plain`` is the first line that is no comment."""
+    mark = _delimiter(lines[rows][0])
+    width = _width(lines[rows][0], mark)
+
+    def wide(k: int, cells: int) -> bool:
+        text = lines[k][0]
+        return k >= plain and not _is_comment(text) and width > 1 and _width(text, mark) == cells
+
+    if not wide(rows - 1, width):
+        return rows - 1 if wide(rows - 1, width + 1) else plain  # a column of comments that no row has
+    if wide(rows - 2, width) and _are_units(_cells(lines[rows - 1][0], mark)):
+        return rows - 2 if _are_names(_cells(lines[rows - 2][0], mark)) else rows - 1
+    return rows - 1
+
+
+def _cells(line: str, mark: str) -> list[str]:
+    return line.rstrip().removesuffix(mark).split(mark)
+
+
+def _decoded(raw: bytes) -> str:
+    try:
+        return raw.decode("utf-8").strip(" \r\n").removeprefix("\ufeff").strip(" ")
+    except UnicodeDecodeError:
+        return raw.decode("cp1252", errors="replace").strip(" \r\n")
+
+
+def _is_comment(line: str) -> bool:
+    """Whether a line above the header tells nothing of the columns."""
+    plain = line.strip()
+    return not plain or plain.startswith(("#", "%")) or plain.lower().startswith("sep=") or _quoted_alone(plain)
+
+
+def _quoted_alone(line: str) -> bool:
+    return re.fullmatch(r'"[^"]*"', line) is not None
+
+
+def _delimiter(line: str) -> str:
+    return next((mark for mark in _DELIMITERS if mark in line), ";")
+
+
+def _width(line: str, mark: str) -> int:
+    """How many cells a line has; a delimiter at its end begins none."""
+    return len(_cells(line, mark))
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line is of numbers: its first cell is one, or a time of day, and some other one."""
+    cells = [cell.strip().strip('"').strip() for cell in line.split(_delimiter(line))]
+    numbers = [bool(_NUMBER.fullmatch(cell)) for cell in cells]
+    return len(cells) > 1 and (numbers[0] or is_time_of_day(cells[0])) and any(numbers[1:])
+
+
+def _are_units(cells: list[str]) -> bool:
+    """Whether cells are units, or empty, and not all of them empty."""
+    plain = [cell.strip().strip('"').strip() for cell in cells]
+    told = [cell for cell in plain if cell not in ("", "-")]
+    return bool(told) and all(cell.lower() in _UNITS or _UNIT_MARK.fullmatch(cell) for cell in told)
+
+
+def _are_names(cells: list[str]) -> bool:
+    plain = [cell.strip().strip('"').strip() for cell in cells]
+    return all(re.search(r"[^\W\d]", cell) for cell in plain[:-1])
+
+
+def _with_units(names: list[str], units: list[str]) -> list[str]:
+    """The names with the units below them in brackets."""
+    told = []
+    for name, unit in zip(names, units, strict=False):
+        plain, unit = name.strip().strip('"').strip(), unit.strip().strip('"').strip(" []()")
+        told.append(f"{plain} [{unit}]" if plain and unit else plain)
+    return told

@@ -1,0 +1,39 @@
+"""Positions whose column begins again after each turn, counted on before they are compared with anything."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ema_bench_replay.traces.wrapped_angle import counted_on
+from ema_bench_replay.units import units_of
+
+from .columns import Guess, Guesses
+from .header_words import COUNTS
+from .units_by_numbers import usual_counts
+
+
+def counted_on_turns(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> tuple[Guesses, dict[str, np.ndarray]]:
+    """The guesses, with the counts a turn that a counter which begins again shows, and the numbers (n,) counted on."""
+    if guesses.motion != "rotary":
+        return guesses, dict(numbers)
+    on, signals = dict(numbers), []
+    for guess in guesses.signals:
+        if guess.signal in ("motor_position", "output_position"):
+            guess, on[guess.column] = _counted_on(guess, numbers[guess.column])
+        signals.append(guess)
+    return replace(guesses, signals=tuple(signals)), on
+
+
+def _counted_on(guess: Guess, values: np.ndarray) -> tuple[Guess, np.ndarray]:
+    """The guess, its counts told where its numbers tell them, and the numbers (n,) as the shaft went."""
+    units = units_of("motor_position")
+    if guess.unit in units:
+        return guess, counted_on(values, 2.0 * np.pi / units[guess.unit])[0]
+    counts = guess.counts or usual_counts(float(np.ptp(values)) + 1.0)
+    if guess.unit != COUNTS or counts is None:
+        return guess, values
+    on, turns = counted_on(values, counts)
+    return (replace(guess, counts=counts), on) if turns else (guess, values)

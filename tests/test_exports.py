@@ -1,0 +1,137 @@
+"""Exports as programs write them: lines above the header, a row of units below it, times of day, angles that begin
+again after each turn, and other languages. The servo of strangers is in all of them."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.trace_table import read_table
+from ema_bench_replay.traces.wrapped_angle import counted_on
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.new_machine.columns import guess_columns
+
+DEGREES, RPM = 180.0 / np.pi, 30.0 / np.pi
+TIME = np.arange(1500) * 2e-3
+SPEED = 60.0 * np.sin(2.0 * TIME)
+ANGLE = 30.0 * (1.0 - np.cos(2.0 * TIME)) + 0.5
+CURRENT = 0.5 * np.sign(SPEED) + 0.2 * np.cos(2.0 * TIME)
+BEGUN = datetime(2024, 5, 17, 23, 59, 59)
+
+
+def cells(*columns):
+    return [
+        [value if isinstance(value, str) else f"{value:.7f}" for value in row] for row in zip(*columns, strict=True)
+    ]
+
+
+def text(head, columns, mark=",", comma=False):
+    rows = [mark.join(row) for row in cells(*columns)]
+    return head + "\n".join(row.replace(".", ",") if comma else row for row in rows) + "\n"
+
+
+EXPORTS = {
+    "an oscilloscope's lines above": text(
+        "Model,MSO44\nHorizontal Units,s\nRecord Length,1500\n\nTIME [s],angle [rad],speed [rad/s],current [A]\n",
+        (TIME, ANGLE, SPEED, CURRENT),
+    ),
+    "a controller's trace with units below": text(
+        "Trace;;;\nProjekt;Presse;;\n\nZeit;Achse.Istposition;Achse.Istgeschwindigkeit;Achse.Iststrom\nms;°;1/min;A\n",
+        (TIME * 1e3, ANGLE * DEGREES, SPEED * RPM, CURRENT),
+        ";",
+        comma=True,
+    ),
+    "LabVIEW's header, with a comment that no row has": text(
+        "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t3\t\t\nSamples\t1500\t1500\t1500\n"
+        "***End_of_Header***\t\t\t\t\nX_Value\tMotor angle (deg)\tMotor speed (rpm)\tMotor current (A)\tComment\n",
+        (TIME, ANGLE * DEGREES, SPEED * RPM, CURRENT),
+        "\t",
+    ),
+    "dates and times, over midnight": text(
+        "timestamp,motor_angle_rad,motor_speed_rad_s,current_A\n",
+        ([(BEGUN + timedelta(seconds=t)).isoformat(timespec="microseconds") for t in TIME], ANGLE, SPEED, CURRENT),
+    ),
+    "French": text(
+        "Temps (s);Position moteur (tr);Vitesse moteur (tr/min);Courant (A)\n",
+        (TIME, ANGLE / (2.0 * np.pi), SPEED * RPM, CURRENT),
+        ";",
+        comma=True,
+    ),
+    "Italian": text(
+        "Tempo [ms];Posizione motore [gradi];Velocità motore [giri/min];Corrente [mA]\n",
+        (TIME * 1e3, ANGLE * DEGREES, SPEED * RPM, CURRENT * 1e3),
+        ";",
+        comma=True,
+    ),
+    "an absolute encoder": text(
+        "time [s],motor angle [deg],motor speed [rpm],motor current [A]\n",
+        (TIME, np.mod(ANGLE * DEGREES, 360.0), SPEED * RPM, CURRENT),
+    ),
+    "a counter that says nothing of itself": text(
+        "t_us,enc,vel_rpm,iq_mA\n",
+        ([f"{t:.0f}" for t in TIME * 1e6], np.rint(ANGLE * 8192 / (2.0 * np.pi)), SPEED * RPM, CURRENT * 1e3),
+    ),
+    "a table that counts its rows": text(
+        ",time,motor_pos,motor_vel,motor_current\n", ([str(k) for k in range(len(TIME))], TIME, ANGLE, SPEED, CURRENT)
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", EXPORTS)
+def test_what_a_program_exports_is_read_without_editing(tmp_path, kind):
+    file = tmp_path / "run.csv"
+    file.write_text(EXPORTS[kind], "utf-8")
+    init(str(tmp_path / "servo"), [file], gear_ratio=10.0, torque_constant=0.1)
+    recording = load(file, import_map=tmp_path / "servo_map.yaml")
+    assert recording.time == pytest.approx(TIME, abs=2e-6)
+    resolution = 2.0 * np.pi / 8192
+    assert recording.signals["motor_position"] == pytest.approx(ANGLE - ANGLE[0], abs=resolution)
+    assert recording.signals["speed"] == pytest.approx(SPEED, abs=1e-4)
+    assert recording.signals["current"] == pytest.approx(CURRENT, abs=1e-4)
+
+
+def test_a_comment_above_equal_columns_is_no_header(tmp_path):
+    """Two lines of as many words: the one next to the rows names them, unless it is of units."""
+    file = tmp_path / "run.csv"
+    file.write_text("Label,Iq,Speed\nTIME,CH1,CH2\n0,1,2\n1,2,3\n")
+    assert read_table(file).header == ["TIME", "CH1", "CH2"]
+    file.write_text("time,Iq,Speed\ns,A,rpm\n0,1,2\n1,2,3\n")
+    table = read_table(file)
+    assert table.header == ["time [s]", "Iq [A]", "Speed [rpm]"]
+    assert table.place(1) == f"{file}: line 4"
+
+
+@pytest.mark.parametrize("first", [0.0, -180.0])
+def test_an_angle_is_counted_on_whichever_way_it_turns(first):
+    way = np.concatenate([np.linspace(0.0, 1500.0, 400), np.linspace(1500.0, -800.0, 600)])
+    shown = np.mod(way - first, 360.0) + first
+    on, turns = counted_on(shown, 360.0)
+    assert turns == np.abs(np.diff(np.floor((way - first) / 360.0))).sum()
+    assert on - on[0] == pytest.approx(way - way[0])
+
+
+def test_an_angle_within_a_turn_stays_as_it_is():
+    swing = 170.0 * np.sin(np.linspace(0.0, 20.0, 500))
+    assert counted_on(swing, 360.0) == (pytest.approx(swing), 0)
+
+
+def test_a_torque_in_per_cent_is_told_to_be_none(tmp_path, capsys):
+    file = tmp_path / "run.csv"
+    file.write_text(text("Time [s],Position [rad],Torque [%]\n", (TIME, ANGLE, CURRENT)))
+    init(str(tmp_path / "servo"), [file], gear_ratio=10.0)
+    assert "Torque [%]: % is no unit of the motor torque: read as if one were one N m" in capsys.readouterr().err
+
+
+def test_words_of_other_languages_tell_setpoints_from_what_was_measured():
+    header = (
+        "Tiempo [ms]",
+        "Posición del motor [rad]",
+        "Velocidad [rad/s]",
+        "Consigna de velocidad [rad/s]",
+        "Par [Nm]",
+    )
+    taken = {guess.signal: guess.column for guess in guess_columns(header).signals}
+    assert taken == {
+        "motor_position": header[1], "speed": header[2], "speed_setpoint": header[3], "motor_torque": header[4],
+    }  # fmt: skip
