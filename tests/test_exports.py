@@ -102,6 +102,14 @@ def test_a_comment_above_equal_columns_is_no_header(tmp_path):
     assert table.place(1) == f"{file}: line 4"
 
 
+def test_a_column_whose_first_cell_is_empty_is_one(tmp_path):
+    file = tmp_path / "run.csv"
+    file.write_text("time;Iq;Kommentar\n0,0;1,5;\n0,1;2,5;ok\n")
+    table = read_table(file, needed=lambda header: (0, 1))
+    assert table.header == ["time", "Iq", "Kommentar"]
+    assert table.columns[1] == pytest.approx([1.5, 2.5])
+
+
 @pytest.mark.parametrize("first", [0.0, -180.0])
 def test_an_angle_is_counted_on_whichever_way_it_turns(first):
     way = np.concatenate([np.linspace(0.0, 1500.0, 400), np.linspace(1500.0, -800.0, 600)])

@@ -71,7 +71,7 @@ def header_lines(block: bytes) -> HeaderLines | None:
     text = lines[header][0]
     if rows is not None and header == rows - 1:
         mark = _delimiter(lines[rows][0])
-        cells, width = _cells(text, mark), _width(lines[rows][0], mark)
+        cells, width = _cells(text, mark), len(lines[rows][0].split(mark))
         if len(cells) == width + 1 > 2:
             text = mark.join(cells[:width])
     return HeaderLines(text, header + 1, lines[header][1])
@@ -80,15 +80,16 @@ def header_lines(block: bytes) -> HeaderLines | None:
 def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
     """The header's place among lines whose ``rows`` begin there; ``plain`` is the first line that is no comment."""
     mark = _delimiter(lines[rows][0])
-    width = _width(lines[rows][0], mark)
+    whole = len(lines[rows][0].split(mark))
+    widths = whole, _width(lines[rows][0], mark)  # a delimiter at the end of a row ends it, or begins an empty cell
 
-    def wide(k: int, cells: int) -> bool:
+    def wide(k: int, *cells: int) -> bool:
         text = lines[k][0]
-        return k >= plain and not _is_comment(text) and width > 1 and _width(text, mark) == cells
+        return k >= plain and not _is_comment(text) and max(cells) > 1 and _width(text, mark) in cells
 
-    if not wide(rows - 1, width):
-        return rows - 1 if wide(rows - 1, width + 1) else plain  # a column of comments that no row has
-    if wide(rows - 2, width) and _are_units(_cells(lines[rows - 1][0], mark)):
+    if not wide(rows - 1, *widths):
+        return rows - 1 if wide(rows - 1, whole + 1) else plain  # a column of comments that no row has
+    if wide(rows - 2, _width(lines[rows - 1][0], mark)) and _are_units(_cells(lines[rows - 1][0], mark)):
         return rows - 2 if _are_names(_cells(lines[rows - 2][0], mark)) else rows - 1
     return rows - 1
 
