@@ -172,7 +172,8 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
-    if not geared:  # else rows that near to a reversal are not judged at all
+    # behind a gear, rows so near to a reversal are not judged; a fine position's narrow kernel shows the stop itself
+    if not geared and width >= WIDTH:
         noise = np.hypot(noise, reversal_noise(motion[:, SPEED], kernel, model))
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
