@@ -27,7 +27,6 @@ from ..simulation.operating_points import doubled, motion_at_points
 from ..simulation.sensor_noise import counter_noise
 from ..simulation.simulate import LONGEST_GAP
 from .bandwidth import narrowest
-from .reversal_noise import reversal_noise
 from .sliding import moving_maximum
 from .smoothed_motion import COUNTER_WIDTH, FEWEST, LEAST_PERIODS, NEEDED, WIDTH, even, smoothed_motion
 from .smoothing import gaussian, smooth, smooth_at
@@ -172,9 +171,6 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
-    # behind a gear, rows so near to a reversal are not judged; a fine position's narrow kernel shows the stop itself
-    if not geared and width >= WIDTH:
-        noise = np.hypot(noise, reversal_noise(motion[:, SPEED], kernel, model))
     output = signals.get("output_position")
     difference = np.zeros(len(time)) if output is None else output - signals["motor_position"] / ratio
     count = sum(  # rad of the slow shaft, of both counters
