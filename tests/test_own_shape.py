@@ -86,8 +86,8 @@ def test_a_spring_stands_beside_lines_that_err_and_not_for_play(hidden, paramete
     assert parts_the_encoders(f.problem, f, "shaft_compliance") == stands
 
 
-def test_play_no_wider_than_lines_err_does_not_stand(stock):
-    """A spring between teeth winds up, and any play beside it gains a little where an encoder errs."""
+def test_play_in_the_place_of_a_spring_does_not_stand(stock):
+    """Its teeth wind up as the spring does, and a width besides gains a little where an encoder errs."""
     recordings = record(stock.with_effect("shaft_compliance", {"stiffness": 60.0, "damping": 0.02}), RUNS)
     problem = EquationErrorProblem(observe_all(recordings, stock))
     f = fit(problem, null_hypothesis(stock).with_effect("backlash", {}, {"width": 5e-6}), 0)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, INTERPOLATED, MOSTLY, NEGLIGIBLE, SMALL
+from ...criteria import APART, DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
 from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -31,17 +31,17 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether play or a spring explains most of how the encoders part, and leaves no more than their lines may.
+    """Whether a spring explains most of how the encoders part, and leaves no more than their lines may.
 
     An encoder that errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the
-    place of play, leaves much more where the output is thrown. A play that is no wider than such errors may be one.
+    place of play, leaves much more where the output is thrown. Not so of play, whose teeth wind up as a spring does:
+    with a width besides, it takes up what is left of a spring beside such errors.
     """
     instance = f.hypothesis.instance(name)
     if instance.effect not in COMPLIANT_EFFECTS:
         return False
     size = catalogue()[instance.effect].parameters[0]
-    lines = INTERPOLATED * float(np.median(problem.noise_of_encoders(slice(problem.size, problem.rows))))
-    if size.unit == "rad" and instance.parameters[size.name] < lines:
+    if size.unit == "rad":
         return False
     parts = [f.raw[part] for part in problem.encoder_parts if part.stop > part.start]
     if any(float(np.sqrt(np.mean(rows**2))) > APART for rows in parts):
