@@ -35,7 +35,7 @@ BUS = 1000.0
 rectified); most have 565 V, those of small motors and robots 24 to 325 V."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
-_AT_ENDS = 50  # samples that this smoothing bends at either end
+_AT_ENDS = 40  # samples at either end that this smoothing bends by more than half a per cent
 _ROUND = 1.0 / 3.0  # of a turn of the output, from which on an angle error is told from a slope
 _STEPS = 20  # of a robust regression
 _MOVING = 0.3  # of the furthest way
