@@ -47,6 +47,8 @@ SAFE = 0.5
 ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
 
+JUMPED = 0.5  # of a setpoint, which a shaft has yet to make where a recording begins at a step
+
 
 @dataclass(frozen=True)
 class ParameterDescription:
@@ -163,7 +165,8 @@ class Twin:
         """Start from a run's first sample and return the twin's signals there.
 
         The gap of a backlash is centred, the speed is the measured one, the drive's integrator holds the measured
-        current; other states rest. ``*_angle_origin`` [rad] are the counters' own angles where the positions are zero.
+        current, less what a setpoint that has just jumped asks for; other states rest. ``*_angle_origin`` [rad] are the
+        counters' own angles where the positions are zero.
         """
         speed = _known(sample.get("speed"))
         current = _known(sample.get("current"))
@@ -171,7 +174,7 @@ class Twin:
         self._state[:] = 0
         state["motor_speed"] = state["output_speed"] = state["smoothed_speed"] = speed
         state["current"] = state["current_setpoint"] = current
-        state["integral"] = self._assembly.plant["nominal_torque_constant"][0] * current
+        state["integral"] = self._held_by_integrator(current, speed, sample.get("speed_setpoint", math.nan))
         state["speed_setpoint"] = _known(sample.get("speed_setpoint")) if self.source != STANDALONE else speed
         state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
         ratio = float(self._assembly.plant["gear_ratio"][0])
@@ -197,6 +200,20 @@ class Twin:
                 self._row[1, TWIN.index(name)] = winding[name]
             self._row[1, TWIN.index("voltage")] = winding["quadrature_voltage"]
         return self._signals()
+
+    def _held_by_integrator(self, current: float, speed: float, setpoint: float) -> float:
+        """The torque [N m] that the speed controller's integrator holds at a first sample.
+
+        It is the measured one. Where the setpoint has jumped, and the shaft has not followed it half of the way, the
+        controller's gain makes a part of that, unless the drive has not answered yet.
+        """
+        plant = self._assembly.plant[0]
+        torque = float(plant["nominal_torque_constant"]) * current
+        error = setpoint - speed
+        if not abs(error) > JUMPED * abs(setpoint) > 0.0:
+            return torque
+        rest = torque - float(plant["speed_gain"]) * error
+        return min(torque, rest, key=abs)
 
     def advance(self, nanoseconds: int, sample: Mapping[str, float]) -> dict[str, float]:
         """Integrate over ``nanoseconds`` since the sample before, its input interpolated, and return the signals."""
