@@ -143,3 +143,10 @@ def test_a_clock_that_jumps_costs_nothing(driven, stock, monkeypatch):
     monkeypatch.setattr(consistency, "_times_inertia", look)
     assert not list(inconsistencies(replace(driven, stamps=stamps), stock))
     assert looked
+
+
+@pytest.mark.parametrize("ratio", [8.0, 36.0, 300.0])
+def test_both_encoders_tell_a_gear_ratio_that_is_another_machines(driven, stock, ratio):
+    """No play and no spring makes an output go ten times as far as its motor turns it."""
+    (found,) = inconsistencies(driven, stock.with_value("machine.gear_ratio", ratio))
+    assert "output_position is" in found.what and "machine.gear_ratio (with 124 they fit)" in found.remedy

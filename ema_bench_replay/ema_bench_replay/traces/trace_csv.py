@@ -93,7 +93,7 @@ class _Trace:
             shown = ", ".join(table.header)[:200]
             raise InputError(
                 f"{table.path}: line {table.header_line}: no time column ({self.map.time.name}) among {shown!r}; "
-                "export the trace with its time axis, or name it in the import map"
+                "give the map of this machine with --map (init writes one), or export the trace with its time axis"
             )
         name = table.header[places[0]]
         in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)

@@ -15,7 +15,7 @@ from ..comparison.compare import Signals, overall_errors
 from ..criteria import DEPENDS, MOST_EFFECTS, NOISY, PART
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
-from ..identification.estimates import constants, far_off, parameters, standard_errors
+from ..identification.estimates import constants, far_off, off_by_one_factor, parameters, standard_errors
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis, null_hypothesis
 from ..identification.on_bound import on_bounds
@@ -198,13 +198,14 @@ def discover(
     told = parameters(best, errors)
     better = native_as_given(restored(best.hypothesis.model(), awake), given).fitted_from(given)
     end = given if as_given else with_hidden_as_given(better, given, recordings)
+    refitted = {} if as_given or not problem.size else constants(best, errors, given)
     return Discovery(
         verdict,
         added,
         end,
         steps,
         MappingProxyType({name: told[name] for name in order}),
-        MappingProxyType({} if as_given or not problem.size else constants(best, errors, given)),
+        MappingProxyType(refitted),
         tuple(dict.fromkeys(r.group for r in rivals if len(r.group) > 1)),
         depends_on,
         suggest(problem, found, rivals, recordings, excluded),
@@ -213,6 +214,7 @@ def discover(
             *(warning for recording in recordings for warning in recording.warnings),
             *contradictions(problem, best),
             *far_off(best),
+            *(off_by_one_factor(refitted) if model.is_open else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..criteria import CALIBRATION, CONTRADICTED
+from ..criteria import CALIBRATION, CONTRADICTED, SEARCHED_UP_TO, SMALL
 from ..effects import Parameter, catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
@@ -46,6 +46,28 @@ def far_off(f: Fit) -> list[str]:
         "is that file of this machine, or do these recordings tell too little of it?"
         for free, value in zip(f.hypothesis.free, f.hypothesis.values, strict=True)
         if free.path.startswith("scale.") and free.prior is not None and abs(value - 1.0) > CONTRADICTED * free.prior[1]
+    ]
+
+
+def off_by_one_factor(constants: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[str]:
+    """What to say where all refitted ``constants`` are one and the same many times what their model's file has.
+
+    A machine does not change so; the unit of its torque or current does. Of a drafted model, whose numbers nobody
+    knew, each is off by a factor of its own. Constants that the recordings hardly tell are not asked.
+    """
+    told: dict[str, float] = {}
+    for held in constants.values():
+        for name, entry in held.items():
+            value, nominal, std = (entry.get(key) for key in ("value", "nominal", "std"))
+            if value and nominal and std is not None and std < SMALL * abs(value):
+                told["inertia" if name.endswith("inertia") else f"{name} {entry['unit']}"] = value / nominal
+    factor = float(np.median([*told.values()])) if told else 1.0
+    alike = all(abs(times / factor - 1.0) < SMALL for times in told.values())
+    if len(told) < 2 or not alike or 1.0 / SEARCHED_UP_TO < factor < SEARCHED_UP_TO:
+        return []
+    return [
+        f"inertia and friction all ended at {factor:.3g} times the model's: is the unit of the current or torque wrong "
+        "(mA that are read as A make it 1000), or is the model another machine's?"
     ]
 
 

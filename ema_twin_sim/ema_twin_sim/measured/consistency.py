@@ -37,7 +37,7 @@ LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
 """Effects whose torque a model knows beforehand, whatever moves."""
 
 _ALSO = {
-    frozenset({"output_position", "motor_position"}): ", and machine.gear_ratio",
+    frozenset({"output_position", "motor_position"}): ", and machine.gear_ratio (with {ratio:.4g} they fit)",
     frozenset({"motor_position", "speed"}): ", and the time; or remove the line of the one that the trace has wrong",
 }
 """What else may be wrong where two signals do not fit."""
@@ -51,13 +51,13 @@ class _Relation:
 
     off: float  # beyond which they do not fit
     named: float  # within which a factor is a usual mistake
-    unnamed: bool  # whether any other factor is one too
+    beyond: float  # beyond which any factor is a mistake: no machine does that
     counted: bool  # whether counts, or the gear ratio, may stand between them
 
 
-WAY_AND_SPEED = _Relation(off=SMALL, named=NEGLIGIBLE, unnamed=True, counted=True)
-TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, unnamed=False, counted=True)  # play and springs take something away
-SETPOINT = _Relation(off=0.5, named=SMALL, unnamed=False, counted=False)  # which a drive follows late, or not at all
+WAY_AND_SPEED = _Relation(off=SMALL, named=NEGLIGIBLE, beyond=SMALL, counted=True)
+TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, beyond=0.5, counted=True)  # play and springs take something away
+SETPOINT = _Relation(off=0.5, named=SMALL, beyond=math.inf, counted=False)  # which a drive follows late, or not at all
 
 
 class _Factor(NamedTuple):
@@ -98,7 +98,8 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
     off = [
         factor
         for factor in _factors(recording, model)
-        if abs(factor.value - 1.0) > factor.relation.off and (factor.relation.unnamed or _mistake(factor, model))
+        if abs(factor.value - 1.0) > factor.relation.off
+        and (abs(factor.value - 1.0) > factor.relation.beyond or _mistake(factor, model))
     ]
     named = [name for factor in off for name in factor[:2]]
     for found in off:
@@ -109,7 +110,7 @@ def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistenc
             recording.name,
             f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
             f"check unit, factor and counts of {factor.signal} and {factor.other} in the import map"
-            + _ALSO.get(frozenset(pair), ""),
+            + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
         )
     yield from _by_limit(recording, model)
     yield from _by_inertia(recording, model)

@@ -34,6 +34,7 @@ from .steps import smallest_step
 from .units_by_numbers import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
+AS_FINE_AS_NOISE = "as fine as the noise of the recording"
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """What a drive's torque depends on at an operating point."""
 _FEWEST = 10
@@ -231,7 +232,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         if counts := _counts_of_the_map(recording, f"{side}_position"):
             step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
         if step is None:  # as fine as a counter whose steps would make as much noise
-            step, source = math.sqrt(12.0) * reading_noise(position), "as fine as the noise of the recording"
+            step, source = math.sqrt(12.0) * reading_noise(position), AS_FINE_AS_NOISE
         bounds = CONSTANTS[f"sensors.{side}_encoder_counts"]
         if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # a simulation's position may be finer
             usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..model import Model
 from ..model.model_file import ABSENT
 from ..quantities import quantity
+from .model_draft import AS_FINE_AS_NOISE
 
 _TOLD = {
     "machine.gear_ratio": "gear ratio",
@@ -43,7 +44,7 @@ def _values(model: Model) -> Iterator[tuple[str, str, str]]:
     """(path, name, value with unit) of what a draft may have found."""
     for path, name in _TOLD.items():
         held = model.constants[path]
-        if held.source not in ("", ABSENT):
+        if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position that comes in no steps shows no counts
             unit = model.unit(path)
             if unit == "1/rev":
                 yield path, name, f"{held.value:.0f} counts a turn"
