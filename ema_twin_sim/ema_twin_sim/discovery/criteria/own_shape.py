@@ -31,17 +31,17 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether a spring explains most of how the encoders part, and leaves no more than their lines may.
+    """Whether a spring, or an encoder's angle error, explains most of how the encoders part, and leaves no more than
+    their lines may.
 
     An encoder that errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the
     place of play, leaves much more where the output is thrown. Not so of play, whose teeth wind up as a spring does:
-    with a width besides, it takes up what is left of a spring beside such errors.
+    with a width besides, it takes up what is left of a spring beside such errors. Nor of a late encoder, which a
+    gearbox that winds up looks like.
     """
-    instance = f.hypothesis.instance(name)
-    if instance.effect not in COMPLIANT_EFFECTS:
-        return False
-    size = catalogue()[instance.effect].parameters[0]
-    if size.unit == "rad":
+    effect = catalogue()[f.hypothesis.instance(name).effect]
+    play = effect.id in COMPLIANT_EFFECTS and effect.parameters[0].unit == "rad"
+    if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or play or effect.delays:
         return False
     parts = [f.raw[part] for part in problem.encoder_parts if part.stop > part.start]
     if any(float(np.sqrt(np.mean(rows**2))) > APART for rows in parts):
@@ -90,8 +90,8 @@ def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:
 
 
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:
-    """Misfit of the encoders' difference beyond its noise."""
-    return max(float(problem.costs(f.raw)[problem.size :].sum()) - (problem.rows - problem.size), 0.0)
+    """Power of the encoders' difference beyond its noise, far rows in full: they are what an encoder's error makes."""
+    return max(float(np.sum(f.raw[problem.size :] ** 2)) - (problem.rows - problem.size), 0.0)
 
 
 def _over(problem: EquationErrorProblem, bare: Fit, over: str) -> dict[str, np.ndarray]:

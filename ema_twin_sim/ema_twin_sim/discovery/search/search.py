@@ -385,13 +385,29 @@ def prune(f: Fit) -> Fit:
     problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
         trials = [fit(problem, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
-        trials += [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]
-        needless = [g for g in trials if penalised_gain(f, g) >= 0.0 or not has_effect_size(problem, g, f)]
+        small = [
+            g
+            for n, g in zip(f.hypothesis.added, trials, strict=True)
+            if not _on_the_other_side(f.hypothesis, n) and not has_effect_size(problem, g, f)
+        ]
+        bare = [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]
+        small += [g for g in bare if not has_effect_size(problem, g, f)]
+        needless = [*small, *(g for g in (*trials, *bare) if g not in small and penalised_gain(f, g) >= 0.0)]
         if not needless:
             break
         best = max(needless, key=lambda g: penalised_gain(f, g))
         f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
+
+
+def _on_the_other_side(h: Hypothesis, name: str) -> bool:
+    """Whether an added friction is one that every machine has, found on both sides of play or a spring.
+
+    The torque shows the sum of both; how they are shared, which winds the spring up and holds the output within the
+    gap, the encoders show.
+    """
+    effect = h.added[name].effect
+    return catalogue()[effect].every_machine and sum(i.effect == effect for i in h.added.values()) > 1
 
 
 def _without(h: Hypothesis, name: str) -> Hypothesis:
