@@ -17,7 +17,7 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
-from .search import add_best, less, significant, with_what_made_room
+from .search import LIKE_STRUCTURE, add_best, less, significant, with_what_made_room
 from .trace import Round, Search
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
@@ -95,6 +95,8 @@ def _doubtful(found: Search) -> list[str]:
     stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
+    if lags:  # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
+        stands -= {name for name in added if added[name].effect in LIKE_STRUCTURE}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     return [name for name in added if name not in stands]
