@@ -59,7 +59,7 @@ def test_a_refit_is_as_sure_as_was_predicted(stock, effect, command):
     paths = [free.path for free in refit.hypothesis.free]
     shape = [k for k, path in enumerate(paths) if path.startswith("effects.") and not path.endswith(f".{size.name}")]
     _, priors = prior_rows(refit.hypothesis)
-    information = refit.jacobian.T @ refit.jacobian / refit.temperature + priors.T @ priors
+    information = refit.jacobian.T @ refit.jacobian / refit.variance_inflation + priors.T @ priors
     keep = np.array([k not in shape for k in range(len(paths))])  # its shape was taken as known
     information = information[np.ix_(keep, keep)]
     of_size = np.array([path.endswith(f".{size.name}") and path.startswith("effects.") for path in paths])[keep]

@@ -252,7 +252,7 @@ def gain_where_unseen(f: Fit) -> float:
             for part in (t, e):
                 unseen[part] = problem.costs(residual)[part]
         costs.append(unseen)
-    noise = np.repeat(f.temperatures, (problem.size, problem.rows - problem.size))
+    noise = np.repeat(f.variance_inflations, (problem.size, problem.rows - problem.size))
     return float(np.sum((costs[0] - costs[1]) / noise))
 
 

@@ -50,7 +50,7 @@ class Fit:
         return sum(self.misfits)
 
     @property
-    def temperatures(self) -> tuple[float, float]:
+    def variance_inflations(self) -> tuple[float, float]:
         """What a difference of misfits, of the torque's rows and of the encoders', is divided by to count in units of
         the noise: rows are correlated, and what is left over makes all rows of its kind count less.
 
@@ -63,26 +63,26 @@ class Fit:
         return of_torque, of_encoders
 
     @property
-    def temperature(self) -> float:
+    def variance_inflation(self) -> float:
         """What priors are held against: the noise of the rows that tell of the constants.
 
         Those of the torque; where the output parts from the motor, or no torque was measured, the encoders' as well.
         """
         if self.judged[0] and not self.parted:
-            return self.temperatures[0]
+            return self.variance_inflations[0]
         return CORRELATION * max(1.0, self.misfit / sum(self.judged))
 
     @property
-    def row_temperatures(self) -> np.ndarray:
+    def row_variance_inflations(self) -> np.ndarray:
         """(m,) what each row's squared residual is divided by beside priors."""
-        return self.row_temperatures_in(self.problem)
+        return self.row_variance_inflations_in(self.problem)
 
-    def row_temperatures_in(self, problem: EquationErrorProblem) -> np.ndarray:
+    def row_variance_inflations_in(self, problem: EquationErrorProblem) -> np.ndarray:
         """The same (m,) for the rows of other recordings of this machine.
 
         One for all where the output parts from the motor, since rows of both kinds tell of the same numbers there.
         """
-        each = (self.temperature, self.temperature if self.parted else self.temperatures[1])
+        each = (self.variance_inflation, self.variance_inflation if self.parted else self.variance_inflations[1])
         return np.repeat(each, (problem.size, problem.rows - problem.size))
 
     @property
@@ -108,12 +108,12 @@ class Fit:
 
 def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """(residuals, slopes) that the priors add, in units of a noise whose variance is so many times the sensors'."""
-    heat = math.sqrt(variance_inflation)
+    root_inflation = math.sqrt(variance_inflation)
     rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
-    r = np.array([heat * (p[0] - h.values[k]) / p[1] for k, p in rows])
+    r = np.array([root_inflation * (p[0] - h.values[k]) / p[1] for k, p in rows])
     j = np.zeros((len(rows), len(h.free)))
     for row, (k, p) in enumerate(rows):
-        j[row, k] = heat / p[1]
+        j[row, k] = root_inflation / p[1]
     return r, j
 
 

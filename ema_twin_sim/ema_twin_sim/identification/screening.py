@@ -37,17 +37,17 @@ class _Known:
     basis: np.ndarray  # (m, k)
     upper: np.ndarray  # (k, k), times the basis: the slopes
     left: np.ndarray  # (m,)
-    heat: np.ndarray  # (m,) what each row is divided by to count as much as a prior does
+    root_inflation: np.ndarray  # (m,) what each row is divided by to count as much as a prior does
 
     @classmethod
     def of(cls, problem: EquationErrorProblem, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
-        heat = np.sqrt(f.row_temperatures)
-        slopes = np.concatenate([f.jacobian / heat[:, None], pj])
+        root_inflation = np.sqrt(f.row_variance_inflations)
+        slopes = np.concatenate([f.jacobian / root_inflation[:, None], pj])
         size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-30)
         basis, upper = np.linalg.qr(slopes / size)
-        residual = np.concatenate([f.residual / heat, pr])
-        return cls(basis, upper * size, residual - basis @ (basis.T @ residual), heat)
+        residual = np.concatenate([f.residual / root_inflation, pr])
+        return cls(basis, upper * size, residual - basis @ (basis.T @ residual), root_inflation)
 
     def shift(self, rows: np.ndarray) -> Callable[[], np.ndarray]:
         """By how much (k,) the free numbers give way where ``rows`` (m,) more are predicted."""
@@ -151,7 +151,7 @@ def _columns(
         if rows is None:
             h = f.hypothesis.with_effect(c.effect, c.options, parameters)
             rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
-        return np.concatenate([rows * f.weights / (per * known.heat), np.zeros(len(known.left) - len(f.raw))])
+        return np.concatenate([rows * f.weights / (per * known.root_inflation), np.zeros(len(known.left) - len(f.raw))])
 
     return np.stack([column(s) for s in group], 1)
 
@@ -165,7 +165,7 @@ def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[fl
         if name in f.hypothesis.generic_bases:
             continue
         a = np.concatenate(
-            [columns * (f.weights / known.heat)[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))]
+            [columns * (f.weights / known.root_inflation)[:, None], np.zeros((len(r) - len(f.raw), columns.shape[1]))]
         )
         a -= q @ (q.T @ a)
         u, s, _ = np.linalg.svd(a, full_matrices=False)

@@ -33,16 +33,16 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     after the other (Tukey's jackknife, linearised) shows how far the numbers really move.
     """
     _, pj = prior_rows(f.hypothesis)
-    heat = np.sqrt(f.row_temperatures)
-    hot = f.jacobian / heat[:, None]
-    found = scaled_inverse(hot.T @ hot + pj.T @ pj)
+    root_inflation = np.sqrt(f.row_variance_inflations)
+    scaled = f.jacobian / root_inflation[:, None]
+    found = scaled_inverse(scaled.T @ scaled + pj.T @ pj)
     which = blocks(problem.parts)
     # a generic basis's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do
     # is set aside first, in all blocks
     asked = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
-    aside, _ = np.linalg.qr(hot[:, ~asked])
-    jacobian = hot[:, asked] - aside @ (aside.T @ hot[:, asked])
-    residual = f.residual / heat
+    aside, _ = np.linalg.qr(scaled[:, ~asked])
+    jacobian = scaled[:, asked] - aside @ (aside.T @ scaled[:, asked])
+    residual = f.residual / root_inflation
     residual = residual - aside @ (aside.T @ residual)
     pj = pj[:, asked]
     information = jacobian.T @ jacobian
@@ -59,8 +59,8 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
 def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
     _, pj = prior_rows(f.hypothesis)
-    heat = np.sqrt(f.row_temperatures)
-    jacobian, residual_here = f.jacobian / heat[:, None], f.residual / heat
+    root_inflation = np.sqrt(f.row_variance_inflations)
+    jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
     information = jacobian.T @ jacobian
     lower, upper = problem.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
@@ -80,7 +80,7 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
             trial = f.hypothesis.at(values)
             residual = problem.residual(problem.predict(trial, side_by_side=True))
             pr, _ = prior_rows(trial)
-            cost = float((problem.costs(residual) / heat**2)[others].sum()) + float(pr @ pr)
+            cost = float((problem.costs(residual) / root_inflation**2)[others].sum()) + float(pr @ pr)
             if cost < least:
                 best, least = values, cost
         found.append(best)

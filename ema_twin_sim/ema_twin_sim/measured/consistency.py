@@ -56,7 +56,7 @@ class _Relation:
 
 
 WAY_AND_SPEED = _Relation(off=SMALL, named=NEGLIGIBLE, beyond=SMALL, counted=True)
-TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, beyond=0.5, counted=True)  # play and springs take something away
+TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, beyond=math.sqrt(PART), counted=True)  # play and springs take a part
 SETPOINT = _Relation(off=0.5, named=SMALL, beyond=math.inf, counted=False)  # which a drive follows late, or not at all
 
 

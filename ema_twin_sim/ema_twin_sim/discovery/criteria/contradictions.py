@@ -22,7 +22,7 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     groups = {name: columns for name, columns in groups.items() if columns}
     if len(problem.observations) < 2 or not groups:
         return ()
-    scale = f.temperature
+    scale = f.variance_inflation
     moves, errors = [], []
     for part in problem.torque_parts:
         slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)

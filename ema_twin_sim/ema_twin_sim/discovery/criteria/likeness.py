@@ -43,7 +43,7 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if dependence(basis) == "load" and largest_rms_reduction(problem, f, instead) < LEAST_SIZE:
         return False  # as in ``explained.depends``: a load is known no better
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
-    gained = (f.misfits[0] - instead.misfits[0]) / instead.temperatures[0] - by_chance(more)
+    gained = (f.misfits[0] - instead.misfits[0]) / instead.variance_inflations[0] - by_chance(more)
     if instead.misfits[0] > MISFIT_DOUBTED * instead.judged[0] or gained <= DEPENDS:
         return False
     return penalised_gain(instead, fit_with_basis(beside, f, basis)) <= 0.0

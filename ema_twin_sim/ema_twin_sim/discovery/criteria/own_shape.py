@@ -63,14 +63,14 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     refuse_different_weightings(bare, f)
     took = bare.misfits[0] - f.misfits[0]
-    if took < DEPENDS * f.temperatures[0]:
+    if took < DEPENDS * f.variance_inflations[0]:
         return False
     beside = problem.with_generic_bases(shapes)
     best = next((found for _, found in screen_generic_bases(beside, bare)), None)
     if best is None:
         return True
     any_shape = fit_with_basis(beside, bare, best)
-    scale = f.temperatures[0]
+    scale = f.variance_inflations[0]
     return _gained(bare, f, scale) >= (1.0 - NEGLIGIBLE) * _gained(bare, any_shape, scale)
 
 

@@ -73,7 +73,7 @@ def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
     """
     refuse_different_weightings(before, after)
     shaky = SHAKY if before.parted and after.parted else 1.0
-    return shaky * np.minimum(before.temperatures, after.temperatures)
+    return shaky * np.minimum(before.variance_inflations, after.variance_inflations)
 
 
 def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:

@@ -95,7 +95,7 @@ class Detection:
         self.effects = tuple(dict.fromkeys(column.effect for column in self._columns))
         _, priors = prior_rows(found.hypothesis)
         rows = self._rows(found.problem, found.hypothesis, found.predicted, found.weights, found.jacobian)
-        information = _information(rows, found.row_temperatures)
+        information = _information(rows, found.row_variance_inflations)
         count = len(found.hypothesis.free)
         information[:count, :count] += priors.T @ priors
         physical = [not free.path.startswith("basis.") for free in found.hypothesis.free]
@@ -112,7 +112,7 @@ class Detection:
         predicted = problem.predict(self.hypothesis)
         slopes = jacobian(problem, self.hypothesis, predicted, even)
         rows = self._rows(problem, self.hypothesis, predicted, even, slopes)
-        return _information(rows, self._found.row_temperatures_in(problem))
+        return _information(rows, self._found.row_variance_inflations_in(problem))
 
     def apart(self, information: np.ndarray) -> np.ndarray:
         """Standard errors (n, n) as ``Showing`` has them; of an effect of any angle, at the angle that shows least."""
@@ -149,10 +149,10 @@ class Detection:
         return np.column_stack([slopes, *found])
 
 
-def _information(rows: np.ndarray, temperatures: np.ndarray) -> np.ndarray:
-    """Of rows (m, k) that count as much as their temperatures (m,) allow: (k, k)."""
-    cooled = rows / np.sqrt(temperatures)[:, None]
-    return np.asarray(cooled.T @ cooled)
+def _information(rows: np.ndarray, variance_inflations: np.ndarray) -> np.ndarray:
+    """Of rows (m, k) that count as much as their variance inflations (m,) allow: (k, k)."""
+    scaled = rows / np.sqrt(variance_inflations)[:, None]
+    return np.asarray(scaled.T @ scaled)
 
 
 def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:

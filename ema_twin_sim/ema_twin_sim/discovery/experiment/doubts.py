@@ -108,8 +108,8 @@ def reverses(problem: EquationErrorProblem) -> bool:
 def information(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
-    hot = f.jacobian / np.sqrt(f.row_temperatures)[:, None]
-    return hot.T @ hot + pj.T @ pj
+    scaled = f.jacobian / np.sqrt(f.row_variance_inflations)[:, None]
+    return scaled.T @ scaled + pj.T @ pj
 
 
 def _about(
@@ -190,7 +190,7 @@ def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
     best = found.fit
     if found.stopped is None or best.hypothesis.generic_bases or best.parted:
         return None
-    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.temperature / CORRELATION))
+    needed = 0.5 * LEAST_SIZE * math.sqrt(max(1.0, best.variance_inflation / CORRELATION))
     for trial in found.stopped.tried:
         new = [n for n in trial.fit.hypothesis.added if n not in best.hypothesis.added]
         if trial.gain > 0.0 and trial.unique > needed and len(new) == 1:

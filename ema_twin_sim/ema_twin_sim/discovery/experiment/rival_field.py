@@ -164,14 +164,14 @@ class RivalField:
         h, known = contender.hypothesis, contender.information
         even = np.ones(problem.rows)
         # each row counts by what the best of the rivals leaves over in rows of its kind
-        cold = 1.0 / np.sqrt(np.min([f.row_temperatures_in(problem) for f in self.fits], axis=0))
+        damped = 1.0 / np.sqrt(np.min([f.row_variance_inflations_in(problem) for f in self.fits], axis=0))
         lower, upper = problem.bounds(h)
         moved = np.zeros(len(h.values))
         predicted = problem.predict(h)
-        missed = problem.centred(truth - predicted.rows, even) * cold
+        missed = problem.centred(truth - predicted.rows, even) * damped
         best, rows = float(missed @ missed), missed
         for _ in range(steps):
-            slopes = jacobian(problem, h.at(contender.hypothesis.values + moved), predicted, even) * cold[:, None]
+            slopes = jacobian(problem, h.at(contender.hypothesis.values + moved), predicted, even) * damped[:, None]
             a = slopes.T @ slopes + known
             scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
             g = (slopes.T @ missed - known @ moved) * scale
@@ -184,7 +184,7 @@ class RivalField:
             for share in (1.0, 0.3):
                 trial = np.clip(contender.hypothesis.values + moved + share * move, lower, upper)
                 p = problem.predict(h.at(trial))
-                left = problem.centred(truth - p.rows, even) * cold
+                left = problem.centred(truth - p.rows, even) * damped
                 away = trial - contender.hypothesis.values
                 value = float(left @ left) + float(away @ known @ away)
                 if value < best:

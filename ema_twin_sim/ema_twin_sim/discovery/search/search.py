@@ -48,7 +48,7 @@ LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_fric
 def settle(f: Fit) -> Fit:
     """Take weight from outliers, fit again: the fit under a weighting that suits what it leaves over."""
     for _ in range(4):
-        weighting = f.problem.reweighed(f.raw, BESIDE_IMPACTS if f.parted else math.inf).inflated(f.temperature)
+        weighting = f.problem.reweighed(f.raw, BESIDE_IMPACTS if f.parted else math.inf).inflated(f.variance_inflation)
         if weighting is f.problem.weighting:
             break
         f = fit(f.problem.under(weighting), f.hypothesis)
