@@ -39,7 +39,7 @@ from .left_over import left_over_words
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import less, search, settle, significant
 from .search.search_order import in_another_order, search_without_first
-from .search.trace import Round, Search, new_names
+from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import less_what_wandering_explains, wandering_after_all
 from .split import ClosedLoop, with_best_split
@@ -162,13 +162,17 @@ def discover(
     progress("judging on recordings that were not fitted to")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(as_measured, began, noise, found)
-    if known and (idle := _idle(found, unseen)):
+    idle = _idle(found, unseen) if known else ()
+    while idle:
+        before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(found, idle, "the simulated loop hardly follows the recordings better with it")
+        back = not before.issuperset(found.fit.hypothesis.added)  # it had taken the place of something
         # of a machine that is not known to the noise, the rest may explain it as well as anything does
-        known = model.is_open and explained(found.problem, found.fit, start)
+        known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
         unseen = judge_unseen(as_measured, began, noise, found)
+        idle = _idle(found, unseen) if known and back else ()
     stands = unseen.betters
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
         progress("judging beside the constants as they were")
@@ -298,9 +302,10 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         bending = tuple(name for name in came if added[name].effect == "presliding_friction")
         if unseen.rmse[k] <= NOISY * unseen.noise_floor:
             continue
-        removed = unseen.removed(k, len(unseen.rmse) - 1)
+        first = _before_both(found, k)
+        removed = unseen.removed(first, len(unseen.rmse) - 1)
         # a measured current drives no loop that would meet the teeth, and one that hunts hides them: the output tells
-        followed = unseen.output_removed(k, len(unseen.rmse) - 1) >= PART
+        followed = unseen.output_removed(first, len(unseen.rmse) - 1) >= PART
         if parting and not followed and removed is not None and removed < PART:
             return parting
         there = unseen.removed(k, k + 1)
@@ -310,6 +315,15 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
         if bending and there is not None and there <= 0.0:
             return bending
     return ()
+
+
+def _before_both(found: Search, k: int) -> int:
+    """The round of those taken before which neither what came in round ``k`` was there nor what gave its place to it:
+    a rival need not better what it stands in for.
+    """
+    turn = found.taken[k]
+    gone = {*turn.removed} if turn.reason == BEATEN else set()
+    return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
 
 
 def _shows_over(found: Search, name: str) -> str:

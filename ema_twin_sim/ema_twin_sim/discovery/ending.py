@@ -40,7 +40,7 @@ def why_ended(
     if last is None:
         end = found.rounds[-1]
         return (
-            "as many effects were added as a search may add" if end.added else f"what was added last went: {end.reason}"
+            "as many effects were added as a search may add" if end.tried else f"what was added last went: {end.reason}"
         )
     if not last.tried:
         return "nothing is left to try"

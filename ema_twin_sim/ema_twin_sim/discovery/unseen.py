@@ -256,6 +256,12 @@ def gain_where_unseen(f: Fit) -> float:
     return float(np.sum((costs[0] - costs[1]) / noise))
 
 
+def parting_where_unseen(f: Fit) -> float:
+    """RMS [rad, slow shaft] that the encoders of each recording part by, beside the numbers that all others gave."""
+    numbers = held_out(f.problem, f) if len(f.problem.observations) > 1 else [f.hypothesis.values]
+    return _parting(f.problem, f, numbers)
+
+
 def _parting(problem: EquationErrorProblem, f: Fit, numbers: Sequence[np.ndarray]) -> float:
     """RMS [rad, slow shaft] that the encoders part by, each recording's beside numbers that others gave."""
     square = 0.0

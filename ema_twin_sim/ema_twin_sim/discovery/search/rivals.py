@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ...criteria import RIVAL_MARGIN
+from ...criteria import CLEARLY_MORE, RIVAL_MARGIN
 from ...effects import catalogue
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
@@ -12,8 +12,9 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
+from ..unseen import parting_where_unseen
 from .search import add_effects, is_lacked, prune
-from .trace import Round, Search, Trial, new_names
+from .trace import BEATEN, Round, Search, Trial, new_names
 
 SWAPS = 3
 
@@ -40,7 +41,11 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
     """
     rivals = rivalries(found, without)
     for _ in range(SWAPS):
-        beaten = [rivalry for rivalry in rivals if rivalry.behind <= -_needed(found, rivalry)]
+        beaten = [
+            rivalry
+            for rivalry in rivals
+            if rivalry.behind <= -_needed(found, rivalry) and not _farther(found.fit, rivalry.fits[0])
+        ]
         better = max(beaten, key=lambda rivalry: -rivalry.behind, default=None)
         if better is None:
             break
@@ -126,7 +131,16 @@ def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
         found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))
-    return found
+    return [f for f in found if penalised_gain(best, f) <= 0.0 or not _farther(best, f, CLEARLY_MORE)]
+
+
+def _farther(best: Fit, rival: Fit, times: float = 1.0) -> bool:
+    """Whether, of two encoders alone, a rival leaves them farther apart in recordings that it was not fitted to.
+
+    Rows that are far off count little in a fit, and may be just where play parts from a spring: a rival that explains
+    more of the others has not explained more.
+    """
+    return not best.problem.size and parting_where_unseen(rival) > times * parting_where_unseen(best)
 
 
 def swapped(found: Search, rival: Fit) -> Search:
@@ -142,5 +156,5 @@ def swapped(found: Search, rival: Fit) -> Search:
         for names, f in ((added, rival), (removed, best))
     )
     after = prune(fit(problem, rival.hypothesis))
-    turn = Round(best, tried, after, added, removed, "others explain more in its place")
+    turn = Round(best, tried, after, added, removed, BEATEN)
     return found.further(after, [turn])

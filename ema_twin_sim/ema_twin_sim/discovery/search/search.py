@@ -36,7 +36,7 @@ from ...identification.weighting import FAR
 from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
 from .found_orders import order_candidates, resolved
-from .trace import NEEDLESS, Round, Search, Trial, new_names
+from .trace import BEATEN, NEEDLESS, Round, Search, Trial, new_names
 
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
@@ -215,13 +215,24 @@ def with_what_made_room(found: Search) -> Search:
 
 
 def less(found: Search, names: Sequence[str], reason: str) -> Search:
-    """The search with one more round, in which effects were taken out, and what is needless without them."""
+    """The search with one more round, in which effects were taken out, and what is needless without them.
+
+    What gave its place to them as better rivals has it back: the end is the one before that.
+    """
     if not names:
         return found
+    if (before := _before_swap(found, names)) is not None:
+        return found.ended(before, reason)
     h = found.fit.hypothesis
     for name in names:
         h = _without(h, name)
     return found.ended(prune(settle(fit(found.problem, h))), reason)
+
+
+def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
+    """The end before effects of these ``names`` took the place of others; None where more has gone since then."""
+    last = next((turn for turn in reversed(found.changes) if turn.reason != NEEDLESS), None)
+    return last.before if last is not None and last.reason == BEATEN and {*names} <= {*last.added} else None
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:

@@ -16,6 +16,7 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
 
 
 NEEDLESS = "needless beside what was added"
+BEATEN = "others explain more in its place"
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,5 +95,5 @@ class Search:
 
     def ended(self, after: Fit, reason: str) -> Search:
         """The search with one more round, which ends at a fit that holds less."""
-        turn = Round(self.fit, (), after, (), new_names(after, self.fit), reason)
+        turn = Round(self.fit, (), after, new_names(self.fit, after), new_names(after, self.fit), reason)
         return replace(self, fit=after, rounds=(*self.rounds, turn), loosest=None)
