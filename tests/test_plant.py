@@ -131,6 +131,42 @@ def test_the_gap_lets_the_output_trail_by_its_half_width(stock):
     assert np.median(lag[(bench.time > 3.0) & (bench.time < 3.9)]) == pytest.approx(-0.002, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("command", "first"),
+    [("ramp:0.05", 1.5), ("ramp:-0.05", 1.5), ("sine:0.05:0.25", 4.5), ("triangle:0.04:2", 2.9)],
+)
+def test_a_recording_cut_in_mid_motion_begins_with_the_output_driven_along(stock, command, first):
+    model = stock.with_effect("backlash", {"width": 0.004})
+    part = virtual_bench(model, parse_command(command), first + 4.0).between(first)
+    running = RunningComparison(model, "setpoint")
+    running.add_rows(part.signals, simulate(model, part).signals)
+    for name in ("current", "output_position"):  # of half a play, 2 mrad, nothing is left
+        assert running.rmse[name] < 3.0 * running.noise_floor[name], name
+
+
+def test_a_load_that_depends_on_the_outputs_place_is_the_same_after_a_cut_in_mid_motion(stock):
+    model = stock.with_effect("backlash", {"width": 0.02}).with_effect("gravity_load", {"torque": 0.3, "angle": 0.5})
+    part = virtual_bench(model, parse_command("ramp:0.5"), 3.0, seed=None, origins=(3.0, 0.7)).between(1.5)
+    twin = simulate(model, part)
+    for name, limit in (("current", 0.003), ("output_position", 2e-5)):
+        missed = part.signals[name] - twin.signals[name]
+        assert np.sqrt(np.mean(missed**2)) < limit, name
+
+
+def test_the_unexplained_torque_of_a_cut_in_mid_motion_is_nothing_from_its_first_samples_on(stock):
+    model = stock.with_effect("backlash", {"width": 0.004})
+    part = virtual_bench(model, parse_command("ramp:0.05"), 3.0, seed=None).between(1.5)
+    assert (
+        np.max(np.abs(simulate(model, part).signals["unexplained_torque"][1:])) < 1e-3
+    )  # the output's friction: 0.045
+
+
+def test_a_recording_that_begins_at_rest_begins_in_the_middle_of_the_gap(stock):
+    twin = Twin(stock.with_effect("backlash", {"width": 0.004}), "current")
+    twin.start({"current": 0.02, "speed": 0.01})
+    assert twin.state["output_angle"][0] == twin.state["motor_angle"][0] == 0.0
+
+
 def test_an_end_stop_holds_the_output(stock):
     model = stock.with_value("transmission.end_stop_upper", 0.05)
     bench = virtual_bench(model, parse_command("ramp:0.1"), 1.5, seed=None)
@@ -177,9 +213,10 @@ def test_the_default_step_is_converged(stock, effects, command):
             assert rmse == pytest.approx(chosen[name], rel=0.01), (name, step)
 
 
-def test_sample_by_sample_is_the_same_as_all_at_once(stock):
+@pytest.mark.parametrize("first", [0.0, 0.6])
+def test_sample_by_sample_is_the_same_as_all_at_once(stock, first):
     model = stock.with_effect("backlash").with_effect("sun_runout", {"torque": 0.02, "phase": 1.0})
-    recording = virtual_bench(stock, parse_command("sine:0.02:1"), 2.0)
+    recording = virtual_bench(stock, parse_command("sine:0.02:1"), 2.0).between(first)
     at_once = simulate(model, recording, "setpoint")
     twin = Twin(model, "setpoint")
     signals = {name: recording.signals[name] for name in recording.signals}

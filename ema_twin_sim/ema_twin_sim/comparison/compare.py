@@ -22,6 +22,7 @@ from ..model.own_units import shown
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
+from .unknown_start import unknown_start
 from .where import Dependence, Stretch, find_dependences
 
 if TYPE_CHECKING:
@@ -106,7 +107,8 @@ def compare(
     inputs = [choose_input(recording, model, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
     pooled = RunningComparison(model, together, noise=noise)
-    compared = []
+    compared, starts = [], list[str]()
+    slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
     besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
     for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
@@ -116,12 +118,13 @@ def compare(
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
         compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
         pooled.include(running)
+        if "output_position" in parts:
+            starts += unknown_start(recording.name, model, parts["output_position"], noise["output_position"], slow)
         progress(recording.name)
     constant = model.value("machine.torque_constant")
     torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
     if _by_torque(recordings):
         stretches["motor_torque"] = [replace(s, residual=s.residual * constant) for s in stretches.pop("current")]
-    slow = standstill(given, asked, together)
     where = [
         dependence
         for name, parts in stretches.items()
@@ -135,6 +138,7 @@ def compare(
         shown_errors(model, _of_the_drive(model, pooled.result(), recordings)),
         tuple(where),
         (
+            *starts,
             *(warning for recording in recordings for warning in recording.warnings),
             *without_common_zero(recordings, model.active.values()),
             *(str(found) for recording in recordings for found in inconsistencies(recording, model)),

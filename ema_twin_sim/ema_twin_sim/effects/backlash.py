@@ -1,7 +1,8 @@
 """Backlash: a dead zone of width [rad, slow shaft] between motor and output, +-ratio * width / 2 at the fast shaft.
 
 Added to a rigid transmission it makes it a two-inertia one with the model's contact stiffness and damping. The gap is
-centred at the start of a recording. Nordin and Gutman, "Controlling mechanical systems with backlash" (2002).
+centred at the start of a recording, unless the motor moves there: then its driving flank touches. Nordin and Gutman,
+"Controlling mechanical systems with backlash" (2002).
 """
 
 from .effect import Effect, Implausible, Parameter

@@ -146,7 +146,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         state.motor_angle_origin + travel,
         plant.pole_pairs * (state.motor_angle_origin + travel),
         sharp,
-        state.output_angle_origin + travel / ratio,
+        state.output_angle_origin + (travel + state.output_start) / ratio,
         travel / ratio,
         sharp / ratio,
         acceleration,
@@ -159,7 +159,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
     torque, dry, load, thinned = evaluate(effects, at)
     load += bench[row, LOAD_IN]
     if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
-        stop = state.output_angle_origin * ratio
+        stop = state.output_angle_origin * ratio + state.output_start
         load += end_stop_torque(
             travel,
             sharp,

@@ -196,6 +196,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         transmitted = state.transmitted_torque
         motor_origin = state.motor_angle_origin
         output_origin = state.output_angle_origin
+        output_start = state.output_start
         twist = state.twist
         reaction = 0.0
         by_inverter = switching and source != CURRENT
@@ -334,7 +335,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                             pole_pairs * (motor_origin + angle),
                             speed,
                             output_origin + output_angle * per_ratio,
-                            output_angle * per_ratio,
+                            (output_angle - output_start) * per_ratio,
                             output_speed * per_ratio,
                             acceleration,
                             current,

@@ -84,8 +84,9 @@ STATE = np.dtype(
         ("encoder_memory", "f8", (ENCODER_MEMORY,)),  # rad of the fast shaft, the output at past control cycles
         ("encoder_zero", "f8"),  # rad of the slow shaft, what the encoder showed at the first sample
         ("encoder_newest", "i8"),  # where in it the newest is
+        ("output_start", "f8"),  # rad of the fast shaft, output_angle at the first sample, where its position is zero
         ("motor_angle_origin", "f8"),  # rad, the counter's own angle where motor_angle is zero
-        ("output_angle_origin", "f8"),  # rad of the slow shaft
+        ("output_angle_origin", "f8"),  # rad of the slow shaft, the encoder's own where output_angle is
         # the filters behind the unexplained torque (see balance.py)
         ("balance_torque_in", "f8"),
         ("balance_torque_1", "f8"),

@@ -34,6 +34,7 @@ from ..plant.sensors import shown
 from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
+from .driving_flank import begin_behind_measured_motion, lead
 from .fidelity import DEFAULT_STEP, Fine, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import longest_step, refuse_long_step
@@ -164,9 +165,10 @@ class Twin:
     ) -> dict[str, float]:
         """Start from a run's first sample and return the twin's signals there.
 
-        The gap of a backlash is centred, the speed is the measured one, the drive's integrator holds the measured
-        current, less what a setpoint that has just jumped asks for; other states rest. ``*_angle_origin`` [rad] are the
-        counters' own angles where the positions are zero.
+        The speed is the measured one, the drive's integrator holds the measured current, less what a setpoint that has
+        just jumped asks for; other states rest. The gap of a backlash is centred, unless the motor moves: then it
+        drives the output along on one flank. ``*_angle_origin`` [rad] are the counters' own angles where the positions
+        are zero.
         """
         speed = _known(sample.get("speed"))
         current = _known(sample.get("current"))
@@ -179,17 +181,21 @@ class Twin:
         state["control_phase"] = self._assembly.plant["control_cycle"][0]  # a control cycle starts at the first stamp
         ratio = float(self._assembly.plant["gear_ratio"][0])
         origins = angle_origins(motor_angle_origin, output_angle_origin, ratio)
-        state["motor_angle_origin"], state["output_angle_origin"] = origins
+        output = -lead(self._assembly.plant[0], speed)
+        state["output_angle"] = state["output_start"] = output
+        state["twist"] = -output
+        state["motor_angle_origin"], state["output_angle_origin"] = origins[0], origins[1] - output / ratio
         # as if the motion before the first sample had been steady, for an encoder that answers late
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
-        state["encoder_memory"] = -speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
+        state["encoder_memory"] = output - speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
         state["encoder_newest"] = ENCODER_MEMORY - 1
+        begin_behind_measured_motion(state, self._assembly.plant[0], speed, _known(sample.get("motor_position")))
         self._fine = resting_state(self._parts, self._assembly.effects)
         angle = float(state["motor_angle_origin"])
         set_in_motion(self._fine, self._parts, speed, current, angle)
         # in plain Python: once a run, and compiling it would cost more than it saves
         plant, moving = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
-        state["encoder_zero"] = shown.py_func(plant, moving, 0.0, ages[1])
+        state["encoder_zero"] = shown.py_func(plant, moving, output, ages[1])
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
         winding = self._fine[1] if self._parts.switching and self.source != CURRENT else None
