@@ -108,8 +108,9 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     over = {catalogue()[id].depends_on for id in came.values()}
     if over == {"encoders"} and _hardly_parts(problem, before, after):
         return False
-    if over <= NOTHING_ELSE and penalised_gain(before, after) > 0.0:
-        # constants could do the same: what rows gain is what these were kept from by their file
+    if over <= NOTHING_ELSE and not after.parted and penalised_gain(before, after) > 0.0:
+        # constants could do the same: what rows gain is what these were kept from by their file; beside impacts it may
+        # be what no contact gets right
         return True
     relief = before.prior_cost - after.prior_cost
     if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
