@@ -292,4 +292,4 @@ def test_what_a_drives_voltage_decided_is_said_with_the_number_and_the_remedy(tm
     done("init", "j.csv", "-o", "j", *arguments, cwd=tmp_path)
     printed = done("init", "j.csv", "-o", "k", "--map", "j_map.yaml", *arguments, cwd=tmp_path).stdout
     said = next(line for line in printed.splitlines() if line.startswith("Assumed: torque constant told at the joint"))
-    assert "20 N m/A would induce 1200 V" in said and "1000 V" in said and "remove `shaft: output`" in said
+    assert "20 N m/A would induce 1200 V" in said and "600 V" in said and "remove `shaft: output`" in said

@@ -46,6 +46,7 @@ def test_one_step_longer_than_the_window_counts():
 
 
 def test_the_twins_diagnostics_warn():
+    from ema_bench_replay.nodes.incoming import Incoming
     from ema_twin_sim.nodes.beside_bench import BesideBench
 
     class Follower:
@@ -57,6 +58,7 @@ def test_the_twins_diagnostics_warn():
     beside = BesideBench.__new__(BesideBench)
     beside.follower = Follower()
     beside.failure = None
+    beside.incoming = Incoming("bench/state")
     beside.follower.stream.accept(1, 0, MS)
     assert beside.report().level == diagnostics.OK
     clock = Clock()

@@ -97,6 +97,8 @@ class StreamWriter:
             self._file.add_chunk(groups)
             self._stream.flush()
             self.path.stat()  # what was removed takes all that is written, and keeps nothing
+        except FileNotFoundError:
+            raise self._removed() from None
         except OSError as error:
             raise self._error(error) from None
         for channel in self._channels.values():
@@ -111,6 +113,8 @@ class StreamWriter:
             self._file.finish()
             self._stream.close()
             self.path.stat()
+        except FileNotFoundError:
+            raise self._removed() from None
         except OSError as error:
             raise self._error(error) from None
         counts = {topic: self._file.counts[channel.number] for topic, channel in self._channels.items()}
@@ -119,8 +123,9 @@ class StreamWriter:
             stream.write(metadata_yaml(self.path.name, *self._file.span, topics).encode())
         return counts
 
+    def _removed(self) -> InputError:
+        with_it = f"{sum(self._file.counts.values())} messages"
+        return InputError(f"{self.path}: was removed while it was written, with {with_it}; record them again")
+
     def _error(self, error: OSError) -> InputError:
-        if isinstance(error, FileNotFoundError):
-            with_it = f"{sum(self._file.counts.values())} messages"
-            return InputError(f"{self.path}: was removed while it was written, with {with_it}; record them again")
         return InputError(f"{self.path}: cannot be written ({error.strerror}); choose another folder, or make room")

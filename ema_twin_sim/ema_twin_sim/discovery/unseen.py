@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,10 +13,10 @@ from ema_bench_replay.recording import Recording
 from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
 from ..criteria import CLEARLY_MORE
-from ..identification.equation import EquationErrorProblem
 from ..identification.fit import Fit, fit
 from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
+from ..identification.unseen_encoders import parting
 from ..model import Model
 from ..model.own_units import in_si, shown
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
@@ -195,7 +194,7 @@ def judge_unseen(
         if not untouched and len(recordings) > 1:
             numbers = held_out(problem, f)
         if driven and problem.rows > problem.size:
-            of_output.append(_parting(problem, f, numbers))
+            of_output.append(parting(problem, f, numbers))
         jobs += [
             (recording, source, given if untouched else in_si(f.hypothesis.at(values).model()))
             for recording, source, values in zip(recordings, inputs, numbers, strict=True)
@@ -211,7 +210,7 @@ def judge_unseen(
         of_output = [float(value) for value in pooled[:, 1]]
     elif of_output:
         of_output = [
-            _parting(problem, fits[0], [fits[0].hypothesis.values] * len(recordings)),
+            parting(problem, fits[0], [fits[0].hypothesis.values] * len(recordings)),
             *of_output,
         ]
     first = int(base.is_open)
@@ -254,18 +253,3 @@ def gain_where_unseen(f: Fit) -> float:
         costs.append(unseen)
     noise = np.repeat(f.variance_inflations, (problem.size, problem.rows - problem.size))
     return float(np.sum((costs[0] - costs[1]) / noise))
-
-
-def parting_where_unseen(f: Fit) -> float:
-    """RMS [rad, slow shaft] that the encoders of each recording part by, beside the numbers that all others gave."""
-    numbers = held_out(f.problem, f) if len(f.problem.observations) > 1 else [f.hypothesis.values]
-    return _parting(f.problem, f, numbers)
-
-
-def _parting(problem: EquationErrorProblem, f: Fit, numbers: Sequence[np.ndarray]) -> float:
-    """RMS [rad, slow shaft] that the encoders part by, each recording's beside numbers that others gave."""
-    square = 0.0
-    for part, values in zip(problem.encoder_parts, numbers, strict=True):
-        left = problem.residual(problem.predict(f.hypothesis.at(values)))[part] * problem.noise_of_encoders(part)
-        square += float(left @ left)
-    return math.sqrt(square / (problem.rows - problem.size))

@@ -30,9 +30,9 @@ SLOW_MOTOR = 1.0
 """rad/s, ten turns a minute, which a motor behind such a gear exceeds somewhere in a recording. Motors are wound for
 1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale that
 would tell a motor's speed; data sheets have, in SI."""
-BUS = 1000.0
-"""V, that a motor may induce: the DC link of a drive at the highest mains that servo drives are built for, 690 V (975 V
-rectified); most have 565 V, those of small motors and robots 24 to 325 V."""
+BUS = 600.0
+"""V, that a motor may induce: the DC link of a drive at a mains of 400 V, as most servo drives are (565 V, rectified),
+where drives of small motors and robots have 24 to 325 V."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples at either end that this smoothing bends by more than half a per cent

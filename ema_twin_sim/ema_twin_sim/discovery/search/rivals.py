@@ -11,8 +11,8 @@ from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
+from ...identification.unseen_encoders import parting_where_unseen
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
-from ..unseen import parting_where_unseen
 from .search import add_effects, is_lacked, prune
 from .trace import BEATEN, Round, Search, Trial, new_names
 
