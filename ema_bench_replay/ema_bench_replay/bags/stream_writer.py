@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import struct
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -93,14 +95,9 @@ class StreamWriter:
         ]
         if not groups:
             return
-        try:
+        with self._told():
             self._file.add_chunk(groups)
             self._stream.flush()
-            self.path.stat()  # what was removed takes all that is written, and keeps nothing
-        except FileNotFoundError:
-            raise self._removed() from None
-        except OSError as error:
-            raise self._error(error) from None
         for channel in self._channels.values():
             for part in (channel.records, channel.offsets, channel.log_times):
                 part.clear()
@@ -109,23 +106,28 @@ class StreamWriter:
     def finish(self) -> dict[str, int]:
         """Close the bag; returns how many messages each topic has in it."""
         self.flush()
-        try:
+        with self._told():
             self._file.finish()
             self._stream.close()
-            self.path.stat()
-        except FileNotFoundError:
-            raise self._removed() from None
-        except OSError as error:
-            raise self._error(error) from None
         counts = {topic: self._file.counts[channel.number] for topic, channel in self._channels.items()}
         topics = [Topic(name, c.type_name, c.type_hash, c.qos, counts[name]) for name, c in self._channels.items()]
         with new_file(self.folder / "metadata.yaml", force=True) as stream:
             stream.write(metadata_yaml(self.path.name, *self._file.span, topics).encode())
         return counts
 
-    def _removed(self) -> InputError:
-        with_it = f"{sum(self._file.counts.values())} messages"
-        return InputError(f"{self.path}: was removed while it was written, with {with_it}; record them again")
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Raise InputError where nothing can be written, or nothing is kept, as in a file that was removed."""
+        try:
+            yield
+            self.path.stat()
+        except FileNotFoundError:
+            with_it = f"{sum(self._file.counts.values())} messages"
+            raise InputError(
+                f"{self.path}: was removed while it was written, with {with_it}; record them again"
+            ) from None
+        except OSError as error:
+            raise self._error(error) from None
 
     def _error(self, error: OSError) -> InputError:
         return InputError(f"{self.path}: cannot be written ({error.strerror}); choose another folder, or make room")

@@ -395,15 +395,14 @@ def prune(f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included."""
     problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
-        trials = [fit(problem, _without(f.hypothesis, n), 6, known=f) for n in f.hypothesis.added]
-        small = [
+        h = f.hypothesis
+        trials = [(n, fit(problem, _without(h, n), 6, known=f)) for n in h.added]
+        trials += [(n, fit(problem, h.without_generic_basis(n), 4, known=f)) for n in h.generic_bases]
+        needless = [
             g
-            for n, g in zip(f.hypothesis.added, trials, strict=True)
-            if not _on_the_other_side(f.hypothesis, n) and not has_effect_size(problem, g, f)
+            for n, g in trials
+            if penalised_gain(f, g) >= 0.0 or not (_on_the_other_side(h, n) or has_effect_size(problem, g, f))
         ]
-        bare = [fit(problem, f.hypothesis.without_generic_basis(n), 4, known=f) for n in f.hypothesis.generic_bases]
-        small += [g for g in bare if not has_effect_size(problem, g, f)]
-        needless = [*small, *(g for g in (*trials, *bare) if g not in small and penalised_gain(f, g) >= 0.0)]
         if not needless:
             break
         best = max(needless, key=lambda g: penalised_gain(f, g))
@@ -417,8 +416,8 @@ def _on_the_other_side(h: Hypothesis, name: str) -> bool:
     The torque shows the sum of both; how they are shared, which winds the spring up and holds the output within the
     gap, the encoders show.
     """
-    effect = h.added[name].effect
-    return catalogue()[effect].every_machine and sum(i.effect == effect for i in h.added.values()) > 1
+    alike = [i.effect for i in h.added.values() if name in h.added and i.effect == h.added[name].effect]
+    return len(alike) > 1 and catalogue()[alike[0]].every_machine
 
 
 def _without(h: Hypothesis, name: str) -> Hypothesis:
