@@ -16,29 +16,10 @@ MOST_LINES = 200
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
-_UNITS = frozenset(
-    {
-        *(
-            "s",
-            "sec",
-            "ms",
-            "us",
-            "ns",
-            "min",
-            "rad",
-            "mrad",
-            "deg",
-            "grad",
-            "rev",
-            "turns",
-            "u",
-            "tr",
-            "inc",
-            "counts",
-        ),
-        *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
-    }
-)
+_UNITS = {
+    *("s", "sec", "ms", "us", "ns", "min", "rad", "mrad", "deg", "grad", "rev", "turns", "u", "tr", "inc", "counts"),
+    *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
+}
 """What stands for a unit by itself, in lower case; others have a mark that names have not."""
 
 

@@ -107,7 +107,8 @@ def compare(
     inputs = [choose_input(recording, model, source) for recording in recordings]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
     pooled = RunningComparison(model, together, noise=noise)
-    compared, starts = [], list[str]()
+    compared = []
+    starts: list[str] = []
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
     besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)

@@ -17,9 +17,9 @@ from .where import Stretch
 def unknown_start(name: str, model: Model, stretch: Stretch, noise: float, standstill: float) -> Sequence[str]:
     """One sentence where a recording's output is off by the same both ways, by no more than the play; else none.
 
-    ``stretch`` holds the output position's residual, ``noise`` [rad] is that of its sensors; below
-    ``standstill`` [rad/s] a motor's direction means little. A wrong width of the play
-    errs by one way more than by the other, as positions count from one flank.
+    ``stretch`` holds the output position's residual, ``noise`` [rad] is that of its sensors; below ``standstill``, in
+    rad/s, a motor's direction means little. A wrong width of the play errs by one way more than by the other, as
+    positions count from one flank.
     """
     plant = assemble(model).plant[0]
     width = 2.0 * float(plant["gap"] / plant["gear_ratio"])
