@@ -150,3 +150,17 @@ def test_both_encoders_tell_a_gear_ratio_that_is_another_machines(driven, stock,
     """No play and no spring makes an output go ten times as far as its motor turns it."""
     (found,) = inconsistencies(driven, stock.with_value("machine.gear_ratio", ratio))
     assert "output_position is" in found.what and "machine.gear_ratio (with 124 they fit)" in found.remedy
+
+
+def test_an_output_that_swings_on_its_shaft_is_no_wrong_gear_ratio(driven, stock):
+    """Near its resonance it goes farther than the motor turns it; on a ramp both go the same way."""
+    swung = scaled(driven, output_position=1.6)
+    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    assert [found.what for found in inconsistencies(swung, stock, [swung, scaled(ramp, output_position=1.6)])]
+    assert not list(inconsistencies(swung, stock, [swung, ramp]))
+
+
+def test_counts_taken_twice_are_told_beside_another_recording_that_fits(driven, stock):
+    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    (found,) = inconsistencies(scaled(driven, output_position=2.0), stock, [driven, ramp])
+    assert "counted twice" in found.what

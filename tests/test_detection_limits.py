@@ -1,10 +1,13 @@
 """Detection limits (make accuracy ARGS=--limits): the smallest size that rows tell, and what hides it."""
 
+import math
+
 import numpy as np
 import pytest
 
+from ema_twin_sim.criteria import LEAST_SIZE
 from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
-from ema_twin_sim.discovery.criteria.worth import penalised_gain
+from ema_twin_sim.discovery.criteria.worth import has_effect_size, largest_rms_reduction, penalised_gain
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.identification.equation import EquationErrorProblem
@@ -80,4 +83,25 @@ def test_a_shaft_that_winds_up_is_no_delay(stock):
 def test_cogging_of_three_times_the_limit_is_named_on_an_unkind_bench():
     """Its gearbox rings, so that play comes in by the encoders, makes cogging needless, and goes again."""
     case = limit_of(limited_bench("cogging", 1, 1)).hidden_at(3.0)
+    assert discover(readable_train(case), case.start_model).added == ("cogging",)
+
+
+@pytest.mark.parametrize(
+    ("effect", "angle", "options", "named"),
+    [("cogging", "phase", {"order": "24"}, True), ("gravity_load", "angle", {}, False)],
+)
+def test_a_wave_over_the_motors_angle_is_named_below_the_size_that_others_need(effect, angle, options, named, stock):
+    """Nothing else that a model gets slightly wrong repeats with each turn of the motor."""
+    noise = float(np.median(EquationErrorProblem(observe_all(record(stock, RUNS), stock)).noise))
+    hidden = {"torque": 0.17 * math.sqrt(2.0) * noise, angle: 0.3}
+    problem = EquationErrorProblem(observe_all(record(stock.with_effect(effect, hidden), RUNS), stock))
+    bare = settle(fit(problem, null_hypothesis(stock)))
+    after = fit(bare.problem, bare.hypothesis.with_effect(effect, options, hidden))
+    assert largest_rms_reduction(bare.problem, bare, after) < LEAST_SIZE
+    assert has_effect_size(bare.problem, bare, after) == named
+
+
+def test_the_order_that_noise_shows_most_is_one_of_many(stock):
+    """Beside something unknown, a wave at the order that is left the most gains more than the true one by chance."""
+    case = limit_of(limited_bench("cogging", 1, 3)).hidden_at(3.0)
     assert discover(readable_train(case), case.start_model).added == ("cogging",)

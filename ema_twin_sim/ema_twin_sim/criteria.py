@@ -59,7 +59,8 @@ SHAKY = 3.0
 # Sizes of effects, in the noise of a recording's rows
 
 LEAST_SIZE = 0.2
-"""The smallest rms that is worth a name: less than a quarter of the sensors' noise, no twin is the better for it."""
+"""The smallest rms that is worth a name: less than a quarter of the sensors' noise, no twin is the better for it.
+Half of it of a wave over the motor's angle: ``--limits`` against ``--null``."""
 LEAST_SIZE_LIKE_FRICTION = 0.35
 """The same of friction in proportion to a load that never changes: it looks like all friction."""
 LEAST_SIZE_BESIDE_IMPACTS = 0.7

@@ -142,7 +142,7 @@ def compare(
             *starts,
             *(warning for recording in recordings for warning in recording.warnings),
             *without_common_zero(recordings, model.active.values()),
-            *(str(found) for recording in recordings for found in inconsistencies(recording, model)),
+            *(str(found) for recording in recordings for found in inconsistencies(recording, model, recordings)),
         ),
         "rotary" if model.units is None else "linear",
     )

@@ -87,19 +87,33 @@ class Inconsistency:
 def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
     """Raise InputError with the first signal that does not fit the others."""
     for recording in recordings:
-        for found in inconsistencies(recording, model):
+        for found in inconsistencies(recording, model, recordings):
             raise InputError(str(found))
 
 
-def inconsistencies(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """What does not fit, the plainest first. The recording is matched to the model, which is of a rotary machine."""
+def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recording] = ()) -> Iterator[Inconsistency]:
+    """What does not fit, the plainest first. The recording is matched to the model, which is of a rotary machine.
+
+    ``beside`` are recordings of the same machine. Where both shafts go the same way in one of these, the gear ratio is
+    right: an output that swings wider here does so on a shaft that winds up.
+    """
     if recording.of_points:
         return
+
+    def swings(factor: _Factor) -> bool:
+        return factor.relation is TWO_SHAFTS and any(
+            abs(other.value - 1.0) <= SMALL
+            for another in beside
+            if another is not recording
+            for other in _factors(another, model)
+            if other.relation is TWO_SHAFTS
+        )
+
     off = [
         factor
         for factor in _factors(recording, model)
         if abs(factor.value - 1.0) > factor.relation.off
-        and (abs(factor.value - 1.0) > factor.relation.beyond or _mistake(factor, model))
+        and (_mistake(factor, model) or (abs(factor.value - 1.0) > factor.relation.beyond and not swings(factor)))
     ]
     named = [name for factor in off for name in factor[:2]]
     for found in off:

@@ -71,17 +71,19 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
         return True
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
-    return _gained(bare, f, scale) >= (1.0 - NEGLIGIBLE) * _gained(bare, any_shape, scale)
+    gained_by_any = _gained(bare, any_shape, scale, hidden=1 if over == "order" else 0)
+    return _gained(bare, f, scale) >= (1.0 - NEGLIGIBLE) * gained_by_any
 
 
-def _gained(before: Fit, after: Fit, scale: float) -> float:
+def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:
     """What a fit gains by the torque and by constants that come nearer to their file, in units of what is left.
 
-    Less what its numbers gain by chance: of a basis, which has many, that is soon more than two per cent.
+    Less what its numbers gain by chance: of a basis, which has many, that is soon more than two per cent. ``hidden``
+    numbers were chosen before the fit, as the order of a wave is: the one that the residual shows most.
     """
     refuse_different_weightings(before, after)
     gained = (before.misfits[0] - after.misfits[0]) / scale + before.prior_cost - after.prior_cost
-    return gained - by_chance(len(after.hypothesis.free) - len(before.hypothesis.free))
+    return gained - by_chance(len(after.hypothesis.free) - len(before.hypothesis.free) + hidden)
 
 
 def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:

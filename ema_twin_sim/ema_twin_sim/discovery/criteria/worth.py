@@ -129,6 +129,9 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         elif after.parted and penalised_gain(before, after) > DEPENDS:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size
             floor *= 0.5
+    if over == {"order"} and not after.parted:
+        # a wave over the angle is like nothing else that a model gets slightly wrong
+        floor *= 0.5
     return fall >= SMALL * excess and largest_rms_reduction(problem, before, after) >= floor * left
 
 
