@@ -105,3 +105,23 @@ def test_the_order_that_noise_shows_most_is_one_of_many(stock):
     """Beside something unknown, a wave at the order that is left the most gains more than the true one by chance."""
     case = limit_of(limited_bench("cogging", 1, 3)).hidden_at(3.0)
     assert discover(readable_train(case), case.start_model).added == ("cogging",)
+
+
+def test_a_delay_stands_out_of_lines_that_part_the_encoders_more_than_it_does(stock):
+    runs = (*RUNS, "ramp:0.08", "triangle:0.08:2", "sine:0.07:0.4")
+    late = lined(record(stock.with_effect("encoder_delay", {"delay": 6e-5}), runs), 2e-5)
+    assert delay_has_size(late, stock)
+
+
+def test_lines_alone_are_no_delay(stock):
+    assert not delay_has_size(lined(record(stock, RUNS), 2e-5), stock)
+
+
+def delay_has_size(recordings, stock):
+    """Whether an encoder's delay is large enough to be named beside what the encoders part by, hardly any of which is gone then."""
+    problem = EquationErrorProblem(observe_all(recordings, stock))
+    bare = settle(fit(problem, null_hypothesis(stock)))
+    after = fit(bare.problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-5}))
+    part = slice(problem.size, problem.rows)
+    assert np.sum(after.raw[part] ** 2) > 0.9 * np.sum(bare.raw[part] ** 2)
+    return has_effect_size(bare.problem, bare, after)

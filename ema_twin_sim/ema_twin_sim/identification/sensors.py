@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, CORRELATION, PART, SMALL
+from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .candidates import no_more_of
@@ -72,6 +72,12 @@ def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
     by_direction = gearbox[:, GEARBOX_COLUMNS - 1 :]
     coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), _unexplained(problem, f))
     return 2.0 * abs(float(coefficients[0]))
+
+
+def delay_shows(problem: EquationErrorProblem, f: Fit) -> bool:
+    """Whether an encoder's delay shows beside all that a gearbox may show in its place."""
+    alone, beside_gearbox = delay_beside_gearbox(problem, f)
+    return beside_gearbox > max(DEPENDS, SMALL * alone)
 
 
 def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, MOSTLY, NEGLIGIBLE, SMALL
+from ...criteria import APART, DEPENDS, MOSTLY, NEGLIGIBLE
 from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -21,7 +21,7 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, fit_with_basis, load_bases, order_bases
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
-from ...identification.sensors import delay_beside_gearbox
+from ...identification.sensors import delay_shows
 from .worth import ENCODER_ONLY, by_chance
 
 
@@ -53,8 +53,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     effect = catalogue()[f.hypothesis.added[name].effect]
     over = effect.depends_on
     if effect.delays and not f.parted:
-        alone, beside_gearbox = delay_beside_gearbox(problem, f)
-        return beside_gearbox > max(DEPENDS, SMALL * alone)
+        return delay_shows(problem, f)
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     if effect.id in ENCODER_ONLY:
         return _mostly(problem, f, bare)

@@ -30,6 +30,7 @@ from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ...identification.sensors import delay_shows
 
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
 VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
@@ -132,7 +133,10 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     if over == {"order"} and not after.parted:
         # a wave over the angle is like nothing else that a model gets slightly wrong
         floor *= 0.5
-    return fall >= SMALL * excess and largest_rms_reduction(problem, before, after) >= floor * left
+    # an encoder that errs between its lines may part from the other by far more than a delay makes it
+    late = problem.size > 0 and bool(came) and not after.parted and all(catalogue()[id].delays for id in came.values())
+    considerable = fall >= SMALL * excess or (late and delay_shows(problem, before))
+    return considerable and largest_rms_reduction(problem, before, after) >= floor * left
 
 
 def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:

@@ -10,6 +10,7 @@ from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
+from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
@@ -99,7 +100,11 @@ def _doubtful(found: Search) -> list[str]:
         stands -= {name for name in added if added[name].effect in LIKE_STRUCTURE}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
-    return [name for name in added if name not in stands]
+    doubtful = [name for name in added if name not in stands]
+    if not {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
+        # play or a spring that came beside a late encoder takes a part of it: once it is gone, that is judged by itself
+        doubtful = [name for name in doubtful if not catalogue()[added[name].effect].delays]
+    return doubtful
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
