@@ -118,7 +118,7 @@ def test_lines_alone_are_no_delay(stock):
 
 
 def delay_has_size(recordings, stock):
-    """Whether an encoder's delay is large enough to be named beside what the encoders part by, hardly any of which is gone then."""
+    """Whether an encoder's delay is large enough to be named that takes hardly any of what the encoders part by."""
     problem = EquationErrorProblem(observe_all(recordings, stock))
     bare = settle(fit(problem, null_hypothesis(stock)))
     after = fit(bare.problem, bare.hypothesis.with_effect("encoder_delay", {}, {"delay": 1e-5}))
