@@ -1,5 +1,7 @@
 """The stated rule for samples that are lost, late, repeated or step back."""
 
+import pytest
+
 from ema_twin_sim.nodes.sample_stream import REORDERED, Kind, SampleStream
 
 PERIOD = 2_000_000
@@ -59,8 +61,8 @@ def test_another_run_starts_again():
 def test_a_step_back_starts_again():
     stream = SampleStream()
     accept(stream, range(REORDERED + 5))
-    assert accept(stream, [2, 3]) == [Kind.FIRST, Kind.NEXT]
-    assert (stream.backward, stream.runs) == (1, 2)
+    assert accept(stream, [2, 3, 4]) == [Kind.LEFT_OUT, Kind.FIRST, Kind.NEXT]
+    assert (stream.backward, stream.runs, stream.stray) == (1, 2, 0)
 
 
 def test_a_bag_that_loops_starts_again_however_short():
@@ -73,8 +75,49 @@ def test_a_bag_that_loops_starts_again_however_short():
 def test_time_that_goes_back_under_a_growing_sequence_starts_again():
     stream = SampleStream()
     accept(stream, range(100))
-    assert accept(stream, [100], offset=-50) == [Kind.FIRST]
+    assert accept(stream, [100, 101], offset=-50) == [Kind.LEFT_OUT, Kind.FIRST]
     assert stream.backward == 1
+
+
+@pytest.mark.parametrize(
+    "sample",
+    [
+        (50, 1),  # a stamp of nearly nothing
+        (50, 3600 * 10**9),  # of an hour later
+        (2**40, 50 * PERIOD + 1),  # a number that no run reaches
+        (3, 3 * PERIOD + 1),  # one that comes after all
+    ],
+)
+def test_one_sample_with_a_wrong_stamp_or_number_changes_nothing(sample):
+    stream = SampleStream()
+    accept(stream, range(50))
+    sequence, stamp = sample
+    assert stream.accept(1, sequence, stamp) is Kind.LEFT_OUT
+    assert accept(stream, range(51, 60)) == [Kind.NEXT] * 9
+    assert (stream.stray, stream.backward, stream.runs, stream.lost) == (1, 0, 1, 1)
+
+
+def test_a_bench_that_pauses_goes_on():
+    """Its numbers go on where its clock has moved: the first of them is left out."""
+    stream = SampleStream()
+    accept(stream, range(50))
+    assert accept(stream, [50, 51, 52], offset=10_000) == [Kind.LEFT_OUT, Kind.NEXT, Kind.NEXT]
+    assert (stream.stray, stream.runs, stream.lost) == (0, 1, 1)
+
+
+def test_a_bench_that_lost_an_hour_goes_on_at_once():
+    stream = SampleStream()
+    accept(stream, range(50))
+    assert accept(stream, [1_800_000, 1_800_001]) == [Kind.NEXT, Kind.NEXT]
+
+
+def test_strays_in_a_row_are_counted_each():
+    stream = SampleStream()
+    accept(stream, range(50))
+    for sequence, stamp in ((50, 1), (51, 3600 * 10**9), (52, 7)):
+        assert stream.accept(1, sequence, stamp) is Kind.LEFT_OUT
+    assert accept(stream, [53, 54]) == [Kind.NEXT, Kind.NEXT]
+    assert (stream.stray, stream.runs) == (3, 1)
 
 
 def test_time_that_stands_still_is_left_out():

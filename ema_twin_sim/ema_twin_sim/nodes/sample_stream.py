@@ -2,12 +2,15 @@
 
 The rule, for bench samples at the twin and for both streams at the monitor:
 
-* another `run`, or a stamp before the last one, starts again from that sample (*backward* counts the latter);
+* another `run`, or a sequence that begins at 0 again, starts again from that sample;
 * a sequence number further on than the next means that samples were *lost*: the twin integrates on across the gap;
 * the last sample once more, or one of the few before it, is a *duplicate* and left out;
-* one of the few that were taken for lost and comes after all is *late* and left out: the twin has gone past it.
+* one of the few that were taken for lost and comes after all is *late* and left out: the twin has gone past it;
+* one that is earlier by more than a few samples, or whose stamp and number go on by different times, is left out until
+  the next tells what it was. Where that goes on from it, time has moved: back, which starts again (*backward*), or on,
+  which is a gap. Where the next goes on from the samples before it, it was a *stray* with a wrong stamp or number.
 
-"Few" is `REORDERED` samples: further back than that, time went back.
+"Few" is `REORDERED` samples.
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ class SampleStream:
         first: sequence number that the run is counted from.
         received: samples of this run, those left out not among them.
         lost: samples of this run that did not come.
-        late, duplicate, backward: see the module; since the node's start.
+        late, duplicate, backward, stray: see the module; since the node's start.
         runs: runs begun.
     """
 
@@ -45,7 +48,9 @@ class SampleStream:
         self._from_start = from_start
         self._gaps: deque[range] = deque(maxlen=REORDERED)
         self._first_stamp = 0
+        self._first_sequence = 0
         self._stamp = 0
+        self._elsewhere: tuple[int, int] | None = None  # (sequence, stamp) of a sample that waits for the next
         self.run: int | None = None
         self.sequence = 0
         self.first = 0
@@ -54,6 +59,7 @@ class SampleStream:
         self.late = 0
         self.duplicate = 0
         self.backward = 0
+        self.stray = 0
         self.runs = 0
 
     def figures(self, what: str) -> dict[str, object]:
@@ -64,38 +70,67 @@ class SampleStream:
             f"{what} that came late": self.late,
             f"{what} that came twice": self.duplicate,
             f"{what} that went back in time": self.backward,
+            f"{what} with a wrong stamp or number": self.stray,
         }
 
     def accept(self, run: int, sequence: int, stamp: int) -> Kind:
         """Judge a sample, stamped in ns, and count it."""
         if run != self.run:
             return self._begin(run, sequence, stamp)
+        waited, self._elsewhere = self._elsewhere, None
         ahead = sequence - self.sequence
-        if stamp > self._stamp and ahead > 0:
-            if ahead > 1:
-                self.lost += ahead - 1
-                self._gaps.append(range(self.sequence + 1, sequence))
-            self.sequence = sequence
-            self._stamp = stamp
-            self.received += 1
-            return Kind.NEXT
+        if stamp > self._stamp and ahead > 0 and self._agree(ahead, stamp - self._stamp):
+            self.stray += waited is not None
+            return self._next(sequence, stamp)
         if stamp == self._stamp:
             self.duplicate += 1
+            self._elsewhere = waited
             return Kind.LEFT_OUT
         if stamp < self._stamp and -REORDERED <= ahead < 0 and stamp > self._first_stamp:
             if any(sequence in gap for gap in self._gaps):
                 self.late += 1
             else:
                 self.duplicate += 1
+            self._elsewhere = waited
             return Kind.LEFT_OUT
+        if sequence == 0:
+            self.backward += 1
+            return self._begin(run, sequence, stamp)
+        if waited is None or not self._goes_on(waited, sequence, stamp):
+            self.stray += waited is not None
+            self._elsewhere = sequence, stamp
+            return Kind.LEFT_OUT
+        if stamp > self._stamp and ahead > 0:
+            return self._next(sequence, stamp)
         self.backward += 1
         return self._begin(run, sequence, stamp)
+
+    def _next(self, sequence: int, stamp: int) -> Kind:
+        if sequence > self.sequence + 1:
+            self.lost += sequence - self.sequence - 1
+            self._gaps.append(range(self.sequence + 1, sequence))
+        self.sequence = sequence
+        self._stamp = stamp
+        self.received += 1
+        return Kind.NEXT
+
+    def _agree(self, numbers: int, time: int) -> bool:
+        """Whether so many samples take so long [ns], but for a few of the run's mean periods."""
+        so_far, passed = self.sequence - self._first_sequence, self._stamp - self._first_stamp
+        return so_far == 0 or abs(time * so_far - numbers * passed) <= REORDERED * passed
+
+    def _goes_on(self, waited: tuple[int, int], sequence: int, stamp: int) -> bool:
+        """Whether a sample goes on from one that waited, by its number and its stamp."""
+        numbers, time = sequence - waited[0], stamp - waited[1]
+        return 0 < numbers <= REORDERED and time > 0 and self._agree(numbers, time)
 
     def _begin(self, run: int, sequence: int, stamp: int) -> Kind:
         self._gaps.clear()
         self.run = run
         self.sequence = sequence
         self._stamp = self._first_stamp = stamp
+        self._first_sequence = sequence
+        self._elsewhere = None
         self.first = 0 if self._from_start else sequence
         self.lost = sequence - self.first
         self.received = 1
