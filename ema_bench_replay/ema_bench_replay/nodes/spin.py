@@ -25,6 +25,8 @@ from rclpy.utilities import remove_ros_args
 
 from ema_bench_replay.errors import InputError
 
+from .loopback import keep_to_this_machine
+
 try:
     from rclpy.experimental import EventsExecutor as _Executor
 except ImportError:
@@ -123,6 +125,7 @@ def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -
 
 def _initialise(arguments: list[str]) -> None:
     """Start ROS. Raises InputError on arguments that it does not understand, or would leave aside without a word."""
+    keep_to_this_machine()
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:

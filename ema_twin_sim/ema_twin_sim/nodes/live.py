@@ -16,6 +16,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.nodes.loopback import keep_to_this_machine
 from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.spin import (
@@ -225,6 +226,7 @@ def run_live(
     from_start = Parameter("from_start", value=recording is not None)
     source = Parameter("input", value=input)
     with signals_end_the_loop():  # until all is closed: a second Ctrl-C would leave the bag without its end
+        keep_to_this_machine()
         rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
         try:
             twin = TwinNode(model, parameters=[from_start, source], context=context)
