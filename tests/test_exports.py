@@ -6,6 +6,7 @@ from datetime import datetime, timedelta
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.traces.trace_table import read_table
 from ema_bench_replay.traces.wrapped_angle import counted_on
@@ -72,6 +73,15 @@ EXPORTS = {
         "t_us,enc,vel_rpm,iq_mA\n",
         ([f"{t:.0f}" for t in TIME * 1e6], np.rint(ANGLE * 8192 / (2.0 * np.pi)), SPEED * RPM, CURRENT * 1e3),
     ),
+    "blanks between the columns": text(
+        "  time[s]   motor_pos[rad]  motor_vel[rad/s]   iq[A]\n", (TIME, ANGLE, SPEED, CURRENT), "    "
+    ),
+    "one blank, units in brackets of their own": text(
+        "time [s] motor position [deg] motor speed [rpm] current [A]\n",
+        (TIME, ANGLE * DEGREES, SPEED * RPM, CURRENT),
+        " ",
+    ),
+    "numpy's header in a comment": text("# time motor_pos motor_vel iq\n", (TIME, ANGLE, SPEED, CURRENT), " "),
     "a table that counts its rows": text(
         ",time,motor_pos,motor_vel,motor_current\n", ([str(k) for k in range(len(TIME))], TIME, ANGLE, SPEED, CURRENT)
     ),
@@ -89,6 +99,32 @@ def test_what_a_program_exports_is_read_without_editing(tmp_path, kind):
     assert recording.signals["motor_position"] == pytest.approx(ANGLE - ANGLE[0], abs=resolution)
     assert recording.signals["speed"] == pytest.approx(SPEED, abs=1e-4)
     assert recording.signals["current"] == pytest.approx(CURRENT, abs=1e-4)
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t", "  "])
+@pytest.mark.parametrize("above", ["", "# of the press, before it was greased\n\n"])
+def test_numbers_without_a_header_are_refused(tmp_path, mark, above):
+    file = tmp_path / "run.csv"
+    file.write_text(text(above, (TIME, ANGLE, SPEED, CURRENT), mark))
+    line = 1 + above.count("\n")
+    with pytest.raises(
+        InputError, match=rf"line {line}: numbers, and no line above them .* as in 'time \[s\]"
+    ) as refusal:
+        init(str(tmp_path / "servo"), [file])
+    assert "\n" not in str(refusal.value)
+    assert not (tmp_path / "servo_map.yaml").exists()
+
+
+def test_blanks_part_german_numbers_too(tmp_path):
+    file = tmp_path / "run.txt"
+    file.write_text("Zeit  Lage   Strom\n  0,00   1,5  -0,25\n  0,01  -2,5   1e-3  \n")
+    table = read_table(file)
+    assert table.header == ["Zeit", "Lage", "Strom"]
+    assert table.columns[1] == pytest.approx([1.5, -2.5])
+    assert table.place(1) == f"{file}: line 3"
+    file.write_text("time pos iq\n0.0 1.5 2.5\n0.1 1.5 2.5\n0.2 1.5\n0.3 1.5 2.5\n")
+    with pytest.raises(InputError, match="line 4: has 2 cells where the header has 3"):
+        read_table(file)
 
 
 def test_a_comment_above_equal_columns_is_no_header(tmp_path):

@@ -1,7 +1,8 @@
 """Where the header of a text trace stands: above it programs write who measured what, below it often a row of units.
 
 The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are passed over
-in any case.
+in any case; but where nothing else names the columns, a comment right above the rows does that is as wide as they are,
+as numpy writes it.
 """
 
 from __future__ import annotations
@@ -32,8 +33,19 @@ class HeaderLines:
     end: int  # the first byte of the rows
 
 
+class NoHeader(ValueError):
+    """Rows of numbers begin in a line, counted from 1, and nothing above them names their columns."""
+
+    def __init__(self, line: int, delimiter: str) -> None:
+        super().__init__(line)
+        self.line, self.delimiter = line, delimiter
+
+
 def header_lines(block: bytes) -> HeaderLines | None:
-    """The header of a text that begins with ``block``; None where no line of it is one."""
+    """The header of a text that begins with ``block``; None where no line of it is one.
+
+    Raises NoHeader where it begins with numbers.
+    """
     lines: list[tuple[str, int]] = []
     end = 0
     while end < len(block) and len(lines) < MOST_LINES:
@@ -43,6 +55,8 @@ def header_lines(block: bytes) -> HeaderLines | None:
     plain = next((k for k, (text, _) in enumerate(lines) if not _is_comment(text)), None)
     if plain is None:
         return None
+    if _is_row(lines[plain][0]) and all(_is_row(text) for text, _ in lines[plain + 1 : plain + 2] if text):
+        return _header_in_comment(lines, plain)
     rows = next((k for k in range(plain + 1, len(lines)) if _is_row(lines[k][0])), None)
     header = plain if rows is None else _above(lines, plain, rows)
     if rows is not None and header == rows - 2:
@@ -56,6 +70,17 @@ def header_lines(block: bytes) -> HeaderLines | None:
         if len(cells) == width + 1 > 2:
             text = mark.join(cells[:width])
     return HeaderLines(text, header + 1, lines[header][1])
+
+
+def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
+    """The header in the comment right above rows that begin a text. Raises NoHeader where there is none."""
+    mark = _delimiter(lines[rows][0])
+    if rows:
+        text = lines[rows - 1][0].strip().lstrip("#%").strip()
+        cells = _cells(text, mark)
+        if len(cells) == _width(lines[rows][0], mark) and _are_names(cells):
+            return HeaderLines(text, rows, lines[rows - 1][1])
+    raise NoHeader(rows + 1, mark)
 
 
 def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:

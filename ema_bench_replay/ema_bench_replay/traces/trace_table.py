@@ -13,7 +13,8 @@ from typing import BinaryIO
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.traces.header_lines import header_lines
+from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
+from ema_bench_replay.traces.header_lines import NoHeader, header_lines
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
 from ema_bench_replay.traces.text_blocks import NotText, text_blocks
 from ema_bench_replay.traces.time_of_day import is_time_of_day, seconds
@@ -79,10 +80,10 @@ def read_table(
     """Read a delimited text file: one header line and numbers below it.
 
     Comments (#, %), blank lines, quoted texts and what else has other cells than the rows may stand above the header, a
-    row of units below it: they are then in brackets behind the names. Times of day and dates are told in s. A cut last
-    row is left out, with a warning. `delimiter` and `number_format` ("german", "english") are found out where they are
-    None. `needed` tells of a header which columns must hold numbers; others may hold words and empty cells. Raises
-    InputError.
+    row of units below it: they are then in brackets behind the names. Columns may stand apart by blanks. Times of day
+    and dates are told in s. A cut last row is left out, with a warning. `delimiter` and `number_format` ("german",
+    "english") are found out where they are None. `needed` tells of a header which columns must hold numbers; others may
+    hold words and empty cells. Raises InputError.
     """
     try:
         if path.stat().st_size > LARGEST:
@@ -93,6 +94,9 @@ def read_table(
             file.seek(0)
             blocks = text_blocks(file)
             first, is_last = next(blocks)
+            tabbed = with_tabs(first) if delimiter is None else first
+            if tabbed is not first:
+                first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
             header_text, header_line, body = _header(path, first)
             rows = _RowReader(path, header_text, header_line, body, delimiter, number_format, needed)
             parts = [rows.read(body, is_last)]
@@ -288,7 +292,14 @@ def _sha256(file: BinaryIO) -> str:
 
 def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
     """Header, the number of its last line (counted from 1) and what follows it in the block."""
-    found = header_lines(block)
+    try:
+        found = header_lines(block)
+    except NoHeader as missing:
+        names = missing.delimiter.join(("time [s]", "motor position [rad]", "motor speed [rad/s]", "current [A]"))
+        raise InputError(
+            f"{path}: line {missing.line}: numbers, and no line above them names the columns; put one there with a "
+            f"name and a unit for each, as in '{names}'"
+        ) from None
     if found is None:
         raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")
     return found.text, found.line, block[found.end :]

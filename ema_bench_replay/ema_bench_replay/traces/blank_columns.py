@@ -1,0 +1,62 @@
+"""Text whose columns stand apart by blanks: each run of them becomes a tabulator, so that all else reads it as usual.
+
+Names may hold blanks themselves where two or more part them, where they are in quotation marks, or where a unit in
+brackets follows each: ``time [s]  motor position [rad]``.
+"""
+
+from __future__ import annotations
+
+import re
+
+MOST_LINES = 200
+"""Lines among which the first row of numbers must be."""
+_NUMBER = re.compile(rb"[-+]?(?:\d[\d.,]*|[.,]\d+)(?<![.,])(?:[eE][-+]?\d+)?|[-+]?\d+\.|[-+]?nan", re.IGNORECASE)
+_COMMENT = re.compile(r"\s*[#%]+\s*")
+
+
+def with_tabs(block: bytes) -> bytes:
+    """A text's first block with tabulators for the blanks that part its columns; as it is where others part them."""
+    lines = block.split(b"\n", MOST_LINES)
+    rows = next((k for k in range(len(lines)) if _begins_rows(lines, k)), None)
+    if rows is None:
+        return block
+    width = len(lines[rows].split())
+    above = [_above_rows(line, width) for line in lines[:rows]]
+    return b"\n".join([*above, rows_with_tabs(b"\n".join(lines[rows:]))])
+
+
+def rows_with_tabs(block: bytes) -> bytes:
+    """Rows of numbers with a tabulator for each run of blanks."""
+    return re.sub(rb" +", b"\t", re.sub(rb"^ +| +$", b"", block, flags=re.MULTILINE))
+
+
+def _begins_rows(lines: list[bytes], k: int) -> bool:
+    """Whether rows of numbers begin at a line: two as wide as each other, or a last one."""
+    if not _is_row(lines[k]):
+        return False
+    after = next((line for line in lines[k + 1 :] if line.strip()), None)
+    return after is None or (_is_row(after) and len(after.split()) == len(lines[k].split()))
+
+
+def _is_row(line: bytes) -> bool:
+    cells = line.split()
+    return len(cells) > 1 and b";" not in line and b"\t" not in line and all(map(_NUMBER.fullmatch, cells))
+
+
+def _above_rows(line: bytes, width: int) -> bytes:
+    """A line above the rows, tabulators between its names where there are ``width`` of them."""
+    text = line.decode("utf-8", "surrogateescape")
+    mark = found[0] if (found := _COMMENT.match(text)) else ""
+    names = _names(text[len(mark) :].strip(), width)
+    return line if names is None else (mark + "\t".join(names)).encode("utf-8", "surrogateescape")
+
+
+def _names(text: str, width: int) -> list[str] | None:
+    """The ``width`` names of a line; None where it cannot be taken apart into so many."""
+    if any(mark in text for mark in ";\t"):
+        return None
+    for pattern in (r'"[^"]*"|\S+', r"(?:\S| (?! ))+", r"[^\[({]*?(?:\[[^\]]*\]|\([^)]*\)|\{[^}]*\})", r"[^,]+"):
+        names = [found.strip() for found in re.findall(pattern, text)]
+        if len(names) == width:
+            return [name.removesuffix(",") for name in names]
+    return None
