@@ -12,6 +12,7 @@ from ..criteria import MISSHAPEN, NEARLY_ALL, OUTLIER
 from ..measured.observation import Observation
 from ..plant.measured_motion import SPEED
 from .search_limits import Reached, reached
+from .stops import Stops
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -25,7 +26,8 @@ class RecordedRows:
     rate: np.ndarray  # (s,) N m/s, of the torque
     encoder: np.ndarray  # (e,) rad, by how much the encoders differ
     encoder_noise: np.ndarray  # (e,) rad
-    in_noise: np.ndarray  # (m,) all that was measured, in units of the sensors' noise
+    in_noise: np.ndarray  # (m,) all that was measured, in units of the sensors' noise, less what stops add
+    stops: Stops
     samples: int
     size: int  # rows of torque
     rows: int  # of all
@@ -47,7 +49,8 @@ class RecordedRows:
         size = int(edges[-1])
         edges = size + np.cumsum([0, *(len(o.encoder_rows) for o in observations)])
         encoder_parts = [slice(a, b) for a, b in pairwise(edges)]
-        in_noise = np.concatenate([torque / noise, encoder / encoder_noise])
+        stops = Stops.of(observations, torque_parts)
+        in_noise = stops.taken_out(np.concatenate([torque / noise, encoder / encoder_noise]))
         speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in observations])
         vars(self).update(
             observations=tuple(observations),
@@ -58,6 +61,7 @@ class RecordedRows:
             encoder=encoder,
             encoder_noise=encoder_noise,
             in_noise=in_noise,
+            stops=stops,
             samples=sum(len(o.motion) for o in observations),
             size=size,
             rows=len(in_noise),

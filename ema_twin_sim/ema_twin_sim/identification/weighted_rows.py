@@ -68,7 +68,11 @@ class WeightedRows(RecordedRows):
         return self.rows if self.use_encoder else self.size
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, in those of all that acts as noise."""
+        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, in those of all that acts as noise.
+
+        What stops may add to them is taken out.
+        """
+        rows = self.stops.taken_out(rows)
         return rows if self.weighting.wander is None else self.weighting.wander.whitened(rows)
 
     def unexplained(self, predicted: np.ndarray) -> np.ndarray:

@@ -14,6 +14,9 @@ import numpy as np
 from .servo import BEHIND_THE_GEAR, HIDDEN, Run, Servo, run
 from .words import BESIDE, QUANTITY, UNITS, named, spelt, with_unit
 
+BUS = 600.0
+"""V, more than which no drive has: what a motor induces at its top speed."""
+
 MISTAKES = ("mA as A", "current turned", "deg as rad", "rpm as rad/s", "ms as s", "speed turned", "A as mA")
 """What a header may say wrongly, or a wire be wrong in."""
 
@@ -178,7 +181,7 @@ def _drawn(name: str, seed: tuple[int, ...], effect: str, mistake: str = "") -> 
     dry = spring_up * between(0.08, 0.4)
     viscous = dry * between(0.2, 1.0) / top
     top_torque = 2.2 * (0.3 * spring_up + 2.5 * dry)
-    current = between(0.5, 40.0)
+    current = max(between(0.5, 40.0), top_torque * top / BUS)
     servo = Servo(
         inertia=inertia,
         viscous=viscous,

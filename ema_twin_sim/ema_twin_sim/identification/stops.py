@@ -1,0 +1,108 @@
+"""Stops: what dry friction does while a machine sticks at a reversal, which no speed tells.
+
+A machine that reverses comes to rest and sticks until its drive pushes harder than friction holds. All that while
+friction is what the drive asks for: of neither direction's level, and on average in the way that the drive pushes,
+which is the acceleration's. Taken for a law of the speed, that torque looks like inertia. How much of it a recording
+holds is one number that nobody asks for: so what it may add to the rows is taken out of all that is measured and
+predicted, and the rows keep their weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..criteria import STANDSTILL
+from ..measured.observation import Observation
+from ..measured.smoothing import smooth_at
+from ..plant.measured_motion import ACCELERATION, SPEED
+
+
+@dataclass(frozen=True, eq=False)
+class Stops:
+    """Of each recording with stops, its torque rows and the direction (s,), of length one, in which they may be off."""
+
+    parts: tuple[tuple[slice, np.ndarray], ...]
+
+    @classmethod
+    def of(cls, observations: Sequence[Observation], torque_parts: Sequence[slice]) -> Stops:
+        """Those of recordings, as far as dry friction can be what they show.
+
+        Behind a gearbox that parts, rows so near to a reversal are not judged. Friction that holds pushes with the
+        drive, by no more than its level: where rows at reversals are off otherwise, it is by something else.
+        """
+        judged = [
+            (part, _by_friction(o))
+            for o, part in zip(observations, torque_parts, strict=True)
+            if not o.geared and not o.of_points and len(o.rows)
+        ]
+        columns = [(part, column) for part, column in judged if column.any()]
+        if not columns:
+            return cls(())
+        shares = _shares(observations, torque_parts, columns)
+        return cls(
+            tuple(
+                (part, column / np.linalg.norm(column))
+                for (part, column), share in zip(columns, shares, strict=True)
+                if 0.0 < share < 1.0
+            )
+        )
+
+    def taken_out(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, less what stops may add to them."""
+        if not self.parts:
+            return rows
+        out = rows.copy()
+        for part, direction in self.parts:
+            along = direction @ rows[part]
+            out[part] -= direction * along if rows.ndim == 1 else np.outer(direction, along)
+        return out
+
+
+def _by_friction(o: Observation) -> np.ndarray:
+    """What a torque that acts the acceleration's way while the machine may stick adds to a recording's rows (s,)."""
+    speed = o.motion[:, SPEED]
+    stuck = np.abs(speed) < STANDSTILL
+    passing = np.flatnonzero(speed[1:] * speed[:-1] <= 0.0)
+    stuck[passing] = stuck[passing + 1] = True
+    return _at_rows(o, stuck * np.sign(o.motion[:, ACCELERATION]))
+
+
+def _at_rows(o: Observation, torque: np.ndarray) -> np.ndarray:
+    """A torque (n,) at a recording's rows (s,), in units of their noise."""
+    rows = np.zeros(len(o.rows))
+    smooth_at(np.ascontiguousarray(torque), o.kernel, o.rows, rows)
+    return rows / o.torque_noise
+
+
+def _shares(
+    observations: Sequence[Observation], torque_parts: Sequence[slice], columns: Sequence[tuple[slice, np.ndarray]]
+) -> np.ndarray:
+    """The torque of each of the columns as a share of the level of dry friction, beside an inertia, what friction does
+    while the machine slides, and a constant load.
+    """
+    rows = np.concatenate(
+        [
+            np.stack(
+                [
+                    _at_rows(o, np.sign(o.motion[:, SPEED])),
+                    _at_rows(o, o.motion[:, SPEED]),
+                    o.acceleration / o.torque_noise,
+                    1.0 / o.torque_noise,
+                ],
+                axis=1,
+            )
+            for o in observations
+        ]
+    )
+    of_stops = np.zeros((len(rows), len(columns)))
+    for k, (part, column) in enumerate(columns):
+        of_stops[part, k] = column
+    torque = np.concatenate([o.torque / o.torque_noise for o in observations])
+    every = np.concatenate([rows, of_stops], axis=1)
+    size = np.maximum(np.linalg.norm(every, axis=0), np.finfo(float).tiny)
+    found = np.linalg.lstsq(every / size, torque, rcond=None)[0] / size
+    level, stuck = found[0], found[rows.shape[1] :]
+    return stuck / level if level > 0.0 else np.zeros(len(stuck))
