@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.new_machine.columns import guess_columns
-from ema_twin_sim.new_machine.units_by_numbers import usual_counts, with_units
+from ema_twin_sim.new_machine.told import assumed_units
+from ema_twin_sim.new_machine.turns import counted_on_turns
+from ema_twin_sim.new_machine.units_by_numbers import with_units
+from ema_twin_sim.new_machine.usual_counts import usual_counts
 from tests.accuracy.strangers.cases import mistaken_cases, stranger_cases
 from tests.accuracy.strangers.judge import answered
 from tests.accuracy.strangers.words import BESIDE, QUANTITY, UNITS, named, spelt, with_unit
@@ -69,6 +72,66 @@ def test_units_that_no_header_tells_are_found_by_the_way_that_the_speed_makes():
         guesses = with_units(guess_columns(names, numbers=numbers), numbers, None)
         units = {guess.signal: guess.unit for guess in guesses.signals}
         assert (guesses.time.unit, units["speed"], units["motor_position"]) == expected
+
+
+def _units(names, told):
+    numbers = dict(zip(names, told, strict=True))
+    guesses = with_units(*counted_on_turns(guess_columns(names, numbers=numbers), numbers), None)
+    return {guess.signal: guess.unit for guess in guesses.signals}, assumed_units(guesses)
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("time", "pos_estimate", "vel_estimate", "Iq_measured"),
+        ("t", "axis0.encoder.pos_estimate", "axis0.encoder.vel_estimate", "axis0.motor.current_control.Iq_measured"),
+        ("timestamp", "position", "velocity", "q_current"),
+    ],
+)
+def test_a_drives_log_that_tells_turns_is_read_so_and_said(names):
+    time, speed, angle = _swing()
+    units, assumed = _units(names, (time, angle / (2.0 * math.pi), speed / (2.0 * math.pi), np.cos(time)))
+    assert (units["motor_position"], units["speed"]) == ("rev", "rev/s")
+    [sentence] = [text for text in assumed if "tells turns" in text]
+    assert f"{names[1]} in rev" in sentence and "and run init again" in sentence and "\n" not in sentence
+    # a unit in the name is what holds
+    named = (names[0], f"{names[1]} [deg]", f"{names[2]} [deg/s]", names[3])
+    units, _ = _units(named, (time, np.degrees(angle), np.degrees(speed), np.cos(time)))
+    assert (units["motor_position"], units["speed"]) == ("deg", "deg/s")
+
+
+def test_an_old_odrives_counts_are_no_turns():
+    time, speed, angle = _swing()
+    counts = 8192.0 / (2.0 * math.pi)
+    units, _ = _units(("time", "pos_estimate", "vel_estimate"), (time, counts * angle, counts * speed))
+    assert "rev" not in units.values()
+
+
+def test_where_nothing_tells_the_unit_of_an_angle_it_is_said_what_was_assumed():
+    time, speed, angle = _swing()
+    for turn, unit in ((1.0, "rad"), (180.0 / math.pi, "deg"), (1.0 / (2.0 * math.pi), "rad")):
+        units, [sentence] = _units(("time", "position", "velocity"), (time, turn * angle, turn * speed))
+        assert units == {"motor_position": unit, "speed": f"{unit}/s"}
+        assert "other units of angle" in sentence and "as in 'position [" in sentence
+
+
+@pytest.mark.parametrize(
+    ("per_radian", "unit"), [(1.0 / (2.0 * math.pi), "rev"), (180.0 / math.pi, "deg"), (1.0, "rad")]
+)
+def test_an_encoders_steps_tell_the_unit_of_an_angle(per_radian, unit):
+    time, speed, angle = _swing()
+    step = 2.0 * math.pi / 4096.0
+    read = np.rint(0.1 * angle / step) * step
+    units, [sentence] = _units(("time", "position", "velocity"), (time, per_radian * read, 0.1 * per_radian * speed))
+    assert units["motor_position"] == unit
+    assert "4096 counts a turn" in sentence
+
+
+@pytest.mark.parametrize(("turn", "unit"), [(1.0, "rev"), (360.0, "deg"), (2.0 * math.pi, "rad")])
+def test_an_angle_that_begins_again_tells_its_unit(turn, unit):
+    time, _, angle = _swing()
+    units, [sentence] = _units(("time", "position"), (time, np.mod(angle / (2.0 * math.pi), 1.0) * turn))
+    assert units["motor_position"] == unit and "begins again" in sentence
 
 
 @pytest.mark.parametrize("counts", [4096.0, 10000.0, 16384.0, 20000.0, 2.0**20])

@@ -80,6 +80,7 @@ def run(
     from ..model.model_file import check_model_name
     from ..new_machine.drafts import checked_drafts
     from ..new_machine.given import Given
+    from ..new_machine.told import assumed_units
 
     place = Path(output)
     if place.suffix.lower() in (".yaml", ".yml"):  # the name of the model, as other commands take it
@@ -109,7 +110,7 @@ def run(
         for column in drafts.left_out:
             say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
         _warn_of_foreign_units(guesses)
-        _say_what_it_rests_on(files[1], drafts.assumed)
+        _say_what_it_rests_on(files[1], (*assumed_units(guesses), *drafts.assumed))
     for question in drafts.questions:
         warn(question)
     _say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
@@ -151,8 +152,8 @@ def _warn_of_foreign_units(guesses: Guesses) -> None:
             )
 
 
-def _say_what_it_rests_on(place: Path, by_size: Sequence[str]) -> None:
-    """Say what the recordings showed of the machine, what the model only assumes, and what was decided ``by_size``."""
+def _say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
+    """Say what the recordings showed of the machine, what the model only assumes, and what else was, ``besides``."""
     from ..model import load_model
     from ..new_machine.told import assumed, shown
 
@@ -160,8 +161,8 @@ def _say_what_it_rests_on(place: Path, by_size: Sequence[str]) -> None:
     for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
         if numbers:
             say(f"{text}: {', '.join(numbers)}")
-    for decided in by_size:
-        say(f"Assumed: {decided}")
+    for sentence in besides:
+        say(f"Assumed: {sentence}")
 
 
 def _to_look_at(text: str) -> str:

@@ -31,7 +31,7 @@ from .shaft import (
 )
 from .speed_lag import speed_lag
 from .steps import smallest_step
-from .units_by_numbers import usual_counts
+from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
 AS_FINE_AS_NOISE = "as fine as the noise of the recording"

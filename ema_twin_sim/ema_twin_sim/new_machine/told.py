@@ -1,12 +1,16 @@
-"""What a drafted model rests on, in words: what the recording showed, what was given, and what is only assumed."""
+"""What a draft rests on, in words: what the recording showed, what was given, and what is only assumed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+from ema_bench_replay.units import signal_unit, units_of
 
 from ..model import Model
 from ..model.model_file import ABSENT
 from ..quantities import quantity
+from .columns import Guess, Guesses
+from .header_words import COUNTS, header_words
 from .model_draft import AS_FINE_AS_NOISE
 
 _TOLD = {
@@ -38,6 +42,25 @@ def assumed(model: Model) -> list[str]:
         for path, name, value in _values(model)
         if model.constants[path].source == ASSUMED
     ]
+
+
+def assumed_units(guesses: Guesses) -> list[str]:
+    """Units that no header tells: a sentence for the columns that were read for one reason, with how to change that."""
+    read: dict[str, list[Guess]] = {}
+    for guess in guesses.signals:
+        if guess.unit is None and not header_words(guess.column).foreign:  # of foreign units a warning tells
+            read.setdefault("no unit in the header", []).append(guess)
+        elif guess.unit not in (None, COUNTS) and guess.doubt:
+            read.setdefault(guess.doubt, []).append(guess)
+    return [_assumed_unit(columns, why, guesses.motion) for why, columns in read.items()]
+
+
+def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
+    first = next((guess for guess in columns if guess.signal in ("motor_position", "current")), columns[0])
+    told = [guess.unit or signal_unit(guess.signal, motion) for guess in columns]
+    other = next((unit for unit in units_of(first.signal, motion) if unit not in told), told[0])
+    names = ", ".join(f"{guess.column} in {unit}" for guess, unit in zip(columns, told, strict=True))
+    return f"{names}: {why} (else write the unit behind the name, as in '{first.column} [{other}]', and run init again)"
 
 
 def _values(model: Model) -> Iterator[tuple[str, str, str]]:

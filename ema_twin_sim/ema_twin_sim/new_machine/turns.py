@@ -12,7 +12,7 @@ from ema_bench_replay.units import units_of
 
 from .columns import Guess, Guesses
 from .header_words import COUNTS
-from .units_by_numbers import usual_counts
+from .usual_counts import usual_counts
 
 
 def counted_on_turns(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> tuple[Guesses, dict[str, np.ndarray]]:
@@ -30,6 +30,12 @@ def counted_on_turns(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> tup
 def _counted_on(guess: Guess, values: np.ndarray) -> tuple[Guess, np.ndarray]:
     """The guess, its counts told where its numbers tell them, and the numbers (n,) as the shaft went."""
     units = units_of("motor_position")
+    if guess.unit is None:
+        for unit in ("deg", "rad", "rev"):
+            turn = 2.0 * np.pi / units[unit]
+            on, turns = counted_on(values, turn)
+            if turns:
+                return replace(guess, unit=unit, doubt=f"no unit in the header; it begins again after {turn:.4g}"), on
     if guess.unit in units:
         return guess, counted_on(values, 2.0 * np.pi / units[guess.unit])[0]
     counts = guess.counts or usual_counts(float(np.ptp(values)) + 1.0)

@@ -19,6 +19,10 @@ from ..criteria import NEGLIGIBLE, PART, SMALL
 from ..measured.consistency import steady_factor
 from .columns import Guess, Guesses
 from .header_words import COUNTS
+from .products import with_products_units
+from .steps import smallest_step
+from .usual_counts import usual_counts
+from .usual_sizes import USUAL, is_decimal
 
 SLOWEST_SAMPLES = 0.1
 """s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
@@ -27,8 +31,6 @@ _PARTS = 40  # of a recording, whose ways are compared
 _FEWEST = 8  # of them that must be long enough
 _USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
 """Units of position and speed, the likelier first."""
-_LINES = (100, 125, 128, 250, 256, 360, 400, 500, 512, 600, 625, 720, 900, 1000, 1024, 1250, 1500, 1800, 2000)
-"""Lines of usual encoders up to ten times as fine ones; beyond, they are powers of two, or these times ten."""
 
 
 def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: float | None) -> Guesses:
@@ -36,6 +38,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     if guesses.time is None or guesses.of_points or guesses.motion != "rotary":
         return guesses
     time = numbers[guesses.time.column]
+    guesses = with_products_units(guesses, numbers)
     known = {guess.signal: guess for guess in guesses.signals}
     position, speed = known.get("motor_position"), known.get("speed")
     time_unit, time_doubt = guesses.time.unit, ""
@@ -52,6 +55,10 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         gear_ratio = abs(ratio) if ratio is not None else None
     if position is not None and speed is not None:
         ways = _ways(numbers[position.column], numbers[speed.column], seconds)
+        if position.unit is None and speed.unit is None and ways is not None and abs(abs(ways) - 1.0) < NEGLIGIBLE:
+            position, speed = _alike(position, speed, numbers)
+            known |= {"motor_position": position, "speed": speed}
+            changed |= {"motor_position": position, "speed": speed}
         changed |= {guess.signal: guess for guess in _by_way(position, speed, ways, gear_ratio)}
         if changed.get("speed", speed).of_output and (asked := known.get("speed_setpoint")) is not None:
             scale = _steady(numbers[asked.column], numbers[speed.column])
@@ -85,6 +92,27 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         signals=tuple(guess for guess in signals if guess.column not in lost),
         left=(*guesses.left, *lost),
     )
+
+
+def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> tuple[Guess, Guess]:
+    """A position and a speed that go by one unit of angle, which neither name tells, with the likeliest one.
+
+    An encoder's steps tell it where only one unit makes them usual; else radians, as long as a motor turns so fast.
+    """
+    units, alike = units_of("motor_position"), ("rad", "deg", "rev")
+    step = smallest_step(numbers[position.column][np.isfinite(numbers[position.column])])
+    usual = (
+        [] if step is None or is_decimal(step) else [u for u in alike if usual_counts(2.0 * math.pi / units[u] / step)]
+    )
+    fastest = float(np.nanmax(np.abs(numbers[speed.column])))
+    doubt = "no unit in the header; they would agree in other units of angle, too"
+    if len(usual) == 1:
+        unit = usual[0]
+        counts = usual_counts(2.0 * math.pi / units[unit] / (step or 1.0)) or 0.0
+        doubt = f"no unit in the header; its steps are an encoder's of {counts:.0f} counts a turn so"
+    else:
+        unit = "rad" if fastest <= USUAL["speed"][1] else "deg"
+    return replace(position, unit=unit, doubt=doubt), replace(speed, unit=f"{unit}/s", doubt=doubt)
 
 
 def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np.ndarray]) -> bool:
@@ -172,14 +200,6 @@ def _unusual(position: Guess, one: float) -> Guess:
     """A counter whose counts a turn, by the speed, no usual encoder has."""
     counts = 2.0 * math.pi / one
     return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
-
-
-def usual_counts(counts: float) -> float | None:
-    """The counts per turn of a usual encoder that are as good as these; None where there is none."""
-    powers = [2.0**k for k in range(6, 33)]
-    lines = [float(n * times * 10**more) for n in _LINES for times in (1, 4) for more in (0, 1, 2)]
-    nearest = min((*powers, *lines), key=lambda usual: abs(counts / usual - 1.0))
-    return nearest if abs(counts / nearest - 1.0) < NEGLIGIBLE / 4.0 else None
 
 
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:

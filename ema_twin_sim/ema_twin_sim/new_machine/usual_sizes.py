@@ -16,7 +16,7 @@ from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE
 from .steps import smallest_step
-from .units_by_numbers import usual_counts
+from .usual_counts import usual_counts
 
 USUAL: dict[str, tuple[float, float, str, str]] = {
     "current": (0.02, 100.0, "A", "mA"),
@@ -57,7 +57,7 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
         if step is None or usual_counts(2.0 * math.pi / step) is not None:
             continue
         own = step / units_of(signal)[read]  # in the column's own unit
-        if _is_decimal(own):
+        if is_decimal(own):
             continue  # so many digits were written: this is no encoder's step
         for unit, size in units_of(signal).items():
             if unit != read and usual_counts(2.0 * math.pi / (own * size)) is not None:
@@ -68,7 +68,7 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
                 return
 
 
-def _is_decimal(step: float) -> bool:
+def is_decimal(step: float) -> bool:
     """Whether a step is 1, 2 or 5 of a decimal place."""
     leading = step / 10.0 ** math.floor(math.log10(step) + NEGLIGIBLE)
     return any(abs(leading / digit - 1.0) < NEGLIGIBLE for digit in (1.0, 2.0, 5.0))

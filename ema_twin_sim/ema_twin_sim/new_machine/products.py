@@ -1,0 +1,60 @@
+"""Drives whose logs name no units, known by how they name their columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .columns import Guess, Guesses
+from .header_words import header_words
+from .usual_sizes import USUAL
+
+
+@dataclass(frozen=True)
+class Product:
+    """A drive that tells positions in turns and speeds in turns per second, and the words of columns that only it has.
+
+    All of one of the groups of names must be there, each as the end of a column's name.
+    """
+
+    name: str
+    known_by: tuple[tuple[tuple[str, ...], ...], ...]
+
+    def wrote(self, header: Sequence[str]) -> bool:
+        """Whether a header is this drive's."""
+        words = [header_words(column).words for column in header]
+        return any(all(any(own[-len(ends) :] == ends for own in words) for ends in group) for group in self.known_by)
+
+
+IN_TURNS = (
+    Product("ODrive", ((("pos", "estimate"),), (("vel", "estimate"),))),
+    Product("moteus", ((("q", "current"), ("velocity",)), (("q", "current"), ("position",)))),
+)
+"""ODrive from firmware 0.5 on (docs.odriverobotics.com); moteus (its register reference: revolutions of the output)."""
+
+
+def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:
+    """The guesses, positions and speeds without a unit in turns where a drive wrote them that tells them so.
+
+    ``numbers`` (n,) are those of each column: older ODrives counted, and no motor turns as fast as that would be.
+    """
+    header = [guess.column for guess in guesses.signals] + list(guesses.left)
+    product = next((product.name for product in IN_TURNS if product.wrote(header)), None)
+    speeds = [np.abs(numbers[guess.column]).max() for guess in guesses.signals if guess.signal == "speed"]
+    if product is None or any(2.0 * math.pi * fastest > USUAL["speed"][1] for fastest in speeds):
+        return guesses
+    doubt = f"no unit in the header; {product} tells turns"
+    return replace(guesses, signals=tuple(_in_turns(guess, doubt) for guess in guesses.signals))
+
+
+def _in_turns(guess: Guess, doubt: str) -> Guess:
+    if guess.unit is not None:
+        return guess
+    if guess.signal in ("motor_position", "output_position", "output_command"):
+        return replace(guess, unit="rev", doubt=doubt)
+    if guess.signal in ("speed", "speed_setpoint"):
+        return replace(guess, unit="rev/s", doubt=doubt)
+    return guess
