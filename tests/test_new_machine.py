@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from docs.examples import press
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.measured.consistency import inconsistencies
@@ -271,6 +272,26 @@ def test_a_torque_constant_that_no_drive_could_feed_is_the_joints(tmp_path, rati
     own = told / (ratio if at_joint else 1.0)
     assert load_model(tmp_path / "j.yaml").value("machine.torque_constant") == pytest.approx(own)
     assert ("CHECK" in line_of(tmp_path / "j.yaml", "torque_constant")) == at_joint
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(100.0, 4e5), (9.0, 420.0), (1.0, 4200.0)])
+def test_a_torque_constant_that_no_motor_has_is_refused(tmp_path, ratio, told):
+    """A motor behind a gear turns 1000 times a minute at least; in thousandths, data sheets are right."""
+    joint(tmp_path, 0.6)
+    with pytest.raises(InputError, match=rf"where it is in mN m/A, give {told / 1000.0:g}") as refusal:
+        init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=ratio, torque_constant=told)
+    assert "\n" not in str(refusal.value)
+    assert not (tmp_path / "j.yaml").exists()
+
+
+def test_a_torque_constant_that_hardly_a_motor_has_is_asked_about(tmp_path, capsys):
+    """420 N m/A at a joint behind a gear of 50 are 8.4 at the motor: 880 V at 1000 turns a minute."""
+    joint(tmp_path, 0.6)
+    init(str(tmp_path / "j"), [tmp_path / "j.csv"], gear_ratio=50.0, torque_constant=420.0)
+    [asked] = [line for line in capsys.readouterr().err.splitlines() if "--torque-constant" in line]
+    assert "880 V" in asked and "in mN m/A, give 0.42" in asked
+    init(str(tmp_path / "k"), [tmp_path / "j.csv"], gear_ratio=50.0, torque_constant=0.42)
+    assert "--torque-constant" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("torque", "at_output"), [("torque [N m]", True), ("motor torque [N m]", False)])

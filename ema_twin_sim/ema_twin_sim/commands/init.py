@@ -128,10 +128,12 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
         raise InputError("init: --map reads recordings; name one, or leave --map out to be asked")
     recordings = [load(trace, import_map=map_file) for trace in traces]
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
-    text, assumed = checked_model(recordings, given, shaft)
-    _write(place, text, force)
-    _say_what_it_rests_on(place, assumed)
-    say(f"{place}: {_to_look_at(text)}")
+    model = checked_model(recordings, given, shaft)
+    _write(place, model.text, force)
+    _say_what_it_rests_on(place, model.assumed)
+    for question in model.questions:
+        warn(question)
+    say(f"{place}: {_to_look_at(model.text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
 

@@ -23,7 +23,7 @@ from .load_sensor import follows_load
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .shaft import Shaft, position_shaft, too_slow_for_a_motor
-from .usual_sizes import unusual_sizes
+from .unit_questions import questions_about_units
 
 
 class Drafts(NamedTuple):
@@ -59,7 +59,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
         guesses = guesses.without(left_out)
         recordings = _read(draft_map(guesses, of, shaft), traces)
     units = {guess.signal: guess.unit for guess in guesses.signals}
-    questions = tuple(question for recording in recordings for question in unusual_sizes(recording, units))
+    questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
     if any(guess.signal == "speed" and guess.of_output for guess in guesses.signals):
         known = False  # the way by a speed of the output tells nothing of whose turns the position counts
@@ -78,7 +78,8 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
             "as in 'motor position [rad]', and run init again)"
         ]
     model = checked_model(recordings, given, shaft)
-    return Drafts(draft_map(guesses, of, shaft), model.text, questions, (*assumed, *model.assumed), left_out)
+    asked = (*questions, *model.questions)
+    return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out)
 
 
 def _of_the_output(guess: Guess) -> Guess:

@@ -26,11 +26,11 @@ from .shaft import (
     fastest_motion,
     positions_part,
     ratio_of_positions,
-    told_at_joint,
     whole_ratio,
 )
 from .speed_lag import speed_lag
 from .steps import smallest_step
+from .torque_constant import question_about, told_at_joint
 from .usual_counts import usual_counts
 
 SMALLEST_STEP = "smallest step of the recording"
@@ -42,16 +42,18 @@ _BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin w
 
 
 class ModelDraft(NamedTuple):
-    """The text of a model, and what in it was decided by usual sizes, with the remedy."""
+    """The text of a model, what in it was decided by usual sizes, with the remedy, and what to ask about it."""
 
     text: str
     assumed: tuple[str, ...] = ()
+    questions: tuple[str, ...] = ()
 
 
 def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
     """YAML of a first model, everything open that recordings may tell.
 
-    Their motor position is as its column has it, of that ``shaft``.
+    Their motor position is as its column has it, of that ``shaft``. Raises InputError where a torque constant was given
+    that no motor has.
     """
     recording = farthest(recordings)
     motion = recording.motion
@@ -86,8 +88,12 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         *([_friction_line("coulomb_friction_2", "output", dry * _BEHIND)] if two_sided else []),
     ]
     remedy = "where it is the motor's, remove `shaft: output` from its line of the model"
+    if given.torque_constant:
+        remedy += f"; where it is in mN m/A, give {given.torque_constant / 1000.0:g}"
     assumed = (f"torque constant told at the joint, the gear in it: {at_joint} ({remedy})",) if at_joint else ()
-    return ModelDraft("\n".join(lines) + "\n", assumed)
+    fastest = max(map(_fastest_of_motor(turns), recordings)) if recording.has("current") else 0.0
+    question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
+    return ModelDraft("\n".join(lines) + "\n", assumed, (question,) if question else ())
 
 
 def farthest(recordings: Sequence[Recording]) -> Recording:

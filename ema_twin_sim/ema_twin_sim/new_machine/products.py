@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..measured.usual_sizes import USUAL
 from .columns import Guess, Guesses
 from .header_words import header_words
-from .usual_sizes import USUAL
 
 
 @dataclass(frozen=True)

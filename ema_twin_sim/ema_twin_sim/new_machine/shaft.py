@@ -1,5 +1,5 @@
 """Of which shaft a motor's position is given: guessed from how far it goes where the motor's speed is known, else from
-whether a motor behind its gear would go so slowly; and at which shaft a torque constant is told.
+whether a motor behind its gear would go so slowly.
 """
 
 from __future__ import annotations
@@ -30,9 +30,6 @@ SLOW_MOTOR = 1.0
 """rad/s, ten turns a minute, which a motor behind such a gear exceeds somewhere in a recording. Motors are wound for
 1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale that
 would tell a motor's speed; data sheets have, in SI."""
-BUS = 600.0
-"""V, that a motor may induce: the DC link of a drive at a mains of 400 V, as most servo drives are (565 V, rectified),
-where drives of small motors and robots have 24 to 325 V."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
 _AT_ENDS = 40  # samples at either end that this smoothing bends by more than half a per cent
@@ -102,19 +99,6 @@ def fastest_motion(recording: Recording) -> float:
         return 0.0
     speed = np.abs(speed[np.isfinite(speed)])
     return float(np.quantile(speed, ALL_BUT_SPIKES)) if len(speed) else 0.0
-
-
-def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> str:
-    """Why a torque per ampere [N m/A] must be the joint's, with the gear in it; empty: it may be the motor's.
-
-    A motor of so many N m/A induces as many V s/rad: at ``motor_speed`` [rad/s] more than any drive's bus has.
-    """
-    if torque_constant is None or gear_ratio < GEARED or torque_constant * motor_speed <= BUS:
-        return ""
-    return (
-        f"a motor of {torque_constant:g} N m/A would induce {torque_constant * motor_speed:.0f} V at its "
-        f"{motor_speed:.3g} rad/s, where a drive has {BUS:g} V"
-    )
 
 
 def ratio_of_positions(recording: Recording) -> float | None:

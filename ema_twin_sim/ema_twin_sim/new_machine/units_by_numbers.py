@@ -17,12 +17,13 @@ from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE, PART, SMALL
 from ..measured.consistency import steady_factor
+from ..measured.usual_sizes import USUAL
 from .columns import Guess, Guesses
 from .header_words import COUNTS
 from .products import with_products_units
 from .steps import smallest_step
+from .unit_questions import is_decimal
 from .usual_counts import usual_counts
-from .usual_sizes import USUAL, is_decimal
 
 SLOWEST_SAMPLES = 0.1
 """s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
@@ -37,11 +38,12 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     """The guesses with the units that the numbers (n,) of each column tell; what they do not tell stays unknown."""
     if guesses.time is None or guesses.of_points or guesses.motion != "rotary":
         return guesses
-    time = numbers[guesses.time.column]
+    clock = guesses.time
+    time = numbers[clock.column]
     guesses = with_products_units(guesses, numbers)
     known = {guess.signal: guess for guess in guesses.signals}
     position, speed = known.get("motor_position"), known.get("speed")
-    time_unit, time_doubt = guesses.time.unit, ""
+    time_unit, time_doubt = clock.unit, ""
     if time_unit is None:
         time_unit = _time_unit(time, position, speed, numbers)
         time_doubt = "no unit in the header; samples would come too seldom otherwise" if time_unit != "s" else ""
@@ -88,7 +90,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
     }
     return replace(
         guesses,
-        time=replace(guesses.time, unit=time_unit, doubt=time_doubt),
+        time=replace(clock, unit=time_unit, doubt=time_doubt),
         signals=tuple(guess for guess in signals if guess.column not in lost),
         left=(*guesses.left, *lost),
     )

@@ -1,7 +1,6 @@
 """What looks like a wrong unit: sizes that drives seldom have, and encoders whose counts no maker offers.
 
-The mechanics of a machine does not tell milliamperes from amperes: inertia and friction, which nobody knows yet, would
-all be a thousand times as large. So what is far from usual is asked about, in a warning; nothing is decided by it.
+It is asked about, in a warning; nothing is decided by it.
 """
 
 from __future__ import annotations
@@ -15,35 +14,15 @@ from ema_bench_replay.recording import Recording
 from ema_bench_replay.units import units_of
 
 from ..criteria import NEGLIGIBLE
+from ..measured.usual_sizes import unusual_sizes
 from .steps import smallest_step
 from .usual_counts import usual_counts
 
-USUAL: dict[str, tuple[float, float, str, str]] = {
-    "current": (0.02, 100.0, "A", "mA"),
-    "speed": (0.0, 2500.0, "rad/s", "rpm"),
-}
-"""Of a signal, what its largest value usually is at least and at most, its unit, and what that is mistaken for."""
 
-
-def unusual_sizes(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
+def questions_about_units(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
-    if recording.motion != "rotary":
-        return
-    for signal, (least, most, unit, other) in USUAL.items():
-        if not recording.has(signal):
-            continue
-        largest = float(np.nanmax(np.abs(recording.signals[signal])))
-        if largest > most:
-            yield (
-                f"{recording.name}: {signal} reaches {largest:.4g} {unit}, more than most drives ever do: is its "
-                f"column in {other}, and read as {unit}?"
-            )
-        elif 0.0 < largest < least:
-            yield (
-                f"{recording.name}: {signal} reaches {largest:.3g} {unit} only: is its column in {unit}, and read as "
-                f"{other}?"
-            )
-    if not recording.has("speed"):  # with a speed, the way itself tells
+    yield from unusual_sizes(recording)
+    if recording.motion == "rotary" and not recording.has("speed"):  # with a speed, the way itself tells
         yield from _by_counts(recording, units)
 
 
