@@ -26,6 +26,7 @@ from ..measured.observability import at_rest, not_shown, own_not_shown, restored
 from ..measured.observation import observe_all
 from ..measured.scales import to_own_units, to_rotary_equivalent, with_hidden_as_given, with_output_held
 from ..measured.switching_ripple import with_switching_ripple
+from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
@@ -216,6 +217,7 @@ def discover(
         why_ended(problem, verdict, found, depends_on, unseen),
         (
             *(warning for recording in recordings for warning in recording.warnings),
+            *unusual_currents(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
             *(off_by_one_factor(refitted) if model.is_open else ()),
