@@ -122,6 +122,10 @@ def test_blanks_part_german_numbers_too(tmp_path):
     assert table.header == ["Zeit", "Lage", "Strom"]
     assert table.columns[1] == pytest.approx([1.5, -2.5])
     assert table.place(1) == f"{file}: line 3"
+    file.write_text("time pos state iq\ns rad - A\n0.0 1.5 RUN 2.5\n0.1 1.5 OFF 2.5\n")
+    table = read_table(file, needed=lambda header: (0, 1, 3))
+    assert table.header == ["time [s]", "pos [rad]", "state [-]", "iq [A]"]
+    assert table.columns[3] == pytest.approx([2.5, 2.5])
     file.write_text("time pos iq\n0.0 1.5 2.5\n0.1 1.5 2.5\n0.2 1.5\n0.3 1.5 2.5\n")
     with pytest.raises(InputError, match="line 4: has 2 cells where the header has 3"):
         read_table(file)

@@ -11,6 +11,7 @@ import re
 MOST_LINES = 200
 """Lines among which the first row of numbers must be."""
 _NUMBER = re.compile(rb"[-+]?(?:\d[\d.,]*|[.,]\d+)(?<![.,])(?:[eE][-+]?\d+)?|[-+]?\d+\.|[-+]?nan", re.IGNORECASE)
+_WORD = re.compile(rb"[^,]+")
 _COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
@@ -39,8 +40,13 @@ def _begins_rows(lines: list[bytes], k: int) -> bool:
 
 
 def _is_row(line: bytes) -> bool:
+    """Whether a line is of numbers, the first one too, and maybe of words beside them."""
+    if b";" in line or b"\t" in line:
+        return False
     cells = line.split()
-    return len(cells) > 1 and b";" not in line and b"\t" not in line and all(map(_NUMBER.fullmatch, cells))
+    numbers = [_NUMBER.fullmatch(cell) is not None for cell in cells]
+    words = (cell for cell, number in zip(cells, numbers, strict=True) if not number)
+    return sum(numbers) > 1 and numbers[0] and all(map(_WORD.fullmatch, words))
 
 
 def _above_rows(line: bytes, width: int) -> bytes:
