@@ -102,13 +102,13 @@ def test_what_a_program_exports_is_read_without_editing(tmp_path, kind):
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t", "  "])
-@pytest.mark.parametrize("above", ["", "# of the press, before it was greased\n\n"])
+@pytest.mark.parametrize("above", ["", "# of the press, before it was greased\n\n", "Export of the greased press\n"])
 def test_numbers_without_a_header_are_refused(tmp_path, mark, above):
     file = tmp_path / "run.csv"
     file.write_text(text(above, (TIME, ANGLE, SPEED, CURRENT), mark))
     line = 1 + above.count("\n")
     with pytest.raises(
-        InputError, match=rf"line {line}: numbers, and no line above them .* as in 'time \[s\]"
+        InputError, match=rf"line {line}: 4 cells, and no line above them names as many columns; .* as in 'time \[s\]"
     ) as refusal:
         init(str(tmp_path / "servo"), [file])
     assert "\n" not in str(refusal.value)

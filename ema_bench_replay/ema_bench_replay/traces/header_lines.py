@@ -34,17 +34,17 @@ class HeaderLines:
 
 
 class NoHeader(ValueError):
-    """Rows of numbers begin in a line, counted from 1, and nothing above them names their columns."""
+    """Rows of so many cells begin in a line, counted from 1, and nothing above them names as many columns."""
 
-    def __init__(self, line: int, delimiter: str) -> None:
+    def __init__(self, line: int, cells: int, delimiter: str) -> None:
         super().__init__(line)
-        self.line, self.delimiter = line, delimiter
+        self.line, self.cells, self.delimiter = line, cells, delimiter
 
 
 def header_lines(block: bytes) -> HeaderLines | None:
     """The header of a text that begins with ``block``; None where no line of it is one.
 
-    Raises NoHeader where it begins with numbers.
+    Raises NoHeader where nothing above its numbers can name their columns.
     """
     lines: list[tuple[str, int]] = []
     end = 0
@@ -80,11 +80,14 @@ def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
         cells = _cells(text, mark)
         if len(cells) == _width(lines[rows][0], mark) and _are_names(cells):
             return HeaderLines(text, rows, lines[rows - 1][1])
-    raise NoHeader(rows + 1, mark)
+    raise NoHeader(rows + 1, _width(lines[rows][0], mark), mark)
 
 
 def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
-    """The header's place among lines whose ``rows`` begin there; ``plain`` is the first line that is no comment."""
+    """The header's place among lines whose ``rows`` begin there; ``plain`` is the first line that is no comment.
+
+    Raises NoHeader where that one is a text in one piece.
+    """
     mark = _delimiter(lines[rows][0])
     whole = len(lines[rows][0].split(mark))
     widths = whole, _width(lines[rows][0], mark)  # a delimiter at the end of a row ends it, or begins an empty cell
@@ -94,7 +97,11 @@ def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
         return k >= plain and not _is_comment(text) and max(cells) > 1 and _width(text, mark) in cells
 
     if not wide(rows - 1, *widths):
-        return rows - 1 if wide(rows - 1, whole + 1) else plain  # a column of comments that no row has
+        if wide(rows - 1, whole + 1):  # a column of comments that no row has
+            return rows - 1
+        if _width(lines[plain][0], mark) == 1:
+            raise NoHeader(rows + 1, widths[1], mark)
+        return plain
     if wide(rows - 2, _width(lines[rows - 1][0], mark)) and _are_units(_cells(lines[rows - 1][0], mark)):
         return rows - 2 if _are_names(_cells(lines[rows - 2][0], mark)) else rows - 1
     return rows - 1

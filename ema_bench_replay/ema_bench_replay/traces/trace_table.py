@@ -297,8 +297,8 @@ def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
     except NoHeader as missing:
         names = missing.delimiter.join(("time [s]", "motor position [rad]", "motor speed [rad/s]", "current [A]"))
         raise InputError(
-            f"{path}: line {missing.line}: numbers, and no line above them names the columns; put one there with a "
-            f"name and a unit for each, as in '{names}'"
+            f"{path}: line {missing.line}: {missing.cells} cells, and no line above them names as many columns; put "
+            f"one there with a name and a unit for each, as in '{names}'"
         ) from None
     if found is None:
         raise InputError(f"{path}: {'has no header line' if block else 'is empty'}; export the trace again")

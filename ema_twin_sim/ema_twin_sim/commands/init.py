@@ -195,7 +195,10 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     no_numbers = {
         name: int(np.count_nonzero(np.isnan(column))) for name, column in numbers.items() if np.isnan(column).any()
     }
-    guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
+    try:
+        guesses = guess_columns(table.header, frozenset(no_numbers), numbers)
+    except InputError as error:
+        raise InputError(f"{trace}: {error}") from None
     try:
         guesses = with_kind_of_rows(guesses, numbers, of_points)
     except InputError as error:
