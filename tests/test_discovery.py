@@ -109,15 +109,34 @@ def test_an_effect_that_may_not_be_named_leaves_an_unknown(stock):
     assert "order" in found.depends_on
 
 
+def with_frictions_times(model, times):
+    """The model with dry and viscous friction times a factor."""
+    for path in ("coulomb_friction.torque", "viscous_friction.coefficient"):
+        name, parameter = path.split(".")
+        model = model.with_value(f"effects.{path}", times * model.effects[name].parameters[parameter])
+    return model
+
+
 def test_recordings_of_two_machines_are_noticed(stock):
-    other = stock.with_value("effects.coulomb_friction.torque", 2.0 * 0.0676)
-    (odd,) = record(other, COMMANDS[2:])
+    (odd,) = record(with_frictions_times(stock, 2.0), COMMANDS[2:])
     runs = [*record(stock, COMMANDS[:2]), replace(odd, name="odd")]
     problem = EquationErrorProblem(observe_all(runs, stock))
     told = contradictions(problem, fit(problem, null_hypothesis(stock)))
     assert told and all(sentence.startswith("odd: needs ") for sentence in told)
     same = EquationErrorProblem(observe_all(record(stock), stock))
     assert contradictions(same, fit(same, null_hypothesis(stock))) == ()
+
+
+@pytest.mark.parametrize("times", [1.05, 2.0])
+def test_shares_of_friction_are_of_what_was_fitted_and_not_of_a_guess(stock, times):
+    guess = with_frictions_times(stock, 0.1)
+    guess = replace(guess, effects={name: replace(held, open=True) for name, held in guess.effects.items()})
+    (odd,) = record(with_frictions_times(stock, times), COMMANDS[2:])
+    runs = [*record(stock, COMMANDS[:2]), replace(odd, name="odd")]
+    problem = EquationErrorProblem(observe_all(runs, stock))
+    for model in (stock, guess):
+        told = contradictions(problem, fit(problem, null_hypothesis(model), 20))
+        assert any("odd: needs" in said and "more friction" in said for said in told) == (times == 2.0)
 
 
 def test_recordings_that_cannot_be_judged_are_refused(plain, stock):

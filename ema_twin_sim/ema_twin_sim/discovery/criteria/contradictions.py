@@ -14,8 +14,9 @@ GROUPS = {"inertia": ("scale.inertia",), "friction": ("scale.viscous_friction", 
 def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """One sentence for each recording whose machine is not that of the others.
 
-    Each recording is asked, to first order, by which share it alone would move inertia and friction; the median of all
-    is what it is held against. Single frictions are not asked for: one recording seldom tells them apart.
+    Each recording is asked, to first order, by which share of what was fitted it alone would move inertia and friction;
+    the median of all is what it is held against. Single frictions are not asked for: one recording seldom tells them
+    apart.
     """
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
     groups = {name: [places[path] for path in paths if path in places] for name, paths in GROUPS.items()}
@@ -23,9 +24,10 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     if len(problem.observations) < 2 or not groups:
         return ()
     scale = f.variance_inflation
+    of_fitted = f.jacobian * f.hypothesis.values  # slopes per share: scales are free per unit of the file's
     moves, errors = [], []
     for part in problem.torque_parts:
-        slopes = np.stack([f.jacobian[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)
+        slopes = np.stack([of_fitted[part][:, columns].sum(axis=1) for columns in groups.values()], axis=1)
         covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(groups)) / 0.5**2)
         moves.append(covariance @ (slopes.T @ f.residual[part]) / scale)
         errors.append(np.sqrt(np.diag(covariance)))
