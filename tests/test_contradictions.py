@@ -83,6 +83,16 @@ def test_one_noise_floor_whatever_the_start_values_are(stock, guessed):
         assert floor == noise_of(runs, guessed)["unexplained_torque"]
 
 
+def test_a_perfect_twin_stands_at_the_noise_floor_however_long_its_recordings_are(stock):
+    command = parse_command("sine:0.05:0.5")
+    long, short = (virtual_bench(stock, command, seconds, seed=3) for seconds in (20.0, 2.0))
+    short = replace(short, signals={n: v for n, v in short.signals.items() if n != "speed"})
+    both, alone = noise_of([long, short], stock), [noise_of([r], stock) for r in (long, short)]
+    for name, floor in both.items():
+        squares = sum(len(r) * of[name] ** 2 for r, of in zip((long, short), alone, strict=True))
+        assert floor**2 == pytest.approx(squares / (len(long) + len(short)))
+
+
 def test_nothing_is_missing_is_not_said_beside_what_stands_out():
     said = verdict_sentence("none", (), (), beyond={"speed": 6.04, "current": 1.3})
     assert said == (

@@ -17,7 +17,7 @@ NoiseFloor = dict[str, float]
 
 
 def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
-    """The noise floor of native recordings, pooled over them.
+    """The noise floor of native recordings, pooled over their samples.
 
     The sensors are those of the model's file. What is open in its inertia and friction is taken from the recordings, so
     that a model has the same noise floor before and after a fit: a start value says nothing of the sensors.
@@ -29,4 +29,8 @@ def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     kinds = {(r.has("speed"), r.sample_period) for r in recordings}
     floors = {kind: noise_floors(near, has_speed=kind[0], period=kind[1]) for kind in kinds}
     each = [floors[r.has("speed"), r.sample_period] for r in recordings]
-    return {name: math.sqrt(sum(floor[name] ** 2 for floor in each) / len(each)) for name in each[0]}
+    lengths = [len(r) for r in recordings]  # errors are pooled over samples, and so is this
+    return {
+        name: math.sqrt(sum(n * floor[name] ** 2 for n, floor in zip(lengths, each, strict=True)) / sum(lengths))
+        for name in each[0]
+    }
