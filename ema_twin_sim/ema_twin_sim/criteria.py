@@ -160,7 +160,7 @@ MOST_EFFECTS = 7
 STANDSTILL = 0.3
 """Own rad/s of the motor below which friction has no direction."""
 HARD = 50.0
-"""Own rad/s² beyond which a row counts less.: there smoothing errs by more than the noise."""
+"""Own rad/s² beyond which a row counts less: there smoothing errs by more than the noise."""
 CHAOTIC = 500.0
 """Own rad/s² after which an output with play rests anywhere."""
 SHAKEN = 0.05

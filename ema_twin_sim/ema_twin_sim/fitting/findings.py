@@ -156,7 +156,7 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
     """Numbers that these recordings cannot tell apart, in groups of two or more.
 
     Some combination of a group is hardly known: a direction of the correlations that is nearly flat. Of two numbers it
-    is so where they correlate by more than ``ALIKE``.
+    is so where they correlate by more than ``NEARLY_ALL``.
     """
     numbers = solution.freedom.numbers
     loose = [
