@@ -42,3 +42,8 @@ def as_compares(f: Fit, problem: EquationErrorProblem) -> Fit:
 
 def _named(f: Fit) -> str:
     return " and ".join(f.hypothesis.effects) or "no effect"
+
+
+def by_chance(numbers: int) -> float:
+    """What so many numbers more gain where there is nothing, in units of what is left: each two, at most."""
+    return 2.0 * numbers

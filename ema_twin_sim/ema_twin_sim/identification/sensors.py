@@ -14,6 +14,7 @@ from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .candidates import no_more_of
+from .comparable import by_chance
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
@@ -61,7 +62,8 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
         (_, bare), (_, beside) = (
             _regress(columns, wanted) for columns in (others, np.concatenate([gearbox[:, :GEARBOX_COLUMNS], others], 1))
         )
-        if bare - beside <= SMALL * (bare - len(wanted)):
+        # where sensors explain it to the noise, nothing is left to take a share of
+        if bare - beside <= max(SMALL * (bare - len(wanted)), CORRELATION * by_chance(GEARBOX_COLUMNS)):
             return False
     return True
 

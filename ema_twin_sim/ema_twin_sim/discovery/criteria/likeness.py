@@ -8,13 +8,13 @@ effect's place, explains all that the effect does and this too, and beside it th
 from __future__ import annotations
 
 from ...criteria import DEPENDS, LEAST_SIZE, MISFIT_DOUBTED
-from ...identification.comparable import refuse_different_weightings
+from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, fit_with_basis, load_bases
 from ...identification.screening import screen_generic_bases
 from .explained import coarse
-from .worth import ENCODER_ONLY, by_chance, largest_rms_reduction, penalised_gain
+from .worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 
 
 def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:

@@ -15,14 +15,14 @@ import numpy as np
 
 from ...criteria import APART, DEPENDS, MOSTLY, NEGLIGIBLE
 from ...effects import catalogue
-from ...identification.comparable import refuse_different_weightings
+from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
 from ...identification.generic_bases import dependence, fit_with_basis, load_bases, order_bases
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_shows
-from .worth import ENCODER_ONLY, by_chance
+from .worth import ENCODER_ONLY
 
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:

@@ -63,11 +63,6 @@ def penalised_gain(before: Fit, after: Fit) -> float:
     return gained + complexity_penalty(before) - complexity_penalty(after)
 
 
-def by_chance(numbers: int) -> float:
-    """What so many numbers more gain where there is nothing, in units of what is left: each two, at most."""
-    return 2.0 * numbers
-
-
 def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
     """The difference of misfits, of the torque's rows and of the encoders' (2,), that counts as one: beside an output
     that bounces, more is fitted by chance.

@@ -1,0 +1,26 @@
+"""Whether the encoders' difference calls for play or a spring, beside what the encoders' own errors make of it."""
+
+import pytest
+
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.sensors import gearbox_shows
+from ema_twin_sim.measured.observation import observe_all
+from tests.recorded import record
+
+RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameters", "shows"),
+    [
+        ("encoder_eccentricity", {"amplitude": 2e-3, "phase": 0.4}, False),
+        ("encoder_delay", {"delay": 2e-4}, False),
+        ("backlash", {"width": 4e-3}, True),
+        ("shaft_compliance", {"stiffness": 400.0, "damping": 0.1}, True),
+    ],
+)
+def test_a_gearbox_shows_where_it_gives_way_and_not_where_an_encoder_errs(effect, parameters, shows, stock):
+    problem = EquationErrorProblem(observe_all(record(stock.with_effect(effect, parameters), RUNS), stock))
+    assert gearbox_shows(problem, fit(problem, null_hypothesis(stock))) == shows
