@@ -1,9 +1,12 @@
 """The order of a residual: found with its amplitude, phase and kind."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from ema_twin_sim.comparison.orders import find_order
+from ema_twin_sim.measured import order_spectrum
 
 TIME = np.arange(10_000) * 2e-3
 
@@ -46,3 +49,35 @@ def test_noise_has_no_order_worth_naming():
 def test_too_little_motion_has_none():
     assert find_order([]) is None
     assert find_order([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))]) is None
+
+
+@pytest.mark.parametrize(
+    ("order", "turns"), [*itertools.product([0.74, 15.75, 15.7532, 93.411], [20, 300, 1000]), (15.7532, 5000)]
+)
+def test_a_line_is_found_however_narrow_many_turns_make_it(turns, order):
+    """One over the turns wide: far narrower than the cells of the spectrum."""
+    # at no steady speed, where so few samples a turn would show other orders in the place of one
+    angle = 2.0 * np.pi * turns * np.sort(np.random.default_rng(1).uniform(0.0, 1.0, 200_000))
+    found = find_order([part(angle, lambda a, d: 0.01 * np.sin(order * a + 0.7), noise=0.005)])
+    assert found.order == pytest.approx(order, abs=0.25 / turns)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.share == pytest.approx(2.0 / 3.0, abs=0.05)
+    assert found.spectrum.max() == pytest.approx(0.01, rel=0.1)
+
+
+def test_what_turns_too_far_for_one_transform_counts_by_its_pieces(monkeypatch):
+    monkeypatch.setattr(order_spectrum, "_LARGEST", 512 * 300)  # turns 300 times at most
+    angle = 2.0 * np.pi * 1000.0 * np.linspace(0.0, 1.0, 200_000)
+    found = find_order([part(angle, lambda a, d: 0.01 * np.sin(15.7532 * a + 0.7), noise=0.005)])
+    assert found.order == pytest.approx(15.7532, abs=2.5e-4)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.spectrum.max() == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_wave_in_recordings_far_apart_is_one():
+    """The second starts where the counter is after many turns more; the order must be as exact as that takes."""
+    angle = 6.2 * TIME
+    parts = [part(start + angle, lambda a, d: 0.01 * np.sin(15.7532 * a + 0.7)) for start in (0.0, 2000.0)]
+    found = find_order(parts)
+    assert found.order == pytest.approx(15.7532, abs=1e-3)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..criteria import CLEARLY_MORE
+from ..measured.order_spectrum import largest_in_cells, line_turns, refined
 
-_ANGLE_BINS = 512  # per revolution: orders up to 256
 _STEP = 0.02
 ORDERS = np.arange(0.2, 160.0, _STEP)
-"""The orders of a ``Periodicity``'s spectrum."""
-_REFINED = 11  # orders tried around the best of the grid
+"""The orders of a ``Periodicity``'s spectrum; each stands for what is within half a step of it."""
+_REFINED = 10  # orders tried within the width of a line
+_MOST_REFINED = 201
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
 _ENOUGH = 50_000  # samples that settle amplitude and phase
-_LARGEST = 1 << 22  # angle bins
 
 
 @dataclass(frozen=True)
@@ -49,20 +49,21 @@ def find_order(
     used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
     for residual, angle, direction in used:
         counts = highest_resolved(angle) > ORDERS if resolved else True
-        plain += _power(ORDERS, residual, angle) * counts
-        flipped += _power(ORDERS, residual * direction, angle) * counts
+        plain += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES) * counts
+        flipped += largest_in_cells(ORDERS, residual * direction, angle, _FEWEST_CYCLES) * counts
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
     clear = max(flipped.max(), plain.max()) > CLEARLY_MORE**2 * min(flipped.max(), plain.max())
     power = flipped if dissipative else plain
-    best = int(np.argmax(power))
-    residual, angle, direction = (np.concatenate(columns) for columns in zip(*used, strict=True))
-    every = max(1, len(residual) // _ENOUGH)
-    residual, angle, direction = residual[::every], angle[::every], direction[::every]
     if dissipative:
-        residual = residual * direction
-    near = ORDERS[best] + _STEP * np.linspace(-1.0, 1.0, _REFINED)
+        used = [(residual * direction, angle, direction) for residual, angle, direction in used]
+    best = refined(float(ORDERS[int(np.argmax(power))]), _STEP, [part[:2] for part in used])
+    residual, angle = (np.concatenate([part[k] for part in used]) for k in (0, 1))
+    if len(residual) > _ENOUGH:  # drawn: every so manyth would show other orders in the place of this one
+        rows = np.random.default_rng(0).choice(len(residual), _ENOUGH, replace=False)
+        residual, angle = residual[rows], angle[rows]
+    near = best + _around(angle, line_turns([part[1] for part in used]))
     order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
     return Periodicity(
         order,
@@ -80,23 +81,18 @@ def highest_resolved(angle: np.ndarray) -> float:
     return math.pi / step if step > 0.0 else math.inf
 
 
+def _around(angle: np.ndarray, turns: float) -> np.ndarray:
+    """Where to look around an order for that of one wave through all parts, whose angles may lie farther apart than
+    the ``turns`` by which the order is known.
+    """
+    within = min(_STEP, 1.0 / turns)
+    half = math.ceil(_REFINED * within * max(turns, float(np.ptp(angle)) / (2.0 * math.pi)))
+    half = min(max(half, _REFINED), _MOST_REFINED // 2)
+    return within * np.arange(-half, half + 1) / half
+
+
 def _fit(order: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float, float, float]:
     """(order, sine part, cosine part, mean power explained) of the least-squares wave of one order."""
     waves = np.column_stack([np.sin(order * angle), np.cos(order * angle)])
     parts, *_ = np.linalg.lstsq(waves, residual, rcond=None)
     return float(order), float(parts[0]), float(parts[1]), float(np.mean((waves @ parts) ** 2))
-
-
-def _power(orders: np.ndarray, residual: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Power of a residual at each order, sum over its samples; zero where it has too few cycles of one."""
-    place = np.floor(angle * (_ANGLE_BINS / (2.0 * math.pi))).astype(np.int64)
-    place -= place.min()
-    bins = int(place.max()) + 1
-    if bins > _LARGEST:
-        return np.zeros_like(orders)
-    # without its mean, or a constant error would leak into low orders
-    summed = np.bincount(place, residual - residual.mean(), bins)
-    length = 1 << max(12, (4 * bins - 1).bit_length())
-    spectrum = np.abs(np.fft.rfft(summed, length)) ** 2 * 2.0 / len(residual)
-    here = np.interp(orders, np.arange(len(spectrum)) * _ANGLE_BINS / length, spectrum)
-    return np.where(orders * bins / _ANGLE_BINS >= _FEWEST_CYCLES, here, 0.0)

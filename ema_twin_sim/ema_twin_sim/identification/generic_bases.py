@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..measured.order_spectrum import largest_in_cells, refined
 from ..plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED, TIME
 from .basis_columns import at_rows, hat_columns
 from .equation import EquationErrorProblem
@@ -121,24 +122,20 @@ def order_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
     """Waves over the motor's angle at the order that a fit's residual shows most, as a torque and as friction."""
     found = {}
     for kind in ("torque", "friction"):
-        power = np.zeros(len(ORDERS))
+        parts = []
         for o, part in zip(problem.observations, problem.torque_parts, strict=True):
             angle = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE]
-            if not len(angle) or np.ptp(angle) < 2.0 * np.pi:
-                continue
-            r = f.residual[part] * (np.sign(o.motion[o.rows, SPEED]) if kind == "friction" else 1.0)
-            step = np.exp(1j * (ORDERS[1] - ORDERS[0]) * angle)
-            wave = np.exp(1j * ORDERS[0] * angle) * r
-            for k in range(len(ORDERS)):
-                power[k] += abs(wave.sum()) ** 2 / len(r)
-                wave *= step
+            if len(angle) and np.ptp(angle) >= 2.0 * np.pi:
+                sense = np.sign(o.motion[o.rows, SPEED]) if kind == "friction" else 1.0
+                parts.append((f.residual[part] * sense, angle))
+        power = sum((largest_in_cells(ORDERS, *part) for part in parts), np.zeros(len(ORDERS)))
         if not power.any():
             continue
-        order = float(ORDERS[int(np.argmax(power))])
+        order = refined(float(ORDERS[int(np.argmax(power))]), ORDERS[1] - ORDERS[0], parts)
         columns = []
         for o in problem.observations:
             angle = order * (o.motor_origin + o.motion[:, MOTOR_ANGLE])
             waves = np.stack([np.sin(angle), np.cos(angle)], 1)
             columns.append(waves * np.sign(o.motion[:, SPEED])[:, None] if kind == "friction" else waves)
-        found[f"order#{kind}{order:.2f}".replace(".", "_")] = at_rows(problem, columns)
+        found[f"order#{kind}{order:.6f}".replace(".", "_")] = at_rows(problem, columns)
     return found
