@@ -169,7 +169,7 @@ def discover(
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(found, idle, "the simulated loop hardly follows the recordings better with it")
         back = not before.issuperset(found.fit.hypothesis.added)  # it had taken the place of something
-        # of a machine that is not known to the noise, the rest may explain it as well as anything does
+        # where constants are open, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
         unseen = judge_unseen(as_measured, began, noise, found)

@@ -36,7 +36,7 @@ class InDoubt:
     """Explanations of which the recordings do not tell which is right."""
 
     rivals: tuple[str, ...]  # the leading one first
-    behind: tuple[float, ...]  # how much each loses by, prices paid, in units of noise; 16 are needed
+    behind: tuple[float, ...]  # how much each loses by, prices paid, in units of noise; SIGNIFICANT² are needed
     reason: str
 
 

@@ -29,7 +29,8 @@ class Unseen:
     recording.
 
     The start is the given model with its own constants fitted, where that comes nearer to the recordings: no effect is
-    credited with that. The last is the end's, with whatever constants it was refitted with.
+    credited with that. The last is the end's, before its numbers are fitted once more to the simulated loop of all
+    recordings together.
 
     ``output`` is that of the output's position [rad], pooled; empty where it was not measured. Where the current drives
     the twin, whose positions then drift, it is what the ``encoders`` part by, beyond what the model lets them.

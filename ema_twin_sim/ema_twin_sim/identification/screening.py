@@ -40,7 +40,7 @@ class _Known:
     root_inflation: np.ndarray  # (m,) what each row is divided by to count as much as a prior does
 
     @classmethod
-    def of(cls, problem: EquationErrorProblem, f: Fit) -> _Known:
+    def of(cls, f: Fit) -> _Known:
         pr, pj = prior_rows(f.hypothesis)
         root_inflation = np.sqrt(f.row_variance_inflations)
         slopes = np.concatenate([f.jacobian / root_inflation[:, None], pj])
@@ -57,7 +57,7 @@ class _Known:
 
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
     """Each candidate's gain before its price, at its best start, best first."""
-    known = _Known.of(problem, f)
+    known = _Known.of(f)
     jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect], problem.reached)]
     found: dict[str, Screened] = {}
     for c, screened in predictions(problem.samples, lambda job: (job[0], _screened(problem, f, known, *job)), jobs):
@@ -158,7 +158,7 @@ def _columns(
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
     """(gain, less two a column for chance; name) of each generic basis by linear regression, best first."""
-    known = _Known.of(problem, f)
+    known = _Known.of(f)
     q, r = known.basis, known.left
     found = []
     for name, columns in problem.generic_bases.items():

@@ -16,7 +16,7 @@ class Wander:
     """By what share friction wanders, and the torque rows (m,) seen through the noise that this makes.
 
     With a covariance of 1 + s² C Cᵀ, where C is what friction would add over time, rows are multiplied by its inverse
-    root: what C spans counts the less, the more of it wanders.
+    root: the more friction wanders, the less weight the rows along C get.
     """
 
     share: float

@@ -88,7 +88,7 @@ def doubts(
         doubt = _about(problem, best, name, wanted, without, fits)
         if doubt is not None:
             held.append(doubt)
-    doubt = _too_small(problem, found)
+    doubt = _too_small(found)
     if doubt is not None:
         held.append(doubt)
     if not reverses(problem):
@@ -105,7 +105,7 @@ def reverses(problem: EquationErrorProblem) -> bool:
     return min(forward, backward) > _MOVING
 
 
-def information(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
+def information(f: Fit) -> np.ndarray:
     """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
     _, pj = prior_rows(f.hypothesis)
     scaled = f.jacobian / np.sqrt(f.row_variance_inflations)[:, None]
@@ -118,7 +118,7 @@ def _about(
     """The doubt about a found effect: what of its alternatives, none included, loses by little; some have ``fits``."""
     instance = best.hypothesis.added[name]
     kinds = _other_kinds(best.hypothesis, name, without)
-    if not (wanted or kinds or fits or _may_be_nothing(problem, best, name)):
+    if not (wanted or kinds or fits or _may_be_nothing(best, name)):
         return None
     bare = fit(problem, best.hypothesis.without(name), 4, known=best)
     tried = list(fits)
@@ -171,18 +171,18 @@ def _other_kinds(h: Hypothesis, name: str, without: frozenset[str]) -> list[Cand
     return [c for c in candidates(h.without(name), excluded) if differs_in_kind(dict(c.options))]
 
 
-def _may_be_nothing(problem: EquationErrorProblem, best: Fit, name: str) -> bool:
+def _may_be_nothing(best: Fit, name: str) -> bool:
     """Whether an effect's size is so uncertain that the recordings may do without it."""
     size = catalogue()[best.hypothesis.added[name].effect].parameters[0]
     if size.neutral is None:
         return False
     paths = [free.path for free in best.hypothesis.free]
     k = paths.index(f"effects.{name}.{size.name}")
-    spread = np.linalg.pinv(information(problem, best), hermitian=True)[k, k]
+    spread = np.linalg.pinv(information(best), hermitian=True)[k, k]
     return (best.hypothesis.values[k] - size.neutral) ** 2 < FAR_OUT**2 * float(spread)
 
 
-def _too_small(problem: EquationErrorProblem, found: Search) -> Doubt | None:
+def _too_small(found: Search) -> Doubt | None:
     """The doubt about an effect that would have been worth its price, but was too small to be named.
 
     Beside generic bases, or an output that bounces, such a one is what no effect explains.
@@ -217,7 +217,7 @@ def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fi
     size = catalogue()[id].parameters[0]
     free = fit(problem, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
     k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")
-    spread = math.sqrt(float(np.linalg.pinv(information(problem, free), hermitian=True)[k, k]))
+    spread = math.sqrt(float(np.linalg.pinv(information(free), hermitian=True)[k, k]))
     value = free.hypothesis.values[k] + math.copysign(LIKELY * spread, free.hypothesis.values[k])
     base = best.hypothesis.base.with_effect(id, {size.name: min(max(value, size.lower), size.upper)})
     return fit(problem, replace(best.hypothesis, base=base), 4, known=best)

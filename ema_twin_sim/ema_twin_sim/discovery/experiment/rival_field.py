@@ -77,7 +77,7 @@ class RivalField:
         self.detection = detection
         self.contenders: dict[int, Explanation] = {}
         if detection is not None:
-            self.contenders[id(found)] = _contender(problem, Rival(NOTHING, found))
+            self.contenders[id(found)] = _contender(Rival(NOTHING, found))
         self.nested: set[Pair] = set()
         self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
         for doubt in held:
@@ -92,7 +92,7 @@ class RivalField:
                 if _holds(one, other):
                     self.nested.add(pair)
             for rival in doubt.rivals:
-                self.contenders.setdefault(id(rival.fit), _contender(problem, rival))
+                self.contenders.setdefault(id(rival.fit), _contender(rival))
         of_torque = [o.torque_noise.min() for o in problem.observations if len(o.rows)]
         self.noise = float(np.median(of_torque)) if of_torque else math.nan  # what is not measured has none
         self.signals = signals
@@ -249,8 +249,8 @@ def _holds(one: Rival, other: Rival) -> bool:
     return {*one.fit.hypothesis.model().effects} > {*other.fit.hypothesis.model().effects}
 
 
-def _contender(problem: EquationErrorProblem, rival: Rival) -> Explanation:
+def _contender(rival: Rival) -> Explanation:
     h = rival.fit.hypothesis
     # generic bases stand for what these recordings show, and say nothing of another
     physical = np.array([not free.path.startswith("basis.") for free in h.free])
-    return Explanation(rival.name, without_generic_bases(h), marginal(information(problem, rival.fit), physical))
+    return Explanation(rival.name, without_generic_bases(h), marginal(information(rival.fit), physical))

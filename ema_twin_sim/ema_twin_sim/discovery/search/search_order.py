@@ -1,4 +1,4 @@
-"""Company: effects that were found one after the other, and others that explain more together.
+"""The order of a search: effects that were found one after the other, and others that explain more together.
 
 One step at a time, what fits best alone comes in, and keeps out what fits best in company: a sum of two friction curves
 over the speed comes near many a sum of two others. So others come in first, or what came in first is left out, the rest
