@@ -210,7 +210,11 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     for name, count in no_numbers.items():
         if not name and count == rows:
             continue  # what follows a delimiter at the end of each line
-        say(f"{name or 'a column without a name'}: {count} of {rows} cells hold no number: not used")
+        said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number: not used"
+        if any(guess.column == name for guess in holed):
+            first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1
+            said += f"; to have it read, remove the rows that lack it (the first is row {first} of the numbers)"
+        say(said)
     if not guesses.signals:
         raise InputError(
             f"{trace}: header: none of {', '.join(table.header)[:200]} tells what it is; rename its columns, as in "

@@ -109,9 +109,9 @@ def fit_sentences(
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
     gain = ""
     if fit.after[worst] >= fit.before[worst]:
-        gain = ", so that fitting is not shown to gain anything: keep the model that was found"
+        gain = "; that fitting gains anything is not shown: keep the model that was found"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
-    beside = f"the found model has {before} on the same recordings"
+    beside = f"the found model, whose numbers had all recordings, has {before} there"
     return f"{said} On what was not fitted to ({fit.judged_on}), {which} is {after}; {beside}{gain}."
 
 
