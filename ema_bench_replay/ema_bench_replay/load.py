@@ -17,7 +17,7 @@ def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
     # each reader is imported when it is needed: who reads an MCAP needs no CSV
     path = Path(path)
     if not path.exists():
-        raise InputError(f"{path}: no such file; give a CSV trace, an MCAP, or a folder of these")
+        raise InputError(f"{path}: no such file; give a CSV trace, an MCAP or the folder that import wrote")
     if path.is_dir() or path.suffix.lower() == ".mcap":
         from ema_bench_replay.bags.bag_reader import read_bag
 

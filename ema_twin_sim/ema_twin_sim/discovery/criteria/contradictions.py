@@ -18,8 +18,8 @@ CONSTANTS = {
 def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """One sentence for each recording whose machine is not that of the others.
 
-    Each recording is asked, to first order, by which share it alone would move inertia and frictions;
-    the median of all is what it is held against.
+    Each recording is asked, to first order, by which share it alone would move inertia and frictions; the median of all
+    is what it is held against.
     """
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
     columns = {name: places[path] for name, path in CONSTANTS.items() if path in places}
