@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
-from ros_graph import Graph, start_process
+from ros_graph import Graph, ended_well, start_process
 
 from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import Diagnosis, EmaState, Health, Residual
@@ -78,7 +78,7 @@ class Bench:
             process.terminate()
         for process in self.processes:
             _, errors = process.communicate(timeout=ENDING)
-            assert process.returncode == 0 and "Traceback" not in errors, errors
+            assert ended_well(process, errors) and "Traceback" not in errors, errors
 
 
 @pytest.fixture

@@ -68,6 +68,7 @@ class RecordNode(Node):
         self._numbers: dict[str, PublishedNumbers] = {}
         self._unreadable: dict[str, str] = {}
         self._problem = ""
+        self._closed = False
         self.written: dict[str, int] = {}
         self.lost: dict[str, int] = {}
         self._diagnostics = diagnostics.Diagnostics(self, "bag", str(given["output"]), self._report)
@@ -160,14 +161,21 @@ class RecordNode(Node):
         figures = {topic: f"{count} messages written" for topic, count in self.written.items()}
         return diagnostics.Report(level, message, {**figures, "messages lost": lost})
 
-    def destroy_node(self) -> None:
+    def close(self) -> None:
         """Finish the file, and say what is in it."""
+        if self._closed:
+            return
+        self._closed = True
         until = time.monotonic() + _LAST_WORDS
         try:
             while self._collect() and time.monotonic() < until:
                 pass
         finally:
             self._finish()
+
+    def destroy_node(self) -> None:
+        """Close, then end the node."""
+        self.close()
         super().destroy_node()
 
     def _finish(self) -> None:

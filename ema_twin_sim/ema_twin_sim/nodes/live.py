@@ -22,6 +22,7 @@ from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.spin import (
     all_received,
     interrupted,
+    leave_graph,
     make_executor,
     signals_end_the_loop,
     spin,
@@ -259,6 +260,4 @@ def run_live(
             executor.shutdown()
             return session.result(recording)
         finally:
-            for node in reversed(nodes):  # the recorder first
-                node.destroy_node()
-            rclpy.try_shutdown(context=context)
+            leave_graph(reversed(nodes), context)  # the recorder first

@@ -273,11 +273,15 @@ class MonitorNode(Node):
             max(bytes([level]), diagnostics.WARN if pairing.missing or wrong else diagnostics.OK), words, figures
         )
 
-    def destroy_node(self) -> None:
-        """End the services, then the node."""
+    def close(self) -> None:
+        """End the services, and what they calculate."""
         if self.diagnosis_services is not None:
             self.diagnosis_services.close()
             self.diagnosis_services = None
+
+    def destroy_node(self) -> None:
+        """Close, then end the node."""
+        self.close()
         super().destroy_node()
 
     def _on_parameters(self, parameters: list[Parameter]) -> SetParametersResult:
