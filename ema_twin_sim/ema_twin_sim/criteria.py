@@ -100,7 +100,8 @@ MOSTLY = 0.75
 """The greater share. Eleven late encoders took 0.89 or more of how the encoders part, three likenesses of them 0.60 or
 less."""
 NEARLY_ALL = 0.95
-"""All but what is rare or cannot be told from it: of rows that move, of a gain, of a correlation."""
+"""All but what is rare or cannot be told from it: of rows that move, of a gain, of a correlation. Of what any shape
+over the same quantity explains, 53 effects that were hidden took 0.97 or more, 14 likenesses but one 0.91 or less."""
 ALL_BUT_SPIKES = 0.999
 """Of samples that count where a largest value is asked for: spoilt ones are fewer."""
 SUREST = 0.98

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, MOSTLY, NEGLIGIBLE
+from ...criteria import APART, DEPENDS, MOSTLY, NEARLY_ALL
 from ...effects import catalogue
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -71,7 +71,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
     gained_by_any = _gained(bare, any_shape, scale, hidden=1 if over == "order" else 0)
-    return _gained(bare, f, scale) >= (1.0 - NEGLIGIBLE) * gained_by_any
+    return _gained(bare, f, scale) >= NEARLY_ALL * gained_by_any
 
 
 def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:
