@@ -113,8 +113,10 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     off = [
         factor
         for factor in _factors(recording, model)
-        if abs(factor.value - 1.0) > factor.relation.off
-        and (_mistake(factor, model) or (abs(factor.value - 1.0) > factor.relation.beyond and not swings(factor)))
+        if (
+            abs(factor.value - 1.0) > factor.relation.off
+            and (_mistake(factor, model) or (abs(factor.value - 1.0) > factor.relation.beyond and not swings(factor)))
+        )
         or (
             factor.relation is TWO_SHAFTS
             and abs(factor.value - 1.0) > SMALL
