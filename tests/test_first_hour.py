@@ -31,3 +31,36 @@ def test_a_gear_ratio_that_the_encoders_contradict_is_asked_about_and_refused(se
     recordings = [load(file, import_map=tmp_path / "servo_map.yaml") for file in servo]
     with pytest.raises(InputError, match=r"0\.625 times .* machine\.gear_ratio \(with 80 they fit\)"):
         discover(recordings, load_model(tmp_path / "servo.yaml"))
+
+
+def swapped(files, folder, one, other):
+    """The files with the units of two columns swapped in their headers."""
+    written = []
+    for file in files:
+        header, _, rows = file.read_text().partition("\n")
+        names = [f"{one[0]} [{one[1]}]", f"{other[0]} [{other[1]}]"]
+        wrong = [f"{one[0]} [{other[1]}]", f"{other[0]} [{one[1]}]"]
+        for right, name in zip(names, wrong, strict=True):
+            assert right in header
+            header = header.replace(right, name)
+        written.append(folder / file.name)
+        written[-1].write_text(f"{header}\n{rows}")
+    return written
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        (
+            ("current", "A"),
+            ("motor speed", "rad/s"),
+            "current [rad/s]: its name says current, its unit rad/s",
+        ),
+        (("motor position", "rad"), ("motor speed", "rad/s"), "motor speed [rad]: its name says speed, its unit rad"),
+    ],
+    ids=["current and speed", "position and speed"],
+)
+def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_path, capsys, one, other, said):
+    assert "its name says" not in drafted(servo, tmp_path, capsys)
+    told = drafted(swapped(servo, tmp_path, one, other), tmp_path, capsys, force=True)
+    assert told.count("its name says") == 2 and said in told

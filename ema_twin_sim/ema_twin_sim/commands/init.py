@@ -100,6 +100,7 @@ def run(
         guesses, given = _asked(given)
     else:
         guesses, holed = _guessed(traces[0], gear_ratio, operating_points)
+        _warn_of_contradicted_names(guesses)
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         _write(path, text, force)
@@ -136,6 +137,20 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     say(f"{place}: {_to_look_at(model.text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+
+
+def _warn_of_contradicted_names(guesses: Guesses) -> None:
+    """Warn of columns whose name tells one quantity and whose unit another, as where two units were swapped."""
+    from ..new_machine.columns import contradicted_quantity
+    from ..new_machine.header_words import header_words
+
+    for guess in guesses.signals:
+        if said := contradicted_quantity(guess.column):
+            unit = header_words(guess.column)
+            warn(
+                f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
+                f"{guess.signal.replace('_', ' ')}; where the unit is wrong, correct the header and run init again"
+            )
 
 
 def _warn_of_foreign_units(guesses: Guesses) -> None:
