@@ -7,6 +7,7 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_twin_sim.commands import init
+from ema_twin_sim.commands.main import app
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
@@ -64,3 +65,45 @@ def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_pat
     assert "its name says" not in drafted(servo, tmp_path, capsys)
     told = drafted(swapped(servo, tmp_path, one, other), tmp_path, capsys, force=True)
     assert told.count("its name says") == 2 and said in told
+
+
+def renamed(file, folder, **names):
+    """The file with other names of some columns in its header."""
+    header, _, rows = file.read_text().partition("\n")
+    for name, other in names.items():
+        assert name in header
+        header = header.replace(name, other)
+    written = folder / file.name
+    written.write_text(f"{header}\n{rows}")
+    return written
+
+
+def test_traces_whose_columns_have_other_names_are_refused_with_a_way_out(servo, tmp_path, capsys):
+    """A map of the first one's columns would read nothing of them, and say nothing."""
+    for names in ({"current": "Strom"}, {"time": "Zeit"}):
+        other = renamed(servo[1], tmp_path, **names)
+        with pytest.raises(InputError, match=rf"'{next(iter(names.values()))} \[.*give both the same names, or"):
+            drafted([servo[0], other], tmp_path, capsys)
+
+
+def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
+    fewer = write_servo(tmp_path, signals=("motor_position", "output_position", "speed"))
+    told = drafted([servo[0], fewer[1]], tmp_path, capsys)
+    assert "run_1.csv: has no column 'current [A]', 'speed setpoint [rad/s]'" in told
+    told = drafted([fewer[0], servo[1]], tmp_path, capsys, force=True)
+    assert f"name {servo[1]} first to have it read" in told
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--gear-ratio", "0"), "--gear-ratio.*0 is out of range; give 0.001 to 100000 turns of the motor per turn of"),
+        (("--gear-ratio", "five"), "--gear-ratio.*five is no number; give 0.001 to 100000 turns"),
+        (("--torque-constant", "-1"), r"--torque-constant.*-1 is out of range; give 1e-06 to 1e\+09 N m/A"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_a_number_that_is_none_is_refused_with_its_bounds_and_unit(options, told):
+    with pytest.raises(Exception) as refused:
+        app(["init", "trace.csv", "-o", "servo", *options], standalone_mode=False)
+    assert re.search(told, refused.value.format_message())
