@@ -6,7 +6,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.commands import init
+from ema_twin_sim.commands import add, init
 from ema_twin_sim.commands.main import app
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
@@ -107,3 +107,27 @@ def test_a_number_that_is_none_is_refused_with_its_bounds_and_unit(options, told
     with pytest.raises(Exception) as refused:
         app(["init", "trace.csv", "-o", "servo", *options], standalone_mode=False)
     assert re.search(told, refused.value.format_message())
+
+
+ONE_INERTIA = """
+version: 1
+machine:
+  name: one
+  inertia: {value: 1e-4, unit: kg m^2, tolerance: open, source: guess}
+  gear_ratio: {value: 80, unit: "1"}
+transmission: {kind: rigid}
+sensors: {}
+effects: {}
+"""
+
+
+def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
+    (tmp_path / "one.yaml").write_text(ONE_INERTIA)
+    new = tmp_path / "new.yaml"
+    with pytest.raises(
+        InputError, match=r"machine\.output_inertia is 0.*write what of the inertia is behind the gearbox"
+    ):
+        add.run("backlash", str(tmp_path / "one.yaml"), new)
+    assert not new.exists()
+    add.run("gravity_load", str(tmp_path / "one.yaml"), new)
+    assert new.exists()
