@@ -6,10 +6,11 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.commands import add, init
+from ema_twin_sim.commands import add, init, live
 from ema_twin_sim.commands.main import app
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes.live import LiveResult
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
 
 
@@ -131,3 +132,19 @@ def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
     assert not new.exists()
     add.run("gravity_load", str(tmp_path / "one.yaml"), new)
     assert new.exists()
+
+
+@pytest.mark.parametrize(
+    ("compared", "missing", "complete", "loop", "told"),
+    [
+        (9000, 0, True, False, "all 9000 samples compared"),
+        (9000, 0, True, True, "all 9000 samples compared in the last pass"),
+        (1200, 0, False, True, "1200 of 9000 samples compared, ended during this pass of the loop, none missing"),
+        (1200, 0, False, False, "1200 of 9000 samples compared, ended before the last, none missing"),
+        (8990, 10, False, False, "8990 of 9000 samples compared, 10 missing"),
+    ],
+)
+def test_a_live_run_that_was_ended_is_not_told_as_one_that_lost_samples(compared, missing, complete, loop, told):
+    counts = {"sent": compared, "compared": compared, "missing": missing, "expected": 9000}
+    ended = LiveResult("run", "servo", "setpoint", compared, 9.0, {}, complete, interrupted=False, counts=counts)
+    assert live.how_much(ended, loop=loop) == told
