@@ -30,7 +30,7 @@ from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
-from .cautions import ALONE, OPEN_CONSTANTS, WITHOUT_TORQUE
+from .cautions import ALONE, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
 from .ending import why_ended
@@ -223,7 +223,7 @@ def discover(
             *(off_by_one_factor(refitted) if model.is_open else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
-            *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),
+            *((of_open_constants(),) if problem.size and model.is_open and known and best.hypothesis.added else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
             *own_not_shown(recordings, without),
