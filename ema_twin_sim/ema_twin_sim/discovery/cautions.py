@@ -7,8 +7,8 @@ def of_open_constants() -> str:
     """What is asked of an effect in a model whose constants are open, and why."""
     return (
         "your model leaves constants open, and free numbers can hide what is missing: an effect is named only where "
-        f"less than {100.0 * SMALL:.0f} % of the drive's torque (rms) is left without a cause, which may still be several "
-        "times the sensors' noise; constants from a data sheet or an own measurement make the answer sharper"
+        f"less than {100.0 * SMALL:.0f} % of the drive's torque (rms) is left without a cause, which may still be "
+        "several times the sensors' noise; constants from a data sheet or an own measurement make the answer sharper"
     )
 
 
