@@ -171,8 +171,8 @@ def show(found: Discovery, without: Sequence[str] = ()) -> None:
     if found.steps:
         console.print(_steps(found))
         say(STEPS_ARE)
-        if left := left_sentence(found.unseen):
-            say(left)
+        if leaves := left_sentence(found.unseen):
+            say(leaves)
         if _is_crowded(found):
             for step in found.steps:
                 what = "Runner-up to" if step.action == "add" else "Dropped:"

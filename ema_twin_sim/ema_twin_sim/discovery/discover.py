@@ -43,6 +43,7 @@ from .search.search_order import in_another_order, search_without_first
 from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import less_what_wandering_explains, wandering_after_all
+from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
@@ -196,7 +197,8 @@ def discover(
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
-    errors = standard_errors(problem, best)
+    left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
+    errors = with_division(standard_errors(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
@@ -220,6 +222,7 @@ def discover(
             *unusual_currents(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
+            *(of_sums(problem, best, left) if refitted else ()),
             *(off_by_one_factor(refitted) if model.is_open else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
