@@ -13,15 +13,18 @@ SIGNALS = "current", "speed", "speed_setpoint", "motor_position", "output_positi
 
 
 def write_servo(
-    folder: Path, hidden: Mapping[str, Mapping[str, float]] | None = None, signals: tuple[str, ...] = SIGNALS
+    folder: Path,
+    hidden: Mapping[str, Mapping[str, float]] | None = None,
+    signals: tuple[str, ...] = SIGNALS,
+    top_speed: float = 300.0,
 ) -> list[Path]:
-    """Three recordings of a servo of ratio 80, 8 s at 1 kHz each: far and back, two sines, slowly to and fro."""
+    """Three recordings of a servo of ratio 80, 8 s at 1 kHz each, no faster than ``top_speed`` [rad/s]: far and back, two sines, slowly to and fro."""
     servo = Servo(
         inertia=2e-5,
         viscous=1e-4,
         dry=0.02,
         torque_constant=TORQUE_CONSTANT,
-        top_speed=300.0,
+        top_speed=top_speed,
         top_current=8.0,
         ratio=RATIO,
         share_behind=0.3,

@@ -13,8 +13,8 @@ from tests.servo_csv import TORQUE_CONSTANT, write_servo
 INERTIA, DRY, BEHIND = 2e-5, 0.02, 0.3  # kg m2 and N m of the servo, and the share of both behind its gear
 
 
-def found_in(folder, hidden):
-    files = write_servo(folder, hidden)
+def found_in(folder, hidden, **how):
+    files = write_servo(folder, hidden, **how)
     init.run(str(folder / "servo"), files, torque_constant=TORQUE_CONSTANT)
     recordings = [load(file, import_map=folder / "servo_map.yaml") for file in files]
     return discover(recordings, load_model(folder / "servo.yaml"))
@@ -41,3 +41,10 @@ def test_beside_play_each_side_is_within_what_is_told_of_it(tmp_path):
 def test_without_play_it_is_said_that_only_the_sum_is_told(tmp_path):
     found = found_in(tmp_path, None)
     assert any("tell only sums: inertia and dry friction of motor and output" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize("top_speed", [15.0, 60.0])
+def test_slow_motion_beside_play_is_not_told_as_another_machine(tmp_path, top_speed):
+    """Little of what is left of such a recording goes with an inertia or a friction of its own."""
+    found = found_in(tmp_path, {"backlash": {"width": 0.003 if top_speed < 20.0 else 0.006}}, top_speed=top_speed)
+    assert not [warning for warning in found.warnings if "than the other recordings do" in warning]
