@@ -18,7 +18,7 @@ def write_servo(
     signals: tuple[str, ...] = SIGNALS,
     top_speed: float = 300.0,
 ) -> list[Path]:
-    """Three recordings of a servo of ratio 80, 8 s at 1 kHz each, no faster than ``top_speed`` [rad/s]: far and back, two sines, slowly to and fro."""
+    """Three recordings of a servo of ratio 80, 8 s at 1 kHz each: far and back, two sines, slowly to and fro."""
     servo = Servo(
         inertia=2e-5,
         viscous=1e-4,

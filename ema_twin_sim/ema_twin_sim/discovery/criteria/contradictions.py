@@ -36,7 +36,7 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
         covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(columns)) / 0.5**2)
         moves.append(covariance @ (slopes.T @ f.residual[part]) / scale)
         errors.append(np.sqrt(np.diag(covariance)))
-        explain.append([_explains(column, f.residual[part]) for column in slopes.T])
+        explain.append([_explains(slopes, k, f.residual[part]) for k in range(len(columns))])
     away = np.array(moves) - np.median(moves, axis=0)
     found = []
     for o, shares, sure, parts in zip(problem.observations, away, errors, explain, strict=True):
@@ -50,7 +50,16 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _explains(column: np.ndarray, residual: np.ndarray) -> float:
-    """The share of a residual (m,), squared, that one column (m,) takes away at most."""
-    both = float(column @ column) * float(residual @ residual)
-    return float(column @ residual) ** 2 / both if both > 0.0 else 0.0
+def _explains(slopes: np.ndarray, which: int, residual: np.ndarray) -> float:
+    """The share of a residual (m,), squared, that one column of ``slopes`` (m, k) takes away: alone, or where that is
+    less, of what the other columns leave of it.
+    """
+    column, others = slopes[:, which], np.delete(slopes, which, axis=1)
+    beside, _ = np.linalg.qr(others)
+    left = [values - beside @ (beside.T @ values) for values in (column, residual)]
+    return min(_alike(column, residual), _alike(*left))
+
+
+def _alike(one: np.ndarray, other: np.ndarray) -> float:
+    both = float(one @ one) * float(other @ other)
+    return float(one @ other) ** 2 / both if both > 0.0 else 0.0
