@@ -8,6 +8,9 @@ from ema_twin_sim.commands.wording import left_sentence, removed_words, surest_s
 from ema_twin_sim.comparison.running_comparison import share_removed
 from ema_twin_sim.criteria import SUREST
 from ema_twin_sim.discovery.cautions import of_open_constants
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
 FLOOR = 15e-3  # A
 
@@ -30,3 +33,15 @@ def test_what_the_last_step_leaves_is_told_beside_the_noise():
 def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
     assert f"{100.0 * SUREST:.0f} %" in surest_sentence()
     assert "less than 10 % of the drive's torque" in of_open_constants()
+
+
+@pytest.mark.parametrize("reverses", [False, True])
+def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
+    loaded = stock.with_effect("constant_load", {"torque": 0.01})
+    commands = ("ramp:0.05", "sine:0.02:0.5" if reverses else "ramp:0.1")
+    runs = [
+        virtual_bench(loaded, parse_command(command), 5.0, name=f"run {k}", seed=k)
+        for k, command in enumerate(commands)
+    ]
+    said = [text for text in discover(runs, stock).warnings if "record a motion there and back" in text]
+    assert len(said) == (0 if reverses else 1)

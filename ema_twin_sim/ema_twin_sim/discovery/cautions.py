@@ -13,6 +13,10 @@ def of_open_constants() -> str:
 
 
 ALONE = ("with one recording the result is not validated on unseen data; give several",)
+ONE_DIRECTION = (
+    "no recording reverses: in one direction a constant load, friction that differs by direction and dry friction are "
+    "one and the same torque, and whichever is told may be another of them; record a motion there and back",
+)
 WITHOUT_TORQUE = (
     "no current and no torque was recorded: play, delays and angles are told as they are; torques, stiffnesses and "
     "dampings hold beside the inertia that the model file has, and are as far off as that is",

@@ -30,10 +30,11 @@ from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
-from .cautions import ALONE, WITHOUT_TORQUE, of_open_constants
+from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
 from .ending import why_ended
+from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .left_over import left_over_words
@@ -198,6 +199,7 @@ def discover(
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
+    points = any(o.of_points for o in problem.observations)  # which may be held, and move nowhere
     errors = with_division(standard_errors(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
@@ -227,6 +229,7 @@ def discover(
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
             *((of_open_constants(),) if problem.size and model.is_open and known and best.hypothesis.added else ()),
+            *(ONE_DIRECTION if problem.size and not points and not reverses(problem) else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
             *own_not_shown(recordings, without),
