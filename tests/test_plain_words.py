@@ -39,9 +39,7 @@ def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
 def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
     loaded = stock.with_effect("constant_load", {"torque": 0.01})
     commands = ("ramp:0.05", "sine:0.02:0.5" if reverses else "ramp:0.1")
-    runs = [
-        virtual_bench(loaded, parse_command(command), 5.0, name=f"run {k}", seed=k)
-        for k, command in enumerate(commands)
-    ]
+    driven = [parse_command(command) for command in commands]
+    runs = [virtual_bench(loaded, one, 5.0, name=f"run {k}", seed=k) for k, one in enumerate(driven)]
     said = [text for text in discover(runs, stock).warnings if "record a motion there and back" in text]
     assert len(said) == (0 if reverses else 1)

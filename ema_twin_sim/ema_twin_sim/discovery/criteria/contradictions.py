@@ -39,9 +39,9 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
         explain.append([_explains(slopes, k, f.residual[part]) for k in range(len(columns))])
     away = np.array(moves) - np.median(moves, axis=0)
     found = []
-    for o, shares, sure, parts in zip(problem.observations, away, errors, explain, strict=True):
-        for name, share, error, part in zip(columns, shares, sure, parts, strict=True):
-            if abs(share) > max(SMALL, APART * error) and part > PART:
+    for o, shares, sure, taken in zip(problem.observations, away, errors, explain, strict=True):
+        for name, share, error, gain in zip(columns, shares, sure, taken, strict=True):
+            if abs(share) > max(SMALL, APART * error) and gain > PART:
                 more = "more" if share > 0.0 else "less"
                 found.append(
                     f"{o.name}: needs {abs(share):.0%} {more} {name} than the other recordings do; it may be of "
