@@ -307,7 +307,7 @@ class ReplayNode(Node):
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
-    return run(ReplayNode)
+    return run(ReplayNode, PARAMETERS)
 
 
 if __name__ == "__main__":
