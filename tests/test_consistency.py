@@ -152,6 +152,26 @@ def test_both_encoders_tell_a_gear_ratio_that_is_another_machines(driven, stock,
     assert "output_position is" in found.what and "machine.gear_ratio (with 124 they fit)" in found.remedy
 
 
+@pytest.mark.parametrize("ratio", [77.5, 100.0, 150.0])
+def test_a_ratio_no_unit_explains_is_told_where_the_shafts_part_by_the_angle_alone(stock, ratio):
+    """A factor of 1.6 is no usual mistake, and a spring could make it: but not of an angle that no torque follows."""
+    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    inertia = replace(stock.constants["machine.motor_inertia"], tolerance=math.inf)
+    for unknown in (stock, replace(stock, constants={**stock.constants, "machine.motor_inertia": inertia})):
+        wrong = unknown.with_value("machine.gear_ratio", ratio)
+        assert "with 124 they fit" in str(next(inconsistencies(ramp, wrong)))
+
+
+def test_a_shaft_that_winds_up_under_its_load_is_no_wrong_gear_ratio(stock):
+    """An output on a spring winds its shaft up by the angle, and the torque goes with it."""
+    held = stock.with_effect("spring_load", {"stiffness": 31.0})
+    wound = held.with_effect("shaft_compliance", {"stiffness": 1.0, "damping": 0.02})
+    swung = virtual_bench(wound, parse_command("sine:0.02:0.5"), 5.0, name="swung", seed=4, origins=(0.0, 0.0))
+    turned = swung.signals["motor_position"] / held.value("machine.gear_ratio")
+    assert 0.7 < np.ptp(swung.signals["output_position"]) / np.ptp(turned) < 0.9
+    assert not list(inconsistencies(swung, held))
+
+
 def test_an_output_that_swings_on_its_shaft_is_no_wrong_gear_ratio(driven, stock):
     """Near its resonance it goes farther than the motor turns it; on a ramp both go the same way."""
     swung = scaled(driven, output_position=1.6)

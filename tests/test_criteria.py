@@ -24,6 +24,7 @@ METHOD = {
     "measured/smoothing.py": "REACH DERIVATIVE_REACH",
     "measured/spoilt_samples.py": "NEIGHBOURS",
     "measured/switching_ripple.py": "_FINER",
+    "measured/twist.py": "SMOOTHED FEWEST AT_ENDS",
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),

@@ -221,7 +221,7 @@ def _as_yaml(profile: QoSProfile) -> str:
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
-    return run(RecordNode)
+    return run(RecordNode, PARAMETERS)
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from .messages import header
 from .parameters import Declaration, check_all, declare, refuse_unknown
 from .playback import Playback
 from .played_run import PlayedRun
+from .reached_rate import ReachedRate, rate_in_words
 from .sample_codec import write_state
 from .spin import run, steady_timer
 
@@ -106,6 +107,7 @@ class ReplayNode(Node):
         self._waits_until = time.monotonic_ns() + int(given["patience"] * 1e9)
         self._wanted_readers = given["subscribers"]
         self._worst_delay = 0
+        self._reached = ReachedRate(recording.sample_period)
 
         self._publisher = KeepAllPublisher(self, EmaState, "bench/state", qos.STATE)
         self._run_publisher = self.create_publisher(Run, "bench/run", qos.LATEST)
@@ -268,12 +270,17 @@ class ReplayNode(Node):
 
     def _report(self) -> diagnostics.Report:
         playback = self._playback
+        reached = None
+        if self._started and not (playback.ended or playback.paused):
+            reached = self._reached.look(self.sent, time.monotonic_ns())
+        else:
+            self._reached.pause()
         if not self._started:
             condition = f"waits for {self._wanted_readers} readers, {self._publisher.readers} are there"
         elif playback.ended:
             condition = "ended, every sample is sent"
         else:
-            condition = "paused" if playback.paused else f"playing at {self._rate_in_words()}"
+            condition = "paused" if playback.paused else f"playing at {rate_in_words(playback.rate, reached)}"
         if self._behind:
             condition = "a reader is behind; waits for it, nothing is lost"
         return diagnostics.Report(
@@ -282,17 +289,14 @@ class ReplayNode(Node):
             {
                 "run": self.run,
                 "position": f"{playback.position(time.monotonic_ns()) * 1e-9:.2f} of {self._recording.duration:.2f} s",
-                "rate": self._rate_in_words(),
+                "rate": rate_in_words(playback.rate, None),
+                "rate reached": None if reached is None else f"{reached:.3g} × real time",
                 "samples sent": f"{self.sent} of {len(self._recording)}",
                 "readers": self._publisher.readers,
                 "sent again, a reader was behind": self._publisher.repeated,
                 "longest delay": f"{self._worst_delay * 1e-6:.1f} ms",
             },
         )
-
-    def _rate_in_words(self) -> str:
-        rate = self._playback.rate
-        return f"{rate:g} × real time" if rate else "any speed, as fast as it goes"
 
     def destroy_node(self) -> None:
         """Say how many samples were sent, where the end was not reached."""
@@ -303,7 +307,7 @@ class ReplayNode(Node):
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
-    return run(ReplayNode)
+    return run(ReplayNode, PARAMETERS)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 
 import rclpy
 from rclpy.clock import Clock
@@ -27,6 +28,8 @@ from rclpy.utilities import remove_ros_args
 from ema_bench_replay.errors import InputError
 
 from .loopback import keep_to_this_machine
+from .parameter_help import parameter_help
+from .parameters import Declaration
 
 try:
     from rclpy.experimental import EventsExecutor as _Executor
@@ -115,20 +118,27 @@ def leave_graph(nodes: Iterable[Node], context: Context | None = None) -> None:
     faulthandler.cancel_dump_traceback_later()
 
 
-def run(make_node: Callable[[], Node], arguments: Sequence[str] | None = None) -> int:
+def run(
+    make_node: Callable[[], Node], parameters: Sequence[Declaration] = (), arguments: Sequence[str] | None = None
+) -> int:
     """Run one node in this process until it says `finished`, or SIGINT or SIGTERM arrives.
 
     It logs that it runs: what its `ready_words` say, where it has any.
 
-    `arguments` are the command line's, program name included, where they are not the process's own.
+    `arguments` are the command line's, program name included, where they are not the process's own. Of a node that has
+    `parameters`, `--help` prints these.
 
     Returns:
         The process's exit status: 0, or 2 where the node refused its arguments, with one line on standard error.
     """
+    words = list(sys.argv if arguments is None else arguments)
+    if parameters and {"-h", "--help"}.intersection(words[1:]):
+        print(parameter_help(Path(words[0]).stem, parameters))
+        return 0
     with signals_end_the_loop():
         node = None
         try:
-            _initialise(list(sys.argv if arguments is None else arguments))
+            _initialise(words)
             node = make_node()
             executor = make_executor([node])
             node.get_logger().info(getattr(node, "ready_words", "") or "running")

@@ -36,6 +36,7 @@ def run(
     from ..effects import find_effect
     from ..model import load_model, save_model
     from ..own_effects import load_effect, load_effects
+    from ..simulation.assembly import assemble
 
     load_effects(with_files or ())
     own = effect.endswith(".py")
@@ -49,6 +50,7 @@ def run(
         (choices if name in found.options else parameters)[name] = value
     before = load_model(model)
     after = before.with_effect(found.id, parameters, choices)  # type: ignore[arg-type]
+    assemble(after)  # what no twin can be made of is refused here, and not by the next command
     save_model(after, output, force=force)
     name = list(after.effects)[-1]
     instance = after.effects[name]

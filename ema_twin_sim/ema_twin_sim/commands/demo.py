@@ -43,7 +43,11 @@ def run(
     ] = Path("demo"),
     rate: Annotated[
         float,
-        typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed of the live replay; 1: real time."),
+        typer.Option(
+            metavar="TIMES",
+            parser=options.number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
+            help="Speed of the live replay; 1: real time.",
+        ),
     ] = 1.0,
 ) -> None:
     """Show the loop: a model misses its bench, discover finds why, live the error falls. Replaces what a demo left."""

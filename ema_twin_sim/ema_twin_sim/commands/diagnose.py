@@ -10,7 +10,16 @@ from . import options
 from .discover import show_doubts
 from .output import console, say, status
 from .tables import ReportTable, is_narrow
-from .wording import effect_words, no_effect_words, options_words, order_sentences, removed_words, verdict_of
+from .wording import (
+    NOT_IN_CATALOGUE,
+    effect_words,
+    no_effect_words,
+    options_words,
+    order_sentences,
+    removed_words,
+    surest_sentence,
+    verdict_of,
+)
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -100,7 +109,7 @@ def show(diagnosis: Diagnosis) -> None:
     table.add_section()
     for label, probability in (
         (no_effect_words(diagnosis.beyond_noise), diagnosis.none),
-        ("something else", diagnosis.unknown),
+        (NOT_IN_CATALOGUE, diagnosis.unknown),
     ):
         table.add_row(label, _bar(probability), "", "", style="" if probability > 0.0 else "dim")
     console.print(table)
@@ -108,7 +117,7 @@ def show(diagnosis: Diagnosis) -> None:
         say(
             "Probability: how sure it is that the effect is missing; several may be missing at once. Error removed: "
             "the share of the error above the sensors' noise that goes, on data not fitted to, with this effect beside "
-            "all others that were found; discover's steps count one after another."
+            f"all others that were found; discover's steps count one after another. {surest_sentence()}"
             + (f" {left_out} more of probability 0 are left out (--json has them)." if left_out else ""),
             style="dim",
         )

@@ -33,7 +33,7 @@ ema-twin init friction_curve.csv -o press --operating-points      (each row is s
 
 ema-twin init -o press      (asks which columns your traces have)"""
 
-LEAST_RATIO = 1e-3
+LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
 SHAFTS = "motor", "output"
 _QUESTIONS = {
     "time": "Column of the time, with its unit, as in 'time [s]'",
@@ -55,10 +55,20 @@ def run(
         typer.Argument(metavar="[TRACE]…", help="CSVs of the machine; without them, questions are asked."),
     ] = None,
     gear_ratio: Annotated[
-        float | None, typer.Option(min=LEAST_RATIO, metavar="RATIO", help="Turns of the motor per turn of the output.")
+        float | None,
+        typer.Option(
+            metavar="RATIO",
+            parser=options.number(LEAST_RATIO, MOST_RATIO, "turns of the motor per turn of the output"),
+            help="Turns of the motor per turn of the output.",
+        ),
     ] = None,
     torque_constant: Annotated[
-        float | None, typer.Option(min=1e-6, metavar="N_M_PER_A", help="Torque (N m, or N) per ampere.")
+        float | None,
+        typer.Option(
+            metavar="N_M_PER_A",
+            parser=options.number(1e-6, options.LARGEST, "N m/A (of a linear machine N/A)"),
+            help="Torque (N m, or N) per ampere, from the motor's data sheet.",
+        ),
     ] = None,
     import_map: Annotated[
         str | None,
@@ -80,6 +90,7 @@ def run(
     from ..model.model_file import check_model_name
     from ..new_machine.drafts import checked_drafts
     from ..new_machine.given import Given
+    from ..new_machine.other_traces import differing_columns
     from ..new_machine.told import assumed_units
 
     place = Path(output)
@@ -100,6 +111,9 @@ def run(
         guesses, given = _asked(given)
     else:
         guesses, holed = _guessed(traces[0], gear_ratio, operating_points)
+        _warn_of_contradicted_names(guesses)
+        for sentence in differing_columns(traces[0], guesses, traces[1:]):
+            warn(sentence)
     drafts = checked_drafts(guesses, given, traces)
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         _write(path, text, force)
@@ -136,6 +150,20 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     say(f"{place}: {_to_look_at(model.text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
+
+
+def _warn_of_contradicted_names(guesses: Guesses) -> None:
+    """Warn of columns whose name tells one quantity and whose unit another, as where two units were swapped."""
+    from ..new_machine.columns import contradicted_quantity
+    from ..new_machine.header_words import header_words
+
+    for guess in guesses.signals:
+        if said := contradicted_quantity(guess.column):
+            unit = header_words(guess.column)
+            warn(
+                f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
+                f"{guess.signal.replace('_', ' ')}; where the unit is wrong, correct the header and run init again"
+            )
 
 
 def _warn_of_foreign_units(guesses: Guesses) -> None:

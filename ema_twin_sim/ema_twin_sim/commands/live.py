@@ -40,7 +40,12 @@ def run(
     model: options.ModelName = "polito_bench",
     input: options.Input = None,
     rate: Annotated[
-        float, typer.Option(min=0.0, max=1000.0, callback=options.finite, help="Speed; 0: as fast as it goes.")
+        float,
+        typer.Option(
+            metavar="TIMES",
+            parser=options.number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
+            help="Speed of playing, in times real time; 0: as fast as it goes.",
+        ),
     ] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again after the last sample, until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
@@ -137,7 +142,7 @@ def run(
                 stop=stop,
             )
         # before the views are closed: what the run ended with does not depend on a viewer, nor on a disk for the view
-        show(result, 0.0 if loop or stop.is_set() else rate)
+        show(result, 0.0 if loop or stop.is_set() else rate, loop=loop)
         write_json(json, as_json(result))
         if output is not None and result.twin is not None:
             save_model(result.twin, output, force=force)
@@ -174,11 +179,24 @@ def as_json(result: LiveResult) -> dict[str, object]:
     }
 
 
-def show(result: LiveResult, rate: float = 0.0) -> None:
+def how_much(result: LiveResult, *, loop: bool = False) -> str:
+    """How many samples the errors are of, in words: whether one is missing, and where it was ended before the last.
+
+    Each pass of a ``loop`` is compared by itself: what is told is of the one that it was ended in.
+    """
+    compared, missing, expected = (result.counts[name] for name in ("compared", "missing", "expected"))
+    count = f"{compared} of {expected} samples compared"
+    if result.complete:
+        return f"all {compared} samples compared" + (" in the last pass" if loop else "")
+    if missing:
+        return f"{count}, {missing} missing"
+    return f"{count}, {'ended during this pass of the loop' if loop else 'ended before the last'}, none missing"
+
+
+def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
     """Print what the nodes ended with, and whether the twin kept up with the ``rate`` of playing (0: none asked)."""
     console.print(
-        f"\n[bold]{result.name}[/bold] beside {result.model}, live: {result.samples} samples compared "
-        f"({'complete' if result.complete else 'not complete'}), input {result.input}"
+        f"\n[bold]{result.name}[/bold] beside {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
     )
     for name in shown_signals(result.input, result.signals):
         signal = result.signals[name]

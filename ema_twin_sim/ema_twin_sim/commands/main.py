@@ -7,6 +7,7 @@ interrupted.
 from __future__ import annotations
 
 import os
+import re
 import sys
 from typing import Annotated
 
@@ -94,7 +95,8 @@ def main() -> None:
             usage = f" (see: {context.command_path} --help)" if context else ""
             if not error.format_message():  # called without a verb: the help has been printed
                 start.finish(2)
-            _end(f"error: {error.format_message()}{usage}", 2)
+            refused = re.sub(r"^Invalid value for '([^']+)': ", r"\1: ", error.format_message())
+            _end(f"error: {refused}{usage}", 2)
         if os.environ.get("EMA_TWIN_DEBUG"):
             raise
         kind = type(error).__name__

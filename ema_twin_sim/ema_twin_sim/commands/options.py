@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -11,11 +12,20 @@ LARGEST = 1e9
 """No time [s], angle [rad] or factor on the command line is larger."""
 
 
-def finite(value: float | None) -> float | None:
-    """The callback of every option that takes a number; raises a usage error for what is no usable one."""
-    if value is not None and not abs(value) <= LARGEST:
-        raise typer.BadParameter(f"{value} is no finite number up to {LARGEST:g}.")
-    return value
+def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
+    """The parser of an option that takes a number of that unit; a usage error with its bounds refuses any other."""
+
+    def parsed(text: str) -> float:
+        bounds = f"give {lower:g} to {upper:g} {unit}"
+        try:
+            value = float(text)
+        except ValueError:
+            raise typer.BadParameter(f"{text} is no number; {bounds}") from None
+        if not lower <= value <= upper:
+            raise typer.BadParameter(f"{value:g} is out of range; {bounds}")
+        return value
+
+    return parsed
 
 
 def _model_names(incomplete: str) -> list[str]:
@@ -30,6 +40,8 @@ def effect_names(incomplete: str) -> list[str]:
 
     return [id for id in catalogue() if id.startswith(incomplete)]
 
+
+SECONDS = number(-LARGEST, LARGEST, "s")
 
 Runs = Annotated[list[Path], typer.Argument(metavar="RUN", help="Recordings: MCAP files, CSVs, or folders of either.")]
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="A recording: MCAP file, folder that import wrote, or CSV.")]
@@ -84,10 +96,10 @@ Rrd = Annotated[
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[
-    float | None, typer.Option("--from", metavar="S", callback=finite, help="Leave out what is before, in seconds.")
+    float | None, typer.Option("--from", metavar="S", parser=SECONDS, help="Leave out what is before, in seconds.")
 ]
 To = Annotated[
-    float | None, typer.Option("--to", metavar="S", callback=finite, help="Leave out what is after, in seconds.")
+    float | None, typer.Option("--to", metavar="S", parser=SECONDS, help="Leave out what is after, in seconds.")
 ]
 Input = Annotated[
     str | None,
@@ -97,7 +109,7 @@ Input = Annotated[
 ]
 Step = Annotated[
     float | None,
-    typer.Option("--step", metavar="S", callback=finite, help="Integration step in seconds; by default the model's."),
+    typer.Option("--step", metavar="S", parser=SECONDS, help="Integration step in seconds; by default the model's."),
 ]
 JsonFile = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Also write the result here, machine-readable.")

@@ -44,14 +44,26 @@ def run(
         typer.Option("-o", "--output", metavar="COMMAND.yaml", help="Also write the command, for simulate --command."),
     ] = None,
     max_speed: Annotated[
-        float | None, typer.Option(min=1e-9, callback=options.finite, help="Limit of the output's speed, rad/s.")
+        float | None,
+        typer.Option(
+            metavar="RAD_PER_S",
+            parser=options.number(1e-9, options.LARGEST, "rad/s"),
+            help="Limit of the output's speed, rad/s.",
+        ),
     ] = None,
     max_travel: Annotated[
         float | None,
-        typer.Option(min=1e-9, callback=options.finite, help="Limit of its travel from the start, either way, rad."),
+        typer.Option(
+            metavar="RAD",
+            parser=options.number(1e-9, options.LARGEST, "rad"),
+            help="Limit of its travel from the start, either way, rad.",
+        ),
     ] = None,
     max_current: Annotated[
-        float | None, typer.Option(min=1e-9, callback=options.finite, help="Limit of the motor's current, A.")
+        float | None,
+        typer.Option(
+            metavar="A", parser=options.number(1e-9, options.LARGEST, "A"), help="Limit of the motor's current, A."
+        ),
     ] = None,
     with_files: options.WithFiles = None,
     without: options.Without = None,

@@ -36,15 +36,28 @@ def run(
     output: Annotated[Path, typer.Option("-o", "--output", metavar="RUN", help="RUN.mcap or RUN.CSV to write.")],
     seconds: Annotated[
         float | None,
-        typer.Option(callback=options.finite, help="Duration in seconds; by default the command file's, else 20."),
+        typer.Option(
+            metavar="S", parser=options.SECONDS, help="Duration in seconds; by default the command file's, else 20."
+        ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
     noise: Annotated[bool, typer.Option("--noise/--no-noise", help="Add sensor noise.")] = True,
     start: Annotated[
-        float, typer.Option("--offset", callback=options.finite, help="Added to the command, in rad or rad/s.")
+        float,
+        typer.Option(
+            "--offset",
+            metavar="SIZE",
+            parser=options.number(-options.LARGEST, options.LARGEST, "rad or rad/s"),
+            help="Added to the command, in rad or rad/s.",
+        ),
     ] = 0.0,
     phase: Annotated[
-        float, typer.Option(callback=options.finite, help="Phase that a periodic command begins with, in rad.")
+        float,
+        typer.Option(
+            metavar="RAD",
+            parser=options.number(-options.LARGEST, options.LARGEST, "rad"),
+            help="Phase that a periodic command begins with, in rad.",
+        ),
     ] = 0.0,
     step: options.Step = None,
     with_files: options.WithFiles = None,

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..comparison.beyond_noise import is_noise, times_words, told_share
+from ..criteria import NOISY, SUREST
 from ..listing import listed
 from ..quantities import quantity
 
@@ -60,13 +61,33 @@ def dependence_words(depends_on: Iterable[str]) -> str:
 
 
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
-    """How much of an error went: ``99.9 %``, a dash where there was none.
+    """How much of an error went: ``99.9 %``, a dash where there was none. Only where all of it went, 100 %.
 
     ``farther`` where it grew, from an RMSE of ``before`` to one of ``after``.
     """
     if share is None:
         return "–"
-    return "farther" if after > (1.0 + _NOTHING) * before else f"{100.0 * told_share(share):.1f} %"
+    if after > (1.0 + _NOTHING) * before:
+        return "farther"
+    told = told_share(share)
+    return "over 99.9 %" if 1.0 - _NOTHING <= told < 1.0 else f"{100.0 * told:.1f} %"
+
+
+def left_sentence(unseen: Unseen | UnseenErrors) -> str:
+    """What the steps leave, beside the sensors' noise; empty where that is all."""
+    floor = unseen.noise_floor
+    if not floor > 0.0 or unseen.rmse[-1] <= NOISY * floor:
+        return ""
+    error = f"the error of the {unseen.signal.replace('_', ' ')}"
+    return f"After the last step {error} is still {times_words(unseen.rmse[-1] / floor)} the sensors' noise."
+
+
+def surest_sentence() -> str:
+    """Why no probability is told as higher than it is."""
+    return (
+        f"No answer is told as surer than {100.0 * SUREST:.0f} %: so many of them were right on machines whose missing "
+        "effect was known."
+    )
 
 
 def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
@@ -173,6 +194,10 @@ def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequenc
 def no_effect_words(beyond: Mapping[str, float]) -> str:
     """What may be so probably missing: ``nothing``, or ``no effect`` where something else is left."""
     return "no effect" if beyond else "nothing"
+
+
+NOT_IN_CATALOGUE = "an effect that the catalogue lacks"
+"""What the rest of the probability is of."""
 
 
 def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:

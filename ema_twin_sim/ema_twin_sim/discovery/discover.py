@@ -30,10 +30,11 @@ from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
 from ..simulation.angle_origins import without_common_zero
-from .cautions import ALONE, OPEN_CONSTANTS, WITHOUT_TORQUE
+from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
 from .criteria.explained import apart, explained
 from .ending import why_ended
+from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .left_over import left_over_words
@@ -43,6 +44,7 @@ from .search.search_order import in_another_order, search_without_first
 from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import less_what_wandering_explains, wandering_after_all
+from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
@@ -196,7 +198,9 @@ def discover(
     unseen = unseen.shown(in_si(model))
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
-    errors = standard_errors(problem, best)
+    left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
+    points = any(o.of_points for o in problem.observations)  # which may be held, and move nowhere
+    errors = with_division(standard_errors(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
     added = tuple(dict.fromkeys(best.hypothesis.added[name].effect for name in order))
@@ -220,10 +224,12 @@ def discover(
             *unusual_currents(given_recordings, given),
             *contradictions(problem, best),
             *far_off(best),
+            *(of_sums(problem, best, left) if refitted else ()),
             *(off_by_one_factor(refitted) if model.is_open else ()),
             *(on_bounds(problem, best, errors) if problem.size else ()),
             *without_common_zero(recordings, best.hypothesis.model().active.values()),
-            *(OPEN_CONSTANTS if problem.size and model.is_open and known and best.hypothesis.added else ()),
+            *((of_open_constants(),) if problem.size and model.is_open and known and best.hypothesis.added else ()),
+            *(ONE_DIRECTION if problem.size and not points and not reverses(problem) else ()),
             *(ALONE if len(recordings) == 1 else ()),
             *(() if problem.size else WITHOUT_TORQUE),
             *own_not_shown(recordings, without),

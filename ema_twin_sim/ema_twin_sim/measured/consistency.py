@@ -28,6 +28,7 @@ from ..simulation.assembly import assemble
 from ..simulation.required import required_torque
 from .observation import Observation, observe
 from .smoothing import smooth_at
+from .twist import parts_by_angle
 
 WINDOW = 0.1  # s over which ways are compared
 FEWEST = 30  # samples that do
@@ -112,8 +113,16 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     off = [
         factor
         for factor in _factors(recording, model)
-        if abs(factor.value - 1.0) > factor.relation.off
-        and (_mistake(factor, model) or (abs(factor.value - 1.0) > factor.relation.beyond and not swings(factor)))
+        if (
+            abs(factor.value - 1.0) > factor.relation.off
+            and (_mistake(factor, model) or (abs(factor.value - 1.0) > factor.relation.beyond and not swings(factor)))
+        )
+        or (
+            factor.relation is TWO_SHAFTS
+            and abs(factor.value - 1.0) > SMALL
+            and not swings(factor)
+            and parts_by_angle(recording, model)
+        )
     ]
     named = [name for factor in off for name in factor[:2]]
     for found in off:

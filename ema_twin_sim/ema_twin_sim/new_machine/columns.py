@@ -33,6 +33,8 @@ _STEMS: dict[str, str] = {
 }
 """Parts of words that tell a quantity, in the order in which they are looked for."""
 
+_ENCODER = r"encoder|geber|^enc$|codeur"
+
 _SYMBOLS: dict[str, frozenset[str]] = {
     "time": frozenset({"t"}),
     "torque": frozenset({"m", "tq"}),
@@ -225,6 +227,22 @@ def _word_quantity(words: Sequence[str]) -> str | None:
         next((quantity for word in words for quantity, known in _SYMBOLS.items() if word in known), None),
     )
     return "speed" if found == "position" and "dot" in words else found
+
+
+def contradicted_quantity(name: str) -> str:
+    """The quantity that a column's words tell where its unit is plainly of another; empty where both agree.
+
+    A torque may be told in amperes, a speed comes from an encoder, and a symbol of one letter tells too little.
+    """
+    read = header_words(name)
+    said = {quantity for quantity, pattern in _STEMS.items() if _has(read.words, pattern)}
+    if read.quantity is None or read.in_doubt or not said or read.quantity in said:
+        return ""
+    if read.quantity == "current" and "torque" in said:
+        return ""
+    if read.quantity == "speed" and _has(read.words, _ENCODER + r"|dot"):
+        return ""
+    return next(quantity for quantity in _STEMS if quantity in said)
 
 
 def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:

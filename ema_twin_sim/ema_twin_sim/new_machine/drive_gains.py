@@ -15,6 +15,7 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, SMALL
 from ..measured.smoothing import gaussian, smooth
+from ..model.constants import CONSTANTS
 
 _LAGS = np.arange(0.0, 12.25, 0.25)  # samples by which the torque may follow
 _WIDTHS = (0.0, 2.0, 5.0, 12.0, 30.0)  # samples over which noise is smoothed away, no more than it takes
@@ -68,4 +69,8 @@ def _by_lag(signals: np.ndarray, within: np.ndarray) -> DriveGains | None:
         left = float(np.mean((torque[kept] - rows @ found) ** 2))
         if left < least and found[0] > 0.0 and found[1] > 0.0:
             best, least = found, left
-    return None if best is None else DriveGains(float(best[0]), float(best[0] / best[1]))
+    if best is None:
+        return None
+    gains = DriveGains(float(best[0]), float(best[0] / best[1]))
+    times = CONSTANTS["drive.integral_time"]
+    return gains if times.lower <= gains.integral_time <= times.upper else None  # no controller has such a one

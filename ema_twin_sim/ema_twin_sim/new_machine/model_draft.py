@@ -22,6 +22,7 @@ from .given import Given
 from .shaft import (
     ALIKE,
     EXACT,
+    SAME_RATIO,
     Shaft,
     fastest_motion,
     positions_part,
@@ -93,7 +94,8 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
     assumed = (f"torque constant told at the joint, the gear in it: {at_joint} ({remedy})",) if at_joint else ()
     fastest = max(map(_fastest_of_motor(turns), recordings)) if recording.has("current") else 0.0
     question = question_about(given.torque_constant, turns, fastest, at_joint=bool(at_joint), motion=motion)
-    return ModelDraft("\n".join(lines) + "\n", assumed, (question,) if question else ())
+    questions = (question, _question_about_ratio(recording, given.gear_ratio, shaft))
+    return ModelDraft("\n".join(lines) + "\n", assumed, tuple(filter(None, questions)))
 
 
 def farthest(recordings: Sequence[Recording]) -> Recording:
@@ -167,6 +169,17 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
     if recording.motion == "rotary":
         return _Ratio(1.0, "assumed", "turns of the motor per turn of the output")
     return None
+
+
+def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaft) -> str:
+    """Whether a gear ratio that was given is this machine's, where both positions make it another; empty: no doubt."""
+    shown = ratio_of_positions(recording) if given and shaft.name == "motor" else None
+    if not given or shown is None or abs(abs(shown) / given - 1.0) <= SAME_RATIO:
+        return ""
+    return (
+        f"{recording.name}: the gear ratio was given as {given:g}, and both positions make it {abs(shown):.4g}; leave "
+        "--gear-ratio out to take that, or correct the unit or the counts of the position that is wrong"
+    )
 
 
 def _joint_constant(recordings: Sequence[Recording], given: float | None, ratio: float) -> str:

@@ -293,7 +293,7 @@ class MonitorNode(Node):
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
-    return run(MonitorNode)
+    return run(MonitorNode, PARAMETERS)
 
 
 if __name__ == "__main__":

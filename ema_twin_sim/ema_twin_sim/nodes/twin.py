@@ -96,7 +96,7 @@ class TwinNode(Node):
 def main() -> int:
     """Run the node in this process; returns the exit status."""
     logging.basicConfig(level=logging.INFO, format="%(message)s")  # that equations are being compiled
-    return run(TwinNode)
+    return run(TwinNode, PARAMETERS)
 
 
 if __name__ == "__main__":

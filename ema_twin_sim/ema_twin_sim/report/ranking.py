@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from ..commands.wording import (
+    NOT_IN_CATALOGUE,
     effect_words,
     groups_sentence,
     no_effect_words,
     options_words,
     removed_words,
+    surest_sentence,
     verdict_of,
 )
 from ..discovery.diagnose import Ranked
@@ -96,11 +98,11 @@ def _ranking(findings: Findings) -> Markup:
         )
     for said, probability in (
         (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
-        ("something else", findings.unknown),
+        (NOT_IN_CATALOGUE, findings.unknown),
     ):
         rows.append((said, bar(probability or 0.0, f"{100.0 * (probability or 0.0):.0f} %", "refused"), "", ""))
     note = (
-        "Probability: how sure it is that the effect is missing; several may be missing at once. "
+        f"Probability: how sure it is that the effect is missing; several may be missing at once. {surest_sentence()} "
         "Error removed: the share of the error above the sensors' noise that goes, on data not fitted to. "
         "± is one standard error."
     )

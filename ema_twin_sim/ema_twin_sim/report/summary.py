@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ..commands.wording import (
     NO_RUNNER_UP,
+    NOT_IN_CATALOGUE,
     effect_words,
     fit_sentences,
     groups_sentence,
@@ -167,7 +168,7 @@ def _probabilities(content: Content) -> str:
     assert findings is not None
     found = [entry for entry in findings.ranking if entry.found]
     none, unknown = (100.0 * (share or 0.0) for share in (findings.none, findings.unknown))
-    rest = f"{no_effect_words(findings.beyond_noise)} missing: {none:.0f} %, something else: {unknown:.0f} %"
+    rest = f"{no_effect_words(findings.beyond_noise)} missing: {none:.0f} %, {NOT_IN_CATALOGUE}: {unknown:.0f} %"
     if not found:
         return f"Probabilities: {rest}."
     each = listed(f"{effect_words(entry.effect)} {100.0 * entry.probability:.0f} %" for entry in found)

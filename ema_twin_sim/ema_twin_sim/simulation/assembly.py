@@ -115,7 +115,8 @@ def _check(model: Model, record: np.void) -> None:
     """Refuse what the plant cannot be made of, after all effects have had their say."""
     if record["two_inertia"] and not record["output_inertia"] > 0.0:
         raise InputError(
-            f"model {model.name}: machine.output_inertia is 0; a transmission with play or spring needs it"
+            f"model {model.name}: machine.output_inertia is 0, and a transmission with play or a spring needs it; "
+            "write what of the inertia is behind the gearbox as machine.output_inertia, and the rest as inertia"
         )
     if record["angle_errors"] > ANGLE_ERRORS:
         raise InputError(

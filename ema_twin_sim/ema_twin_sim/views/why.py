@@ -5,7 +5,7 @@ from __future__ import annotations
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words, no_effect_words, options_words, removed_words
+from ..commands.wording import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words, removed_words
 from ..quantities import estimate
 from ..report.findings import Findings, Signature
 from ..report.ranking import REFUSED, signature_chart, told_signatures, worth_showing
@@ -50,7 +50,7 @@ def _ranking(findings: Findings) -> list[Bar]:
         bars.append(Bar(name, 100.0 * entry.probability, text, AFTER if entry.found else FAINT))
     for name, share in (
         (f"{no_effect_words(findings.beyond_noise)} is missing", findings.none),
-        ("something else", findings.unknown),
+        (NOT_IN_CATALOGUE, findings.unknown),
     ):
         bars.append(Bar(name, 100.0 * (share or 0.0), f"{100.0 * (share or 0.0):.0f} %", FAINT))
     return bars

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, SMALL
+from ...criteria import APART, PART, SMALL
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 
@@ -19,7 +19,8 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """One sentence for each recording whose machine is not that of the others.
 
     Each recording is asked, to first order, by which share it alone would move inertia and frictions; the median of all
-    is what it is held against.
+    is what it is held against. What explains little of that recording's error is not said of it: beside play, in slow
+    motion, an inertia hardly shows, and takes on whatever impacts leave.
     """
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
     columns = {name: places[path] for name, path in CONSTANTS.items() if path in places}
@@ -29,20 +30,36 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     # scales are free per unit of the file's, whose value is no more than a guess where it is open
     guessed = np.array([free.prior is None for free in f.hypothesis.free])
     of_a_share = f.jacobian * np.where(guessed, f.hypothesis.values, 1.0)
-    moves, errors = [], []
+    moves, errors, explain = [], [], []
     for part in problem.torque_parts:
         slopes = of_a_share[part][:, [*columns.values()]]
         covariance = np.linalg.inv(slopes.T @ slopes / scale + np.eye(len(columns)) / 0.5**2)
         moves.append(covariance @ (slopes.T @ f.residual[part]) / scale)
         errors.append(np.sqrt(np.diag(covariance)))
+        explain.append([_explains(slopes, k, f.residual[part]) for k in range(len(columns))])
     away = np.array(moves) - np.median(moves, axis=0)
     found = []
-    for o, shares, sure in zip(problem.observations, away, errors, strict=True):
-        for name, share, error in zip(columns, shares, sure, strict=True):
-            if abs(share) > max(SMALL, APART * error):
+    for o, shares, sure, taken in zip(problem.observations, away, errors, explain, strict=True):
+        for name, share, error, gain in zip(columns, shares, sure, taken, strict=True):
+            if abs(share) > max(SMALL, APART * error) and gain > PART:
                 more = "more" if share > 0.0 else "less"
                 found.append(
                     f"{o.name}: needs {abs(share):.0%} {more} {name} than the other recordings do; it may be of "
                     "another machine, or of one in another state (then judge it alone), or show what no effect explains"
                 )
     return tuple(found)
+
+
+def _explains(slopes: np.ndarray, which: int, residual: np.ndarray) -> float:
+    """The share of a residual (m,), squared, that one column of ``slopes`` (m, k) takes away: alone, or where that is
+    less, of what the other columns leave of it.
+    """
+    column, others = slopes[:, which], np.delete(slopes, which, axis=1)
+    beside, _ = np.linalg.qr(others)
+    left = [values - beside @ (beside.T @ values) for values in (column, residual)]
+    return min(_alike(column, residual), _alike(*left))
+
+
+def _alike(one: np.ndarray, other: np.ndarray) -> float:
+    both = float(one @ one) * float(other @ other)
+    return float(one @ other) ** 2 / both if both > 0.0 else 0.0

@@ -1,0 +1,45 @@
+"""The traces of a machine beside the first, after which its map is drafted: whether the map reads them all alike."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.trace_table import read_table
+
+from .columns import Guesses, guess_columns
+
+
+def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> Iterator[str]:
+    """What a map of the ``first`` trace's columns leaves unread, or misses, in the ``others``: a sentence each.
+
+    Raises InputError where another trace has the same under other names, so that the map would not find it.
+    """
+    wanted = {guess.signal: guess.column for guess in guesses.signals}
+    if guesses.time is not None:
+        wanted["time"] = guesses.time.column
+    for other in others:
+        table = read_table(other, needed=lambda header: ())
+        missing = {signal: column for signal, column in wanted.items() if column not in table.header}
+        numbers = dict(zip(table.header, table.columns, strict=True))
+        empty = frozenset(name for name, column in numbers.items() if np.isnan(column).all())
+        theirs = guess_columns(table.header, empty, numbers)
+        named = {guess.signal: guess.column for guess in theirs.signals}
+        if theirs.time is not None:
+            named["time"] = theirs.time.column
+        if renamed := [f"{named[signal]!r} for {column!r}" for signal, column in missing.items() if signal in named]:
+            raise InputError(
+                f"{other}: names its columns otherwise than {first}: {', '.join(renamed)}; give both the same names, "
+                "or run init for each kind of file apart and make recordings of each by its map (ema-twin import --map)"
+            )
+        if missing:
+            yield f"{other}: has no column {', '.join(map(repr, missing.values()))}, as {first} has: read without"
+        known = {*wanted.values(), *guesses.left}
+        if more := [column for signal, column in named.items() if signal not in wanted and column not in known]:
+            yield (
+                f"{other}: its {', '.join(map(repr, more))} is not in {first}, after whose columns the map is made: "
+                f"not used; name {other} first to have it read"
+            )

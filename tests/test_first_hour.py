@@ -1,0 +1,150 @@
+"""The first hour with one's own machine: what is wrong in what one has is said at once, with what to do."""
+
+import re
+
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_twin_sim.commands import add, init, live
+from ema_twin_sim.commands.main import app
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes.live import LiveResult
+from tests.servo_csv import TORQUE_CONSTANT, write_servo
+
+
+@pytest.fixture(scope="module")
+def servo(tmp_path_factory):
+    return write_servo(tmp_path_factory.mktemp("servo"))
+
+
+def drafted(files, folder, capsys, **options):
+    """What `init` says of these files, in one line; its drafts are the folder's servo_map.yaml and servo.yaml."""
+    init.run(str(folder / "servo"), list(files), torque_constant=TORQUE_CONSTANT, **options)
+    printed = capsys.readouterr()
+    return re.sub(r"\s+", " ", printed.out + printed.err)
+
+
+def test_a_gear_ratio_that_the_encoders_contradict_is_asked_about_and_refused(servo, tmp_path, capsys):
+    assert "both positions make it" not in drafted(servo, tmp_path, capsys, gear_ratio=80.0)
+    told = drafted(servo, tmp_path, capsys, gear_ratio=50.0, force=True)
+    assert "the gear ratio was given as 50, and both positions make it 80; leave --gear-ratio out" in told
+    recordings = [load(file, import_map=tmp_path / "servo_map.yaml") for file in servo]
+    with pytest.raises(InputError, match=r"0\.625 times .* machine\.gear_ratio \(with 80 they fit\)"):
+        discover(recordings, load_model(tmp_path / "servo.yaml"))
+
+
+def swapped(files, folder, one, other):
+    """The files with the units of two columns swapped in their headers."""
+    written = []
+    for file in files:
+        header, _, rows = file.read_text().partition("\n")
+        names = [f"{one[0]} [{one[1]}]", f"{other[0]} [{other[1]}]"]
+        wrong = [f"{one[0]} [{other[1]}]", f"{other[0]} [{one[1]}]"]
+        for right, name in zip(names, wrong, strict=True):
+            assert right in header
+            header = header.replace(right, name)
+        written.append(folder / file.name)
+        written[-1].write_text(f"{header}\n{rows}")
+    return written
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        (
+            ("current", "A"),
+            ("motor speed", "rad/s"),
+            "current [rad/s]: its name says current, its unit rad/s",
+        ),
+        (("motor position", "rad"), ("motor speed", "rad/s"), "motor speed [rad]: its name says speed, its unit rad"),
+    ],
+    ids=["current and speed", "position and speed"],
+)
+def test_a_unit_that_contradicts_its_columns_name_is_told_at_once(servo, tmp_path, capsys, one, other, said):
+    assert "its name says" not in drafted(servo, tmp_path, capsys)
+    told = drafted(swapped(servo, tmp_path, one, other), tmp_path, capsys, force=True)
+    assert told.count("its name says") == 2 and said in told
+
+
+def renamed(file, folder, **names):
+    """The file with other names of some columns in its header."""
+    header, _, rows = file.read_text().partition("\n")
+    for name, other in names.items():
+        assert name in header
+        header = header.replace(name, other)
+    written = folder / file.name
+    written.write_text(f"{header}\n{rows}")
+    return written
+
+
+def test_traces_whose_columns_have_other_names_are_refused_with_a_way_out(servo, tmp_path, capsys):
+    """A map of the first one's columns would read nothing of them, and say nothing."""
+    for names in ({"current": "Strom"}, {"time": "Zeit"}):
+        other = renamed(servo[1], tmp_path, **names)
+        with pytest.raises(InputError, match=rf"'{next(iter(names.values()))} \[.*give both the same names, or"):
+            drafted([servo[0], other], tmp_path, capsys)
+
+
+def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
+    fewer = write_servo(tmp_path, signals=("motor_position", "output_position", "speed"))
+    told = drafted([servo[0], fewer[1]], tmp_path, capsys)
+    assert "run_1.csv: has no column 'current [A]', 'speed setpoint [rad/s]'" in told
+    told = drafted([fewer[0], servo[1]], tmp_path, capsys, force=True)
+    assert f"name {servo[1]} first to have it read" in told
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (("--gear-ratio", "0"), "--gear-ratio.*0 is out of range; give 0.001 to 100000 turns of the motor per turn of"),
+        (("--gear-ratio", "five"), "--gear-ratio.*five is no number; give 0.001 to 100000 turns"),
+        (("--torque-constant", "-1"), r"--torque-constant.*-1 is out of range; give 1e-06 to 1e\+09 N m/A"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_a_number_that_is_none_is_refused_with_its_bounds_and_unit(options, told):
+    with pytest.raises(Exception) as refused:
+        app(["init", "trace.csv", "-o", "servo", *options], standalone_mode=False)
+    assert re.search(told, refused.value.format_message())
+
+
+ONE_INERTIA = """
+version: 1
+machine:
+  name: one
+  inertia: {value: 1e-4, unit: kg m^2, tolerance: open, source: guess}
+  gear_ratio: {value: 80, unit: "1"}
+transmission: {kind: rigid}
+sensors: {}
+effects: {}
+"""
+
+
+def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
+    (tmp_path / "one.yaml").write_text(ONE_INERTIA)
+    new = tmp_path / "new.yaml"
+    with pytest.raises(
+        InputError, match=r"machine\.output_inertia is 0.*write what of the inertia is behind the gearbox"
+    ):
+        add.run("backlash", str(tmp_path / "one.yaml"), new)
+    assert not new.exists()
+    add.run("gravity_load", str(tmp_path / "one.yaml"), new)
+    assert new.exists()
+
+
+@pytest.mark.parametrize(
+    ("compared", "missing", "complete", "loop", "told"),
+    [
+        (9000, 0, True, False, "all 9000 samples compared"),
+        (9000, 0, True, True, "all 9000 samples compared in the last pass"),
+        (1200, 0, False, True, "1200 of 9000 samples compared, ended during this pass of the loop, none missing"),
+        (1200, 0, False, False, "1200 of 9000 samples compared, ended before the last, none missing"),
+        (8990, 10, False, False, "8990 of 9000 samples compared, 10 missing"),
+    ],
+)
+def test_a_live_run_that_was_ended_is_not_told_as_one_that_lost_samples(compared, missing, complete, loop, told):
+    counts = {"sent": compared, "compared": compared, "missing": missing, "expected": 9000}
+    ended = LiveResult("run", "servo", "setpoint", compared, 9.0, {}, complete, interrupted=False, counts=counts)
+    assert live.how_much(ended, loop=loop) == told
