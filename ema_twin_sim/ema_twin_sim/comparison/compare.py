@@ -15,7 +15,7 @@ from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
 from ..measured.noise import noise_of
-from ..measured.scales import standstill, to_rotary_equivalent
+from ..measured.scales import standstill, to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
@@ -148,10 +148,16 @@ def compare(
             *starts,
             *(warning for recording in recordings for warning in recording.warnings),
             *without_common_zero(recordings, model.active.values()),
-            *(str(found) for recording in recordings for found in inconsistencies(recording, model, recordings)),
+            *_inconsistent(given, asked),
         ),
         "rotary" if model.units is None else "linear",
     )
+
+
+def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
+    """What of the recordings does not fit, by the rule of ``fit`` and ``discover``: in the machine's own units."""
+    own, its_model = to_own_units(recordings, model)
+    return [str(found) for recording in own for found in inconsistencies(recording, its_model, own)]
 
 
 def compare_all(
