@@ -29,7 +29,9 @@ METHOD = {
     ),
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
-    "identification/generic_bases.py": "KNOTS KNOT MOST_KNOTS ORDERS BASIS_STEPS",
+    "identification/generic_bases.py": (
+        "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"
+    ),
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/parallel.py": "_POOL _MANY",
@@ -42,7 +44,7 @@ METHOD = {
     "identification/wandering.py": "SHARES",
     "identification/weighting.py": "FAR INFLATED",
     "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH",
-    "comparison/torque_error.py": "BAND DECIMATED ENDS ORDER",
+    "comparison/torque_error.py": "BAND ENDS ORDER",
     "comparison/where.py": "_BINS FEWEST _SPEED_SHARES",
     "fitting/equation_misfit.py": "LAG_NUMBER",
     "fitting/fit.py": "MUCH",
