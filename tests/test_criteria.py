@@ -40,7 +40,7 @@ METHOD = {
     "identification/sensors.py": "GEARBOX_COLUMNS STEPS",
     "identification/side_by_side.py": "LEAST",
     "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",
-    "identification/uncertainty.py": "STEP_SHARES BLOCKS",
+    "identification/uncertainty.py": "STEP_SHARES RIDGE BLOCKS",
     "identification/wandering.py": "SHARES",
     "identification/weighting.py": "FAR INFLATED",
     "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH",
