@@ -31,7 +31,7 @@ def few_rows(torque, noise=0.01, encoder=(), encoder_noise=1e-5, name="by_hand")
         acceleration=np.zeros(count),
         torque_noise=np.full(count, noise),
         coarse=False,
-        below_shock_limit=np.ones(count, bool),
+        hit=np.zeros(count),
         after_impact=np.zeros(count, bool),
         encoder_rows=every[:seen],
         encoder=np.asarray(encoder, float),

@@ -6,6 +6,7 @@ import pytest
 from ema_twin_sim.commands.side_by_side import closeness_cell
 from ema_twin_sim.commands.wording import by_number
 from ema_twin_sim.comparison.closeness import AT_LEAST, AT_MOST, EXACTLY, Closeness, times_closer
+from ema_twin_sim.comparison.independent_rows import independent_rows
 
 FLOOR = 3e-3
 SAMPLES = 10_000
@@ -54,3 +55,26 @@ def test_names_are_sorted_as_people_count():
         "ramp_10",
         "sine",
     ]
+
+
+def test_neighbours_that_are_alike_are_worth_less():
+    """A residual of which 25 neighbours move together scatters as a 25th or so of its samples would."""
+    random = np.random.default_rng(1)
+    white = random.normal(0.0, FLOOR, SAMPLES)
+    assert independent_rows(white) > 0.6 * SAMPLES
+    alike = np.repeat(random.normal(0.0, FLOOR, SAMPLES // 25), 25)
+    assert SAMPLES / 50 < independent_rows(alike) < SAMPLES / 12
+    assert independent_rows(np.zeros(SAMPLES)) == SAMPLES and independent_rows(white[:1]) == 1
+
+
+def test_an_excess_within_the_scatter_of_correlated_noise_is_none():
+    """Of 400 draws of noise that is no model's error, hardly one is called nearer than another."""
+    random = np.random.default_rng(2)
+    called = {"as white": 0, "as it is": 0}
+    for _ in range(400):
+        rows = np.repeat(random.normal(0.0, FLOOR, SAMPLES // 25), 25)
+        noise = {**error(0.0), "rmse": float(np.sqrt(np.mean(rows**2)))}
+        called["as white"] += times_closer(noise, error(0.0), SAMPLES) is not None
+        called["as it is"] += times_closer(noise, error(0.0), independent_rows(rows)) is not None
+    assert called["as white"] > 80
+    assert called["as it is"] < 24

@@ -14,6 +14,7 @@ from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.measured import consistency
 from ema_twin_sim.measured.consistency import inconsistencies
 from ema_twin_sim.model.matching import matched
+from ema_twin_sim.model.own_units import OwnUnits, model_in, recording_in
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -184,3 +185,16 @@ def test_counts_taken_twice_are_told_beside_another_recording_that_fits(driven, 
     ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
     (found,) = inconsistencies(scaled(driven, output_position=2.0), stock, [driven, ramp])
     assert "counted twice" in found.what
+
+
+def test_a_comparison_judges_a_slow_machine_as_a_discovery_does(stock):
+    """What moves slowly is looked at over as much of its own time: one verb warns of what the other refuses."""
+    units = OwnUnits(time=1e-2)  # a hundred times slower than the bench
+    bench = stock.with_value("sensors.output_encoder_counts", 65536.0)
+    slow = replace(model_in(bench, units), units=None)
+    run = recording_in(virtual_bench(bench, parse_command("sine:0.02:0.5"), 8.0, name="slow", seed=1), units)
+    wrong = scaled(run, output_position=4.0)
+    with pytest.raises(InputError) as refused:
+        discover([wrong], slow)
+    assert str(refused.value) in compare([wrong], slow).warnings
+    assert not compare([run], slow).warnings

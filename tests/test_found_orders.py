@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.commands.wording import order_sentences
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.found_orders import resolved
+from ema_twin_sim.discovery.search.found_orders import resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -37,7 +37,19 @@ def test_an_order_of_the_gears_is_found(recordings, gearbox):
     assert float(ripple.options["order"]) == pytest.approx(ORDER, abs=2e-3)
     assert ripple.parameters["torque"] == pytest.approx(0.03, rel=0.03)
     (sentence,) = order_sentences(found.model, found.added)
-    assert "7.428" in sentence and "names no orders" in sentence
+    assert f" {ripple.options['order']} times" in sentence and "names no orders" in sentence
+
+
+def test_an_order_is_written_as_exactly_as_it_is_known(gearbox, tmp_path):
+    """Behind ten thousand turns five digits of it would be cycles off; a model's file keeps all that are known."""
+    order, turns = 15.75321846, 10_000.0
+    text = written_order(order, 1e-7)
+    assert text == "15.75321846"
+    assert abs(float(f"{order:.5g}") - order) * turns > 1.0 > 1e3 * abs(float(text) - order) * turns
+    assert written_order(7.42857142857, 2e-3) == "7.4286"  # no more than it is known by
+    assert float(written_order(1.0 / 3.0, 0.0)) == pytest.approx(1.0 / 3.0, abs=1e-14)
+    save_model(gearbox.with_effect("mesh_ripple", {}, {"order": text}), tmp_path / "found.yaml")
+    assert load_model(tmp_path / "found.yaml").effects["mesh_ripple"].options["order"] == text
 
 
 def test_where_all_orders_are_known_it_is_unknown(recordings, gearbox):

@@ -28,14 +28,14 @@ class Closeness:
         return {"times": self.times, **({"bound": self.bound} if self.bound else {})}
 
 
-def times_closer(before: SignalError, after: SignalError, samples: int) -> Closeness | None:
+def times_closer(before: SignalError, after: SignalError, independent: float) -> Closeness | None:
     """The ratio of the excesses, the roots of RMSE^2 - noise floor^2; None where neither model has one.
 
-    The mean square of ``samples`` values of white noise scatters by root(2/samples) of itself: an excess below two of
-    these is taken for them, and the ratio for a bound.
+    The mean square of so many ``independent`` values of noise scatters by root(2/independent) of itself: an excess
+    below two of these is taken for them, and the ratio for a bound.
     """
     floor = after["noise_floor"]
-    least = floor**2 * LIKELY * math.sqrt(2.0 / samples)
+    least = floor**2 * LIKELY * math.sqrt(2.0 / independent)
     first, other = (max(error["rmse"] ** 2 - floor**2, 0.0) for error in (before, after))
     if max(first, other) <= least:
         return None
@@ -65,20 +65,29 @@ class CloserModel:
 
 def closer(first: Comparison, other: Comparison) -> CloserModel:
     """How many times closer ``other`` is than ``first``; both compared with the same recordings."""
-    samples = sum(recording.samples for recording in first.recordings)
     pairs = zip(first.recordings, other.recordings, strict=True)
     return CloserModel(
         first.model,
-        tuple((before.name, _of_signals(before.signals, after.signals, before.samples)) for before, after in pairs),
-        _of_signals(first.overall, other.overall, samples),
+        tuple(
+            (before.name, _of_signals((before.signals, before.independent), (after.signals, after.independent)))
+            for before, after in pairs
+        ),
+        _of_signals((first.overall, first.independent), (other.overall, other.independent)),
     )
 
 
 def _of_signals(
-    before: Mapping[str, SignalError], after: Mapping[str, SignalError], samples: int
+    before: tuple[Mapping[str, SignalError], Mapping[str, float]],
+    after: tuple[Mapping[str, SignalError], Mapping[str, float]],
 ) -> dict[str, Closeness]:
-    both = {name: (before[name], after[name]) for name in before if name in after and not before[name]["driven"]}
-    found = {name: times_closer(*errors, samples) for name, errors in both.items()}
+    """By signal, from the errors of both models and the independent values that these are worth."""
+    found = {}
+    for name in before[0]:
+        if name in after[0] and not before[0][name]["driven"]:
+            # the residual that is nearer to the noise tells how that scatters; a drive's torque is its current's
+            _, rows = min(before, after, key=lambda side: side[0][name]["rmse"])
+            of = "current" if name == "motor_torque" else name
+            found[name] = times_closer(before[0][name], after[0][name], rows[of])
     return {name: closeness for name, closeness in found.items() if closeness is not None}
 
 

@@ -15,7 +15,7 @@ from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
 from ..measured.noise import noise_of
-from ..measured.scales import standstill, to_rotary_equivalent
+from ..measured.scales import standstill, to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
@@ -42,12 +42,15 @@ _POOL = ThreadPoolExecutor(os.cpu_count())
 
 @dataclass(frozen=True)
 class RecordingComparison:
-    """One recording beside the twin: per signal ``{rmse, relative, noise_floor, unit, driven}`` in SI units."""
+    """One recording beside the twin: per signal ``{rmse, relative, noise_floor, unit, driven}`` in SI units, and how
+    many ``independent`` values its residual is worth.
+    """
 
     name: str
     samples: int
     duration: float
     signals: Signals
+    independent: Mapping[str, float]
     torque_error: TorqueError | None = None
 
     def as_json(self) -> dict[str, object]:
@@ -69,6 +72,7 @@ class Comparison:
     input: str
     recordings: tuple[RecordingComparison, ...]
     overall: Signals
+    independent: Mapping[str, float]
     where: tuple[Dependence, ...]
     warnings: tuple[str, ...]
     motion: str = "rotary"
@@ -117,7 +121,8 @@ def compare(
             stretches[name].append(part)
         error = _torque_error(recording, model) if chosen == "current" else None
         result = shown_errors(model, _of_the_drive(model, running.result(), recordings))
-        compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, error))
+        rows = running.independent
+        compared.append(RecordingComparison(recording.name, len(recording), recording.duration, result, rows, error))
         pooled.include(running)
         if "output_position" in parts:
             starts += unknown_start(recording.name, model, parts["output_position"], noise["output_position"], slow)
@@ -137,15 +142,22 @@ def compare(
         together,
         tuple(compared),
         shown_errors(model, _of_the_drive(model, pooled.result(), recordings)),
+        pooled.independent,
         tuple(where),
         (
             *starts,
             *(warning for recording in recordings for warning in recording.warnings),
             *without_common_zero(recordings, model.active.values()),
-            *(str(found) for recording in recordings for found in inconsistencies(recording, model, recordings)),
+            *_inconsistent(given, asked),
         ),
         "rotary" if model.units is None else "linear",
     )
+
+
+def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
+    """What of the recordings does not fit, by the rule of ``fit`` and ``discover``: in the machine's own units."""
+    own, its_model = to_own_units(recordings, model)
+    return [str(found) for recording in own for found in inconsistencies(recording, its_model, own)]
 
 
 def compare_all(

@@ -16,6 +16,7 @@ ORDERS = np.arange(0.2, 160.0, _STEP)
 """The orders of a ``Periodicity``'s spectrum; each stands for what is within half a step of it."""
 _REFINED = 10  # orders tried within the width of a line
 _MOST_REFINED = 201
+_POLISHED = 3  # steps from the best of these, between which an order lies
 _FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
 _FEWEST_SAMPLES = 160
 _ENOUGH = 50_000  # samples that settle amplitude and phase
@@ -34,6 +35,7 @@ class Periodicity:
     share: float
     dissipative: bool | None  # None where the recordings do not tell
     spectrum: np.ndarray
+    order_std: float  # standard error of the order, were what is left white
 
 
 def find_order(
@@ -65,6 +67,13 @@ def find_order(
         residual, angle = residual[rows], angle[rows]
     near = best + _around(angle, line_turns([part[1] for part in used]))
     order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
+    std = math.inf
+    for _ in range(_POLISHED):
+        step, std = _newton_step(order, a, b, residual, angle)
+        trial = _fit(order + step, residual, angle)
+        if trial[-1] <= explained:
+            break
+        order, a, b, explained = trial
     return Periodicity(
         order,
         math.hypot(a, b),
@@ -72,6 +81,7 @@ def find_order(
         explained / float(np.mean(residual**2)),
         dissipative if clear else None,
         np.sqrt(2.0 * power / sum(len(part[0]) for part in used)),
+        std,
     )
 
 
@@ -89,6 +99,18 @@ def _around(angle: np.ndarray, turns: float) -> np.ndarray:
     half = math.ceil(_REFINED * within * max(turns, float(np.ptp(angle)) / (2.0 * math.pi)))
     half = min(max(half, _REFINED), _MOST_REFINED // 2)
     return within * np.arange(-half, half + 1) / half
+
+
+def _newton_step(order: float, a: float, b: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float]:
+    """(step to a better order, its standard error) beside a wave a * sin + b * cos of one order."""
+    sine, cosine = np.sin(order * angle), np.cos(order * angle)
+    slopes = np.column_stack([sine, cosine, angle * (a * cosine - b * sine)])
+    size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)
+    slopes = slopes / size
+    left = residual - a * sine - b * cosine
+    found, *_ = np.linalg.lstsq(slopes, left, rcond=None)
+    noise = float(np.mean((left - slopes @ found) ** 2))
+    return float(found[2] / size[2]), math.sqrt(noise * float(np.linalg.pinv(slopes.T @ slopes)[2, 2])) / float(size[2])
 
 
 def _fit(order: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float, float, float]:

@@ -14,6 +14,7 @@ from ..model import Model
 from ..simulation.sensor_noise import noise_floors
 from ..simulation.simulate import BY_MOTOR, POINTWISE
 from .beyond_noise import told_share
+from .independent_rows import independent_rows
 
 UNITS: dict[str, str] = {
     "current": "A",
@@ -83,6 +84,7 @@ class RunningComparison:
         self._square = dict.fromkeys(UNITS, 0.0)
         self._measured_square = dict.fromkeys(UNITS, 0.0)
         self._count = dict.fromkeys(UNITS, 0)
+        self._independent = dict.fromkeys(UNITS, 0.0)
         self._window: dict[str, deque[float]] = {
             name: deque(maxlen=max(1, round(window / self._period))) for name in UNITS
         }
@@ -142,6 +144,7 @@ class RunningComparison:
             if not good.all():
                 residual, measured = residual[good], measured[good]
             self._count[name] += len(residual)
+            self._independent[name] += independent_rows(residual)
             self._square[name] += float(residual @ residual)
             self._measured_square[name] += float(measured @ measured)
             self._window[name].extend((residual[-(self._window[name].maxlen or len(residual)) :] ** 2).tolist())
@@ -160,8 +163,14 @@ class RunningComparison:
             if other.source != self.source and name in DRIVEN.get(other.source, ()):
                 continue
             self._count[name] += other._count[name]
+            self._independent[name] += other._independent[name]
             self._square[name] += other._square[name]
             self._measured_square[name] += other._measured_square[name]
+
+    @property
+    def independent(self) -> dict[str, float]:
+        """By signal, how many independent values the residuals are worth that came by whole arrays."""
+        return dict(self._independent)
 
     @property
     def rmse(self) -> dict[str, float]:

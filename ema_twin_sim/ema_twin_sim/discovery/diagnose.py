@@ -17,7 +17,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import RunningComparison, SignalError, excess_removed
-from ..criteria import MISFIT_DOUBTED, SUREST
+from ..criteria import CLEARLY_MORE, SUREST
 from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import reported, standard_errors
@@ -300,6 +300,6 @@ def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], 
     shares = [
         excess_removed(before[name], after[name])
         for name in telling
-        if name in before and before[name]["rmse"] > MISFIT_DOUBTED * before[name]["noise_floor"]
+        if name in before and before[name]["rmse"] > CLEARLY_MORE * before[name]["noise_floor"]
     ]
     return max((share for share in shares if share is not None), default=0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..criteria import CONTRADICTED, LEAST_SIZE, LIKELY, NEARLY_ALL, PART
+from ..criteria import CONTRADICTED, LIKELY, NEARLY_ALL, PART
 from ..effects import Circumstances, catalogue
 from ..identification.on_bound import reached_bound
 from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
@@ -160,7 +160,7 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
     """
     numbers = solution.freedom.numbers
     loose = [
-        float(sure.std[k]) * n.slope(float(v)) > LEAST_SIZE * _size(n, float(v))
+        float(sure.std[k]) * n.slope(float(v)) > PART * _size(n, float(v))
         for k, (n, v) in enumerate(zip(numbers, solution.values, strict=True))
     ]
     named = [k for k, n in enumerate(numbers) if n.path != LAG]

@@ -138,7 +138,7 @@ def fit_model(
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
     progress("judging on what was not fitted to")
-    before, after, judged_on = judge(as_measured, sources, misfit, solution, freedom, noise)
+    before, after, judged_on = judge(as_measured, sources, misfit, solution, noise)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)
     values = solution.values[: len(freedom.numbers)].copy()

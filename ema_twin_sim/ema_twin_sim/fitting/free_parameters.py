@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -56,9 +57,10 @@ class FreeParameter:
 
     @property
     def solved_bounds(self) -> tuple[float, float]:
-        """(lower, upper) of what is solved for."""
-        lower, upper = (self.to_solver(b) if math.isfinite(b) else b for b in (self.lower, self.upper))
-        return lower, upper
+        """(lower, upper) of what is solved for; a logarithm stays within what a value can be written as."""
+        if self.log:
+            return self.to_solver(self.lower), self.to_solver(min(self.upper, sys.float_info.max))
+        return self.lower, self.upper
 
     def from_solver(self, solved: float) -> float:
         """The value from what was solved."""
@@ -115,6 +117,8 @@ class FreeParameters:
             lower, upper = search_limits(effect, _parameter_of(self.model, number.path), of)
             most = SEARCHED_UP_TO * abs(float(start))
             if math.isinf(number.upper):
+                if math.isinf(upper):  # a stiffness: beyond what its start makes of it, it is as good as rigid
+                    upper = ANY_SIZE * number.scale
                 numbers[k] = replace(
                     number,
                     lower=min(lower, float(start)) if start > 0.0 else min(lower, -most),

@@ -11,9 +11,13 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
+from ..criteria import NEGLIGIBLE
 from ..effects import Circumstances, catalogue
 from ..model import Model
 from ..model.own_units import shown
+from ..reading_noise import reading_noise
+from ..simulation.operating_points import directed
+from ..simulation.sensor_noise import counter_noise
 
 
 def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstances:
@@ -24,7 +28,7 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
     return Circumstances(
         duration=max(recording.duration for recording in recordings),
         sample_period=max(recording.sample_period for recording in recordings),
-        top_speed=max(float(np.nanmax(np.abs(_speed(recording)))) for recording in recordings),
+        top_speed=max(top_speed(recording, model) for recording in recordings),
         travel=travel,
         output_travel=travel / model.value("machine.gear_ratio"),
         dry_level=sum(i.parameters["torque"] for i in held if i.effect == "coulomb_friction"),
@@ -36,11 +40,27 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
     )
 
 
-def _speed(recording: Recording) -> np.ndarray:
-    """Speed (n,) [rad/s]: measured, or of the motor's position."""
+def top_speed(recording: Recording, model: Model) -> float:
+    """The largest speed [rad/s] of a recording: measured, or of the way that the motor's counter shows.
+
+    From one sample to the next a coarse counter steps by none or one, whatever the speed: the way is taken over as many
+    samples as make its steps negligible.
+    """
+    if recording.of_points:
+        return float(np.nanmax(np.abs(directed(recording).signals["speed"])))
     if recording.has("speed"):
-        return recording.signals["speed"]
-    return np.gradient(recording.signals["motor_position"], recording.time)
+        return float(np.nanmax(np.abs(recording.signals["speed"])))
+    known = np.isfinite(recording.signals["motor_position"])
+    time, position = recording.time[known], recording.signals["motor_position"][known]
+    reading = max(counter_noise(model, "motor"), reading_noise(position))
+    lag, found = 1, 0.0
+    while lag < len(position):
+        way = np.abs(position[lag:] - position[:-lag])
+        found = float(np.max(way / (time[lag:] - time[:-lag])))
+        if reading <= NEGLIGIBLE * float(np.max(way)):
+            break
+        lag *= 2
+    return found
 
 
 def implausible(id: str, values: Mapping[str, float], c: Circumstances) -> list[tuple[str, str]]:

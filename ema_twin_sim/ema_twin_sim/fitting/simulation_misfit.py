@@ -20,12 +20,11 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CHAOTIC, HARD, OUTLIER, SHAKEN, SMALL, STANDSTILL, THROWN
-from ..measured.observation import Observation, hardest
+from ..criteria import OUTLIER, SMALL, STANDSTILL
+from ..measured.observation import Observation
 from ..measured.sliding import moving_maximum
-from ..measured.smoothed_motion import WIDTH
 from ..model import Model
-from ..plant.measured_motion import ACCELERATION, SPEED, TIME
+from ..plant.measured_motion import SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
@@ -264,16 +263,13 @@ def _observed(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
     motion, period = observation.motion, observation.period
-    shaken, after_impact = (
-        hardest(motion[:, ACCELERATION], before, 2.0 * WIDTH, period) for before in (SHAKEN, THROWN)
-    )
-    counts = 1.0 / np.sqrt(1.0 + (shaken / HARD) ** 2)
+    counts = 1.0 / observation.shaken
     bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
     if not bristled:
         still = np.abs(motion[:, SPEED]) < STANDSTILL
         linger = round(LINGER / period)
         counts[moving_maximum(still, linger, linger)] = 0.0
-    settled = (after_impact <= CHAOTIC).astype(float)
+    settled = (~observation.after_impact).astype(float)
     # an observation is on an even grid; a recording may not be
     speed, counts, settled = (
         np.interp(recording.time, motion[:, TIME], values) for values in (motion[:, SPEED], counts, settled)

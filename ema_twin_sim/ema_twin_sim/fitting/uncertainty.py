@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..criteria import FAR_OFF_ROW
-from ..identification.uncertainty import blocks, scaled_inverse
+from ..identification.uncertainty import blocks, move_without, scaled_inverse
 from .misfit import Misfit
 from .solver import Solution, priors
 
@@ -71,14 +72,12 @@ def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) 
     """
     x = solved(solution)
     _, inverse = priors(solution.freedom, x)
-    information = solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2)
-    found = []
-    for k in range(count):
-        rows = which == k
-        slopes, residual = solution.slopes[rows], solution.residual[rows]
-        less = scaled_inverse(information - slopes.T @ slopes / misfit.variance, RIDGE)
-        found.append(x - less @ (slopes.T @ residual) / misfit.variance)
-    return np.array(found)
+    noise = math.sqrt(misfit.variance)
+    slopes, residual = solution.slopes / noise, solution.residual / noise
+    information = slopes.T @ slopes + np.diag(inverse**2)
+    return np.array(
+        [x + move_without(information, slopes[which == k], residual[which == k], RIDGE) for k in range(count)]
+    )
 
 
 def solved(solution: Solution) -> np.ndarray:

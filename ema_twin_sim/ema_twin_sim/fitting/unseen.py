@@ -16,7 +16,6 @@ from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
 from ..simulation.simulate import simulate
-from .free_parameters import FreeParameters
 from .misfit import Misfit
 from .solver import Solution
 from .uncertainty import left_out
@@ -31,7 +30,6 @@ def judge(
     sources: Sequence[str],
     misfit: Misfit,
     solution: Solution,
-    freedom: FreeParameters,
     noise: Mapping[str, float],
 ) -> tuple[Errors, Errors, str]:
     """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others.
@@ -52,12 +50,13 @@ def judge(
             which[part.start + int(LAST * (part.stop - part.start)) : part.stop] = 0
         first = [int(LAST * len(recordings[0]))]
         said = "the last third with numbers fitted to the rest"
-    numbers = freedom.numbers
-    lower, upper = np.array([n.solved_bounds for n in numbers]).T
+    freedom = solution.freedom  # with the bounds that were searched
+    lower, upper = np.array([n.solved_bounds for n in freedom.numbers]).T
     models = []
     for found in left_out(misfit, solution, which, len(recordings)):
-        inside = np.clip(found[: len(numbers)], lower, upper)  # a straight line may lead anywhere
-        models.append(in_si(freedom.at(np.array([n.from_solver(x) for n, x in zip(numbers, inside, strict=True)]))))
+        inside = np.clip(found, lower, upper)  # a straight line may lead anywhere
+        values = np.array([n.from_solver(x) for n, x in zip(freedom.numbers, inside, strict=True)])
+        models.append(in_si(freedom.at(values)))
     given = [in_si(freedom.model)] * len(recordings)
     before, after = (_errors(recordings, sources, each, given, first, noise) for each in (given, models))
     return before, after, said

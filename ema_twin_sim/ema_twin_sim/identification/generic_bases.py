@@ -17,9 +17,12 @@ from .equation import EquationErrorProblem
 from .fit import Fit, fit
 
 KNOTS = 9  # of a dependence on speed or position
+LEAST_KNOTS = 3  # with fewer hats there is nothing but a straight line
 KNOT = 2.5  # own s between the knots of a dependence on time
 MOST_KNOTS = 24
-ORDERS = np.arange(0.1, 60.0, 0.03)
+LONGEST_WAVE, SHORTEST_WAVE = 0.5, 30.0  # cycles over the way that the output went: half a swing, and a fine ripple
+WAVES = 48  # from one to the other by factors of 1.09: midway, five cycles are off by a quarter of one
+ORDERS = np.arange(0.1, 60.0, 0.03)  # cycles per turn of the motor; which lie between, ``refined`` tells
 BASIS_STEPS = 3  # of a fit with one basis more, which is linear
 
 
@@ -55,7 +58,7 @@ def dependence(name: str) -> str:
 def _by_speed(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
     speeds = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in problem.observations])
     knots = np.unique(np.quantile(speeds, np.linspace(0, 1, KNOTS)))
-    if len(knots) < 3:
+    if len(knots) < LEAST_KNOTS:
         return {}
     hats = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
@@ -78,7 +81,7 @@ def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
         "output_position#load": at_rows(problem, hats),
         "output_position#friction": at_rows(problem, [h * s for h, s in zip(hats, sense, strict=True)]),
     }
-    for k, order in enumerate(2.0 * np.pi / span * np.geomspace(0.5, 30.0, 48)):
+    for k, order in enumerate(2.0 * np.pi / span * np.geomspace(LONGEST_WAVE, SHORTEST_WAVE, WAVES)):
         waves = [np.stack([np.sin(order * a), np.cos(order * a)], 1) for a in angles]
         found[f"output_position#{k}"] = at_rows(problem, [w * s for w, s in zip(waves, sense, strict=True)])
         if round(order) > 1:
@@ -92,7 +95,7 @@ def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
         if chosen.of_points:  # what passes between two of them says nothing
             continue
         lasts = chosen.motion[-1, TIME]
-        knots = np.linspace(0.0, lasts, min(max(3, round(lasts / KNOT)), MOST_KNOTS))
+        knots = np.linspace(0.0, lasts, min(max(LEAST_KNOTS, round(lasts / KNOT)), MOST_KNOTS))
         hats = [
             hat_columns(o.motion[:, TIME], knots) * np.sign(o.motion[:, SPEED])[:, None] * float(o is chosen)
             for o in problem.observations
@@ -112,7 +115,7 @@ def load_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
     sizes = [np.abs(required[:, passed_on]) for required in f.predicted.required]
     judged = np.concatenate([size[o.rows] for size, o in zip(sizes, problem.observations, strict=True)])
     knots = np.unique(np.quantile(judged, np.linspace(0, 1, KNOTS))) if len(judged) else judged
-    if len(knots) < 3:
+    if len(knots) < LEAST_KNOTS:
         return {}
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
     return {"load": at_rows(problem, [hat_columns(a, knots) * s for a, s in zip(sizes, sense, strict=True)])}

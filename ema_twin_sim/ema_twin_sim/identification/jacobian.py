@@ -34,7 +34,7 @@ def jacobian(
     )
     now = {name: h.instance(name) for name in sought}
     torques = {name: problem.alone(predicted, instance) for name, instance in now.items()}
-    steps = [f.step if v + f.step <= f.upper else -f.step for f, v in zip(h.free, h.values, strict=True)]
+    steps = [inner_step(free, value) for free, value in zip(h.free, h.values, strict=True)]
     moved = [h.put({free.path: h.values[k] + steps[k]}) for k, free in enumerate(h.free)]
     two_inertia = predicted.plant["two_inertia"][0] != 0.0
 
@@ -79,3 +79,17 @@ def jacobian(
         return problem.centred((there - predicted.rows) / steps[k], weights) * weights
 
     return np.stack(list(predictions(problem.samples, column, range(len(h.free)))), 1)
+
+
+def inner_step(free: Free, value: float) -> float:
+    """The finite step of a number from a value, to the side on which it stays within its bounds: upwards where both do.
+
+    Where neither does, as far as the farther bound allows, so that no model is asked for a number that it cannot have.
+    """
+    above, below = free.upper - value, value - free.lower
+    if above >= free.step:
+        return free.step
+    if below >= free.step:
+        return -free.step
+    farther = above if above >= below else -below
+    return farther or -free.step  # a number that is held has no side to go to

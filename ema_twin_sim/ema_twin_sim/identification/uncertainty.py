@@ -10,6 +10,7 @@ from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
+RIDGE = 1e-9  # of numbers of which some have no prior
 BLOCKS = 6  # fewest blocks that are held against each other; recordings are parted where there are fewer
 LEAST_ELSEWHERE = 1e-3  # share of what is known of a number that comes from other blocks, where hardly any does
 
@@ -75,16 +76,14 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     _, pj = prior_rows(f.hypothesis)
     root_inflation = np.sqrt(f.row_variance_inflations)
     jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
-    information = jacobian.T @ jacobian
+    information = jacobian.T @ jacobian + pj.T @ pj
     lower, upper = problem.bounds(f.hypothesis)
     # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
     moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
         rows = np.r_[t, e]
-        j, r = jacobian[rows], residual_here[rows]
-        left = scaled_inverse(information - j.T @ j + pj.T @ pj)
-        step = -left @ (j.T @ r) * moving
+        step = move_without(information, jacobian[rows], residual_here[rows]) * moving
         others = np.ones(problem.rows, bool)
         others[rows] = False
         # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by
@@ -101,7 +100,16 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
     return found
 
 
-def scaled_inverse(a: np.ndarray, ridge: float = 1e-9) -> np.ndarray:
+def move_without(information: np.ndarray, slopes: np.ndarray, residual: np.ndarray, ridge: float = RIDGE) -> np.ndarray:
+    """How far (k,) a solution moves, to first order, where some rows are left out.
+
+    ``information`` (k, k) is that of all rows and of the priors; the rows' ``slopes`` (m, k) and ``residual`` (m,) are
+    in units of the noise.
+    """
+    return -scaled_inverse(information - slopes.T @ slopes, ridge) @ (slopes.T @ residual)
+
+
+def scaled_inverse(a: np.ndarray, ridge: float = RIDGE) -> np.ndarray:
     """The inverse of an information matrix (k, k), its rows scaled first.
 
     ``ridge`` is the least that a direction is known by, so that what nothing holds, or what rounding has made less than

@@ -30,9 +30,9 @@ from .observation import Observation, observe
 from .smoothing import smooth_at
 from .twist import parts_by_angle
 
-WINDOW = 0.1  # s over which ways are compared
+WINDOW = 0.1  # own s over which ways are compared
 FEWEST = 30  # samples that do
-PIECE = 300.0  # s that are judged at once: half an hour takes memory, and tells no more
+PIECE = 300.0  # own s that are judged at once: half an hour takes memory, and tells no more
 
 LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
 """Effects whose torque a model knows beforehand, whatever moves."""
@@ -93,7 +93,7 @@ def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
 
 
 def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recording] = ()) -> Iterator[Inconsistency]:
-    """What does not fit, the plainest first. The recording is matched to the model, which is of a rotary machine.
+    """What does not fit, the plainest first. The recording and the model are in the machine's own units.
 
     ``beside`` are recordings of the same machine. Where both shafts go the same way in one of these, the gear ratio is
     right: an output that swings wider here does so on a shaft that winds up.

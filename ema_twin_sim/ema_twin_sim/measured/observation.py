@@ -58,12 +58,22 @@ class Observation:
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
     coarse: bool  # whether the current's steps are wide beside its noise: neighbouring rows are rounded alike
-    below_shock_limit: np.ndarray  # bool (m,), no hard acceleration shortly before
-    after_impact: np.ndarray  # bool (m,), a hard acceleration before: an output with play rests anywhere
+    hit: np.ndarray  # (n,) rad/s2, the hardest acceleration shortly before; zero where nothing can be shaken
+    after_impact: np.ndarray  # bool (n,), a harder one before: an output with play rests anywhere
     encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
     encoder_piece: np.ndarray  # int64 (k,), rises by one where the difference jumps: a piece has its own offset
+
+    @property
+    def below_shock_limit(self) -> np.ndarray:
+        """Whether (m,) no hard acceleration was shortly before a row of torque."""
+        return self.hit[self.rows] < HARD
+
+    @property
+    def shaken(self) -> np.ndarray:
+        """By how many times (n,) the noise is larger for what has been hit."""
+        return _shaken(self.hit)
 
     @property
     def of_points(self) -> bool:
@@ -94,8 +104,8 @@ class Observation:
             torque_rate=self.torque_rate[rows],
             acceleration=self.acceleration[rows],
             torque_noise=self.torque_noise[rows],
-            below_shock_limit=self.below_shock_limit[rows],
-            after_impact=self.after_impact[rows],
+            hit=self.hit[first:last],
+            after_impact=self.after_impact[first:last],
             encoder_rows=self.encoder_rows[encoder] - first,
             encoder=self.encoder[encoder],
             encoder_noise=self.encoder_noise[encoder],
@@ -153,7 +163,8 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     motion, motion_noise = smoothed_motion(signals, time, period, width, model, reading, geared)
     acceleration = motion[:, ACCELERATION]
     drive = model.value("machine.torque_constant") * signals["current"]
-    hit = geared * hardest(acceleration, SHAKEN, 2.0 * width, period)
+    hit, thrown = (geared * _hardest(acceleration, before, 2.0 * width, period) for before in (SHAKEN, THROWN))
+    after_impact = thrown > CHAOTIC
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
     slow = np.abs(motion[:, SPEED]) < STANDSTILL
@@ -168,7 +179,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     if "load_torque" in signals:
         white = math.hypot(white, reading_noise(signals["load_torque"]) * float(np.linalg.norm(kernel)))
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-    noise = math.hypot(white, inertia * motion_noise) * np.sqrt(1.0 + (hit / HARD) ** 2)
+    noise = math.hypot(white, inertia * motion_noise) * _shaken(hit)
     largest = min(model.value("drive.torque_limit"), LARGEST * float(np.abs(drive).max()))
     noise = np.maximum(noise, LEAST_NOISE * largest)
     output = signals.get("output_position")
@@ -183,11 +194,10 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     difference = difference - np.cumsum(jumps)
     whole_encoder = judged & (_spread(breaks, len(kernel) // 2) == 0.0)
     encoder_rows = centres[whole_encoder[centres]] if output is not None else centres[:0]
-    after_impact = geared * hardest(acceleration, THROWN, 2.0 * width, period) > CHAOTIC
     if not after_impact[encoder_rows].all():
         encoder_rows = encoder_rows[~after_impact[encoder_rows]]
     parting = np.hypot(
-        _encoder_noise(model) * float(np.linalg.norm(kernel)) * np.sqrt(1.0 + (hit / HARD) ** 2),
+        _encoder_noise(model) * float(np.linalg.norm(kernel)) * _shaken(hit),
         JITTER * smooth(difference, gaussian(width, period, 1)),
     )
     motor_origin, output_origin = origins_of(recording, model)
@@ -205,8 +215,8 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
         coarse=by_torque and _resolution(recording.signals["current"], model, reading_noise(signals["current"])) > 0.0,
-        below_shock_limit=hit[rows] < HARD,
-        after_impact=after_impact[rows],
+        hit=hit,
+        after_impact=after_impact,
         encoder_rows=encoder_rows,
         encoder=_at(difference, kernel, encoder_rows),
         encoder_noise=parting[encoder_rows],
@@ -240,8 +250,8 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         acceleration=np.zeros(count),
         torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
         coarse=False,
-        below_shock_limit=np.ones(count, bool),
-        after_impact=np.zeros(count, bool),
+        hit=np.zeros(2 * count),
+        after_impact=np.zeros(2 * count, bool),
         encoder_rows=np.zeros(0, np.int64),
         encoder=nowhere,
         encoder_noise=nowhere,
@@ -293,7 +303,12 @@ def _spread(where: np.ndarray, reach: int) -> np.ndarray:
     return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
 
 
-def hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
+def _shaken(hit: np.ndarray) -> np.ndarray:
+    """By how many times (n,) the noise is larger after the hardest acceleration (n,) [rad/s²] shortly before."""
+    return np.sqrt(1.0 + (hit / HARD) ** 2)
+
+
+def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
     """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
 

@@ -140,7 +140,7 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
     found = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         z = f.raw[part][
-            o.below_shock_limit & ~o.after_impact if parted else o.below_shock_limit
+            o.below_shock_limit & ~o.after_impact[o.rows] if parted else o.below_shock_limit
         ]  # rows at standstill were left out before
         if len(z) < FEWEST_ROWS:
             found.append(0.0)

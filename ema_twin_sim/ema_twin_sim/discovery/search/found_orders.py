@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 import numpy as np
 
 from ...comparison.orders import find_order
-from ...criteria import NEARLY_ALL, NEGLIGIBLE
+from ...criteria import CORRELATION, NEARLY_ALL, NEGLIGIBLE
 from ...effects import catalogue
 from ...identification.candidates import Candidate, no_more_of
 from ...identification.equation import EquationErrorProblem
@@ -22,6 +23,7 @@ HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
 SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
+LEAST_DIGITS, MOST_DIGITS = 3, 15  # that an order is written with
 SAME = 1e-4  # rad, within which two points are of one angle
 
 
@@ -43,7 +45,7 @@ def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
         found += [("output_ripple", str(order)) for order in standing_out(problem, f, ratio)]
     found += [("encoder_eccentricity", order) for order in of_the_encoders(problem, f, ratio)]
     if (order := of_the_gears(problem, f)) is not None:
-        found.append(("cogging" if ratio == 1.0 else "mesh_ripple", f"{order:.5g}"))
+        found.append(("cogging" if ratio == 1.0 else "mesh_ripple", order))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
     full = no_more_of(f.hypothesis)
     return [
@@ -60,8 +62,10 @@ def motor_order(effect: str, order: float, gear_ratio: float) -> float:
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
-def of_the_gears(problem: EquationErrorProblem, f: Fit) -> float | None:
-    """The strongest order, of all that are resolved; None where it is unclear, or whole as those of a shaft are."""
+def of_the_gears(problem: EquationErrorProblem, f: Fit) -> str | None:
+    """The strongest order, of all that are resolved, as it is written; None where it is unclear, or whole as those of
+    a shaft are.
+    """
     parts = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
@@ -70,7 +74,20 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> float | None:
     strongest = find_order(parts)
     if strongest is None or strongest.dissipative or strongest.share < (1.0 - NEARLY_ALL):
         return None
-    return None if _is_whole(strongest.order) else strongest.order
+    if _is_whole(strongest.order):
+        return None
+    return written_order(strongest.order, math.sqrt(CORRELATION) * strongest.order_std)
+
+
+def written_order(order: float, std: float) -> str:
+    """An order to a tenth of its standard error, which is what a model's file keeps and what is fitted with it.
+
+    Over many turns an error of the fifth digit would put a wave out of phase with itself.
+    """
+    digits = MOST_DIGITS
+    if std > 0.0:
+        digits = min(max(1 + math.ceil(math.log10(order / std)), LEAST_DIGITS), digits)
+    return f"{order:.{digits}g}"
 
 
 def of_the_encoders(problem: EquationErrorProblem, f: Fit, gear_ratio: float) -> list[str]:
