@@ -63,19 +63,3 @@ def test_nothing_is_on_a_bound_where_all_is_well():
     arm = open_arm()
     assert not [text for text in discover(swings_of(arm), arm).warnings if "bound" in text]
     assert np.isfinite(arm.value("machine.motor_inertia"))
-
-
-@pytest.mark.parametrize(
-    ("number", "side", "told"),
-    [("stiffness", "lower", True), ("stiffness", "upper", False), ("damping", "upper", True), ("damping", None, False)],
-)
-def test_teeth_on_a_bound_are_told(stock, number, side, told):
-    """Softer than any teeth, or damped beyond bouncing: something else stands there. Stiffer ones show nowhere."""
-    run = virtual_bench(stock.with_effect("backlash"), parse_command("sine:0.05:0.5"), 6.0, seed=1)
-    problem = EquationErrorProblem([observe(run, stock)])
-    h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.004})
-    (free,) = (free for free in h.free if free.path == f"contact.{number}")
-    value = {"lower": free.lower, "upper": free.upper, None: 0.5 * free.upper}[side]
-    found = fit(problem, h.put({free.path: value}), 0)
-    sentences = on_bounds(problem, found, {})
-    assert [text.startswith(f"transmission.contact_{number} is on its bound") for text in sentences] == [True] * told

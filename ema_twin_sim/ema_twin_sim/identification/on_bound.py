@@ -31,22 +31,17 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
     found = []
     for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True):
         kind, _, rest = free.path.partition(".")
-        if free.prior is not None or kind not in ("effects", "scale", "contact"):
+        if free.prior is not None or kind not in ("effects", "scale"):
             continue
         typical = _typical(f, free)
         side = reached_bound(float(value), float(lower), float(upper), sure.get(free.path, math.inf), typical)
         if side is not None:
-            if kind == "contact":
-                found += _teeth(f, rest, side)
-            else:
-                found += _added(f, rest, side) if kind == "effects" else _open(f, rest)
+            found += _added(f, rest, side) if kind == "effects" else _open(f, rest)
     return tuple(found)
 
 
 def _typical(f: Fit, free: Free) -> float:
     """The typical size of a free number."""
-    if free.path.startswith("contact."):
-        return free.upper
     if not free.path.startswith("effects."):
         return 1.0
     name, _, parameter = free.path.removeprefix("effects.").partition(".")
@@ -63,18 +58,6 @@ def _added(f: Fit, rest: str, side: str) -> list[str]:
     remedy = "faster motion" if faster else SHOWN_BY.get(instance.effect, ANY)
     written = _written(f, instance.parameters[parameter], p.unit, angle=p.periodic)
     return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
-
-
-def _teeth(f: Fit, what: str, side: str) -> list[str]:
-    """Of where teeth meet; nothing of what is as stiff as it may be: what gives way less, no encoder shows."""
-    if (what, side) == ("stiffness", "upper"):
-        return []
-    path = f"transmission.contact_{what}"
-    written = _written(f, f.hypothesis.model().value(path), CONSTANTS[path].unit)
-    return [
-        f"{path} is on its bound {written}; record {SHOWN_BY['backlash']}, or see whether something else than teeth "
-        "stands between motor and output"
-    ]
 
 
 def _open(f: Fit, what: str) -> list[str]:
