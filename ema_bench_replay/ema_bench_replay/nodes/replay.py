@@ -33,13 +33,13 @@ PARAMETERS = (
     Declaration("recording", "", "recording to play: an MCAP, the folder that import wrote, or a CSV trace"),
     Declaration("map", "siemens", "import map that names a CSV's columns: a shipped name or a YAML file"),
     Declaration(
-        "rate", 1.0, "speed of playing, 1 is real time; 0 plays as fast as it goes", "1", 0.0, 1000.0, fixed=False
+        "rate", 1.0, "speed of playing, 1 is real time; 0 plays as fast as it goes", "", 0.0, 1000.0, fixed=False
     ),
     Declaration("loop", False, "begin again after the last sample"),
     Declaration("start", 0.0, "place in the recording to start from, and to return to in a loop", "s", 0.0, 1e6),
     Declaration("paused", False, "wait for the resume or step service before the first sample"),
     Declaration("on_end", "exit", "what to do after the last sample", choices=("exit", "wait")),
-    Declaration("subscribers", 2, "readers of bench/state to wait for before the first sample", "1", 0, 100),
+    Declaration("subscribers", 2, "readers of bench/state to wait for before the first sample", "", 0, 100),
     Declaration("patience", 5.0, "longest time to wait for those readers", "s", 0.0, 3600.0),
 )
 

@@ -112,10 +112,12 @@ def leave_graph(nodes: Iterable[Node], context: Context | None = None) -> None:
     for node in nodes:
         getattr(node, "close", lambda: None)()
     faulthandler.dump_traceback_later(_LONGEST_LEAVING, exit=True)
-    for node in nodes:
-        node.destroy_node()
-    rclpy.try_shutdown(context=context)
-    faulthandler.cancel_dump_traceback_later()
+    try:
+        for node in nodes:
+            node.destroy_node()
+        rclpy.try_shutdown(context=context)
+    finally:
+        faulthandler.cancel_dump_traceback_later()
 
 
 def run(
