@@ -24,7 +24,7 @@ from .weighted_rows import WeightedRows
 from .weighting import Weighting
 
 NOWHERE = np.empty(0)
-KEPT = 200_000_000  # bytes at most of torques that are the same beside every hypothesis
+KEPT = 200_000_000  # bytes at most of rows that are the same beside every hypothesis
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -35,12 +35,12 @@ class EquationErrorProblem(WeightedRows):
     """
 
     generic_bases: Mapping[str, np.ndarray]  # columns (m, k) by name, in units of all that acts as noise
-    kept_torques: dict[tuple[object, ...], np.ndarray]  # (s,) N m, of effects that ask for the same beside any model
+    kept_rows: dict[tuple[object, ...], np.ndarray]  # (s, k), of effects that ask for the same beside any model
     kept_bases: dict[Wander | None, Mapping[str, np.ndarray]]  # generic bases beside what wanders
 
     def __init__(self, observations: Sequence[Observation]) -> None:
         super().__init__(observations)
-        vars(self).update(generic_bases={}, kept_torques={}, kept_bases={})
+        vars(self).update(generic_bases={}, kept_rows={}, kept_bases={})
 
     def under(self, weighting: Weighting) -> EquationErrorProblem:
         """The same recordings under another weighting; without generic bases where these are in units of another."""
@@ -54,7 +54,7 @@ class EquationErrorProblem(WeightedRows):
     def with_motor_zeros_off(self, angle: float) -> EquationErrorProblem:
         """The same of recordings whose motor counters' zeros are all off by an angle [rad]."""
         turned = tuple(replace(o, motor_origin=o.motor_origin + angle) for o in self.observations)
-        return self._but(observations=turned, kept_torques={}, kept_bases={})
+        return self._but(observations=turned, kept_rows={}, kept_bases={})
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
         """(lower, upper) (k,) of the free numbers; of an effect's as far as these recordings reach."""
@@ -111,8 +111,7 @@ class EquationErrorProblem(WeightedRows):
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
         """Rows (m,) in units of noise, from what a motion requires [N m], and the encoders' difference [rad]."""
         inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
-        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
-        torque = (rows[: self.size] + inertia * self.acceleration) / scale + h.lag() * self.rate
+        torque = (rows[: self.size] + inertia * self.acceleration) / torque_scale(plant) + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
         rows[self.size :] /= self.encoder_noise
         rows = self.whitened(rows)
@@ -142,45 +141,57 @@ class EquationErrorProblem(WeightedRows):
             for k, h in enumerate(several)
         ]
 
-    def alone(self, beside: Prediction, instance: EffectInstance, *, again: bool = False) -> np.ndarray | None:
-        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so.
-
-        What will be asked for ``again``, beside another prediction, is kept as far as it will be the same there.
-        """
-        effect = catalogue()[instance.effect]
-        plant = beside.plant[0]
-        if effect.settle is not None:
+    def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
+        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
+        if not _acts_alone(beside, instance):
             return None
-        place = effect.where(instance.options)
-        if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
-            return None
-        if place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load):
-            return None
-        address, slots = effect_address(effect), effect_slots(effect, instance)
-        constants = (plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant"))
-        key = (address, place, *slots, *constants)
-        smoothed = self.kept_torques.get(key) if again else None
-        if smoothed is None:
-            smoothed = np.zeros(self.size)
-            for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
-                torque = np.empty(len(o.motion))
-                of = (o.motion, o.motor_origin, o.output_origin, required, torque)
-                inverse_dynamics_of(beside.plant, address, place, np.array(slots), *of)
-                smooth_at(torque, o.kernel, o.rows, smoothed[t])
-            if again and follows_measured_motion(effect, place) and len(self.kept_torques) * smoothed.nbytes < KEPT:
-                self.kept_torques[key] = smoothed
-        scale = plant["torque_constant"] / plant["nominal_torque_constant"]
         rows = np.zeros(self.rows)
-        rows[: self.size] = smoothed / (scale * self.noise)
+        rows[: self.size] = self._required_by(beside, instance) / (torque_scale(beside.plant[0]) * self.noise)
         return self.whitened(rows)
 
-    def beside(
-        self, h: Hypothesis, predicted: Prediction, instance: EffectInstance, *, again: bool = False
-    ) -> np.ndarray | None:
-        """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
-        moves otherwise. Of ``again``, see ``alone``.
+    def alike_beside_any(self, beside: Prediction, instances: Sequence[EffectInstance]) -> np.ndarray | None:
+        """Torque rows (s, k) that each of several ``instances`` of one effect adds to any prediction for this machine.
+
+        None where an effect asks for something else beside another model. They are kept, as far as memory allows: a
+        search asks for them again and again.
         """
-        rows = self.alone(predicted, instance, again=again)
+        first = instances[0]
+        effect = catalogue()[first.effect]
+        if effect.act is None or not follows_measured_motion(effect, effect.where(first.options)):
+            return None
+        if not _acts_alone(beside, first):
+            return None
+        plant = beside.plant[0]
+        constants = (plant[name].item() for name in ("gear_ratio", "pole_pairs", "torque_constant"))
+        slots = (tuple(effect_slots(effect, one)) for one in instances)
+        key = (effect_address(effect), effect.where(first.options), self.weighting.wander, *constants, *slots)
+        rows = self.kept_rows.get(key)
+        if rows is None:
+            rows = np.zeros((self.rows, len(instances)))
+            rows[: self.size] = np.stack([self._required_by(beside, one) / self.noise for one in instances], 1)
+            rows = self.whitened(rows)[: self.size]
+            if sum(one.nbytes for one in self.kept_rows.values()) + rows.nbytes < KEPT:
+                self.kept_rows[key] = rows
+        return rows / torque_scale(plant)
+
+    def _required_by(self, beside: Prediction, instance: EffectInstance) -> np.ndarray:
+        """The torque (s,) [N m] that one effect alone asks of the drive, smoothed as what was measured is."""
+        effect = catalogue()[instance.effect]
+        address, place = effect_address(effect), effect.where(instance.options)
+        slots = np.array(effect_slots(effect, instance))
+        smoothed = np.zeros(self.size)
+        for o, t, required in zip(self.observations, self.torque_parts, beside.required, strict=True):
+            torque = np.empty(len(o.motion))
+            of = (o.motion, o.motor_origin, o.output_origin, required, torque)
+            inverse_dynamics_of(beside.plant, address, place, slots, *of)
+            smooth_at(torque, o.kernel, o.rows, smoothed[t])
+        return smoothed
+
+    def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
+        """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
+        moves otherwise.
+        """
+        rows = self.alone(predicted, instance)
         if rows is None and predicted.plant["two_inertia"][0] != 0.0 and acts_at_the_motor(instance):
             more = h.with_effect(instance.effect, instance.options, instance.parameters)
             rows = self.predict(more, beside=predicted).rows - predicted.rows
@@ -194,3 +205,20 @@ class EquationErrorProblem(WeightedRows):
         """The residual (m,) as it was measured, in units of the sensors' noise: what wanders is part of it."""
         rows = self.residual(predicted)
         return rows if self.weighting.wander is None else self.weighting.wander.as_measured(rows)
+
+
+def torque_scale(plant: np.void) -> float:
+    """Torque for a current, over what the model file has for it."""
+    return float(plant["torque_constant"] / plant["nominal_torque_constant"])
+
+
+def _acts_alone(beside: Prediction, instance: EffectInstance) -> bool:
+    """Whether an effect adds to a prediction what it asks for by itself, and changes nothing else of it."""
+    effect = catalogue()[instance.effect]
+    plant = beside.plant[0]
+    if effect.settle is not None:
+        return False
+    place = effect.where(instance.options)
+    if place == DRY_LEVEL and plant["bristle_stiffness"] > 0.0:
+        return False
+    return not (place == OUTPUT_TORQUE and (plant["two_inertia"] != 0.0 or beside.by_load))

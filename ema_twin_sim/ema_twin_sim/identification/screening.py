@@ -18,6 +18,7 @@ from .search_limits import Reached
 from .start_values import regressed_angle
 
 STEP = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
+AT_ONCE = 20_000_000  # bytes at most of rows that are looked at together
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,20 +50,27 @@ class _Known:
         residual = np.concatenate([f.residual / root_inflation, pr])
         return cls(basis, upper * size, residual - basis @ (basis.T @ residual), root_inflation)
 
-    def shift(self, rows: np.ndarray) -> Callable[[], np.ndarray]:
-        """By how much (k,) the free numbers give way where ``rows`` (m,) more are predicted."""
-        within = self.basis.T @ rows
+    def shift(self, within: np.ndarray) -> Callable[[], np.ndarray]:
+        """By how much (k,) the free numbers give way to more rows whose part ``within`` (k,) they can do."""
         return lambda: -np.linalg.lstsq(self.upper, within, rcond=1e-9)[0]
 
 
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
     """Each candidate's gain before its price, at its best start, best first."""
     known = _Known.of(f)
-    jobs = [(c, group) for c in options for group in _start_groups(catalogue()[c.effect], problem.reached)]
+    together = max(1, AT_ONCE // max(problem.rows * problem.in_noise.itemsize, 1))
+    jobs = [
+        (c, groups[k : k + together])
+        for c in options
+        for groups in [_start_groups(catalogue()[c.effect], problem.reached)]
+        for k in range(0, len(groups), together)
+    ]
     found: dict[str, Screened] = {}
-    for c, screened in predictions(problem.samples, lambda job: (job[0], _screened(problem, f, known, *job)), jobs):
-        if screened is not None and (c.name not in found or screened.gain > found[c.name].gain):
-            found[c.name] = screened
+    for several in predictions(problem.samples, lambda job: _screened(problem, f, known, *job), jobs):
+        for screened in several:
+            name = screened.candidate.name
+            if name not in found or screened.gain > found[name].gain:
+                found[name] = screened
     for c in options:
         if c.effect == "torque_constant_error":
             screened = _one_factor(f, c)
@@ -95,19 +103,39 @@ def _start_groups(effect: Effect, of: Reached) -> list[list[dict[str, float]]]:
 
 
 def _screened(
-    problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate, group: Sequence[dict[str, float]]
+    problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate, groups: Sequence[Sequence[dict[str, float]]]
+) -> list[Screened]:
+    """What a candidate gains at each of its starts, its angle free; without those that change nothing."""
+    size = catalogue()[c.effect].parameters[0]
+    per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
+    columns = _columns(problem, f, c, [start for group in groups for start in group], per)
+    rows = len(columns)  # those of the torque alone, or all
+    columns *= (f.weights[:rows] / (per * known.root_inflation[:rows]))[:, None]
+    inside = known.basis[:rows].T @ columns
+    along = columns.T @ known.left[:rows]
+    found = []
+    stop = 0
+    for group in groups:
+        part = slice(stop, stop := stop + len(group))
+        # of what the free numbers cannot do
+        square = columns[:, part].T @ columns[:, part] - inside[:, part].T @ inside[:, part]
+        if np.isfinite(square).all():
+            screened = _at_start(c, group, inside[:, part], square, along[part], known)
+            found += [] if screened is None else [screened]
+    return found
+
+
+def _at_start(
+    c: Candidate,
+    group: Sequence[dict[str, float]],
+    inside: np.ndarray,
+    square: np.ndarray,
+    along: np.ndarray,
+    known: _Known,
 ) -> Screened | None:
-    """What a candidate gains at one start, its angle free; None where it changes nothing, or is no number."""
+    """What a candidate gains at one start, by products of its columns with each other and with what is left over."""
     effect = catalogue()[c.effect]
     size = effect.parameters[0]
-    per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
-
-    columns = _columns(problem, f, known, c, group, per)
-    if not np.isfinite(columns).all():
-        return None
-    inside = known.basis.T @ columns
-    square = columns.T @ columns - inside.T @ inside  # of what the free numbers cannot do
-    along = columns.T @ known.left
     start = dict(group[0])
     if size.neutral is None:
         whole, norm = float(2.0 * along[0] - square[0, 0]), float(square[0, 0])
@@ -127,33 +155,33 @@ def _screened(
     start[size.name] = clipped
     taken = x * ((clipped - size.neutral) / (value - size.neutral) if clipped != value else 1.0)
     gained = float(2.0 * taken @ along - taken @ square @ taken)
-    return Screened(c, start, gained, known.shift(columns @ taken))
+    return Screened(c, start, gained, known.shift(inside @ taken))
 
 
 def _columns(
-    problem: EquationErrorProblem,
-    f: Fit,
-    known: _Known,
-    c: Candidate,
-    group: Sequence[dict[str, float]],
-    per: float,
+    problem: EquationErrorProblem, f: Fit, c: Candidate, starts: Sequence[dict[str, float]], per: float
 ) -> np.ndarray:
-    """Rows (m, k) that a candidate adds to a fit at each start, per unit of its size; it is ``per`` beyond neutral."""
+    """Rows (m, k), or those of the torque (s, k) where these are all, that a candidate adds to a fit at each start.
+
+    Its size is ``per`` beyond neutral.
+    """
     size = catalogue()[c.effect].parameters[0]
+    if size.neutral is not None:
+        starts = [{**start, size.name: size.neutral + per} for start in starts]
+        every = problem.alike_beside_any(f.predicted, [EffectInstance(c.effect, c.options, one) for one in starts])
+        if every is not None:
+            return every
 
     def column(parameters: dict[str, float]) -> np.ndarray:
-        if size.neutral is not None:
-            parameters = {**parameters, size.name: size.neutral + per}
-        instance = EffectInstance(c.effect, c.options, parameters)
         rows = None
         if size.neutral is not None:
-            rows = problem.beside(f.hypothesis, f.predicted, instance, again=True)
+            rows = problem.beside(f.hypothesis, f.predicted, EffectInstance(c.effect, c.options, parameters))
         if rows is None:
             h = f.hypothesis.with_effect(c.effect, c.options, parameters)
             rows = problem.centred(problem.predict(h).rows - f.predicted.rows, f.weights)
-        return np.concatenate([rows * f.weights / (per * known.root_inflation), np.zeros(len(known.left) - len(f.raw))])
+        return rows
 
-    return np.stack([column(s) for s in group], 1)
+    return np.stack([column(start) for start in starts], 1)
 
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
