@@ -14,7 +14,7 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS
 from .equation import EquationErrorProblem
 from .excerpt import excerpt
-from .fit import Fit, fit
+from .fit import Fit, fits
 from .hypothesis import Hypothesis
 from .local_minima import best_of, ranked, starting
 from .sensors import hysteresis, with_sensors
@@ -73,7 +73,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     least = min((f.misfit for f in best), default=0.0)
     close = [f for f in best if f.misfit <= RIVAL * least or len(best) < 2]
     whole = problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
-    return [fit(whole, f.hypothesis, 6) for f in close]
+    return fits(whole, [f.hypothesis for f in close], 6)
 
 
 def _springs(h: Hypothesis) -> list[dict[str, float]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -14,6 +14,7 @@ from .along_slopes import AlongSlopes
 from .equation import EquationErrorProblem
 from .hypothesis import Hypothesis
 from .jacobian import jacobian
+from .parallel import predictions
 from .prediction import Prediction, Predictor
 
 
@@ -182,3 +183,12 @@ def fit(
     costs = problem.costs(raw)
     misfits = float(costs[: problem.size].sum()), float(costs[problem.size :].sum())
     return Fit(problem, h, predicted, raw, weights, differentiate, misfits, prior_cost)
+
+
+def fits(
+    problem: EquationErrorProblem, several: Iterable[Hypothesis], iterations: int = 8, known: Fit | None = None
+) -> list[Fit]:
+    """Fits of several hypotheses, side by side; all else as ``fit`` has it."""
+    if known is not None:
+        known.differentiate()  # once, for all of them
+    return list(predictions(problem.samples, lambda h: fit(problem, h, iterations, known=known), several))

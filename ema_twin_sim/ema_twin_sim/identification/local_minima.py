@@ -10,7 +10,7 @@ import numpy as np
 from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
 from .comparable import cheapest, costs_no_more
 from .equation import EquationErrorProblem
-from .fit import Fit, fit
+from .fit import Fit, fits
 from .hypothesis import INERTIAS, Hypothesis
 
 FINALISTS = 2
@@ -38,9 +38,9 @@ def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[
 def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
     """The best fit of a ranked family: from its best few, then from beside there."""
     from_afar = problem.under(problem.weighting.from_outliers(FAR_OFF_ROW))
-    finalists = [fit(from_afar, h, 8).hypothesis for _, h in family[:FINALISTS]]
+    finalists = [f.hypothesis for f in fits(from_afar, [h for _, h in family[:FINALISTS]])]
     near = problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
-    return hopped(cheapest(fit(near, h, 8) for h in finalists), family[0][1].added)
+    return hopped(cheapest(fits(near, finalists)), family[0][1].added)
 
 
 def hopped(best: Fit, names: Collection[str]) -> Fit:
@@ -55,7 +55,7 @@ def hopped(best: Fit, names: Collection[str]) -> Fit:
         beside = [starting(best.hypothesis, hop) for hop in hops]
         costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(beside)]
         starts = [_as_in_the_model(best.hypothesis), *(beside[int(k)] for k in np.argsort(costs)[:1])]
-        better = cheapest(fit(problem, h, 8) for h in starts)
+        better = cheapest(fits(problem, starts))
         much = costs_no_more(better, best, 1.0 - NEGLIGIBLE)
         best = cheapest((best, better))
         if not much:

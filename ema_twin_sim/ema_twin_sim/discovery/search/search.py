@@ -25,10 +25,11 @@ from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest, costs_no_more
 from ...identification.compliance import structural_fits
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit, fit
+from ...identification.fit import Fit, fit, fits
 from ...identification.generic_bases import beside_generic_bases, dependence
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import hopped
+from ...identification.parallel import predictions
 from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
@@ -250,7 +251,9 @@ def add_effects(
 
     def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
         progress("trying all effects")
-        return [with_one_more(current, h) for h in entrants(current.problem, current, without | excluded)]
+        entering = entrants(current.problem, current, without | excluded)
+        current.differentiate()  # once, for all of them
+        return list(predictions(current.problem.samples, lambda h: with_one_more(current, h), entering))
 
     return add_best(current, entering, most, progress)
 
@@ -302,7 +305,7 @@ def _add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Rou
     by_torque = frozenset(
         c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
     )
-    tried += [fit(problem, h, 6) for h in entrants(problem, current, without | by_torque)]
+    tried += fits(problem, entrants(problem, current, without | by_torque), 6)
     turn = take_best(as_compares(current, problem), tried)
     return turn.after if turn.added else current, [turn]
 
@@ -315,14 +318,15 @@ def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
     if took is None and not current.parted:
         # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
-        again = [trial_of(current, fit(t.fit.problem, t.fit.hypothesis)) for t in near]
+        whole = predictions(current.problem.samples, lambda t: fit(t.fit.problem, t.fit.hypothesis), near)
+        again = [trial_of(current, f) for f in whole]
         trials = _ranked([*again, *(t for t in trials if t not in near)], choices)
         took = _best(current, trials)
     if took is None:
         return Round(current, trials, current)
-    whole = fit(took.fit.problem, took.fit.hypothesis.balanced())
-    fresh = [name for name in took.names if name in whole.hypothesis.added]
-    after = prune(settle(hopped(whole, fresh) if whole.parted else whole))
+    balanced = fit(took.fit.problem, took.fit.hypothesis.balanced())
+    fresh = [name for name in took.names if name in balanced.hypothesis.added]
+    after = prune(settle(hopped(balanced, fresh) if balanced.parted else balanced))
     return Round(current, trials, after, took.names, new_names(after, took.fit))
 
 
@@ -396,8 +400,10 @@ def prune(f: Fit) -> Fit:
     problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
-        trials = [(n, fit(problem, _without(h, n), 6, known=f)) for n in h.added]
-        trials += [(n, fit(problem, h.without_generic_basis(n), 4, known=f)) for n in h.generic_bases]
+        less = [_without(h, n) for n in h.added]
+        trials = [*zip(h.added, fits(problem, less, 6, known=f), strict=True)]
+        less = [h.without_generic_basis(n) for n in h.generic_bases]
+        trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [
             g
             for n, g in trials
