@@ -1,9 +1,14 @@
 """Finite differences stay within a number's bounds, to whichever side there is room."""
 
+import numpy as np
 import pytest
 
-from ema_twin_sim.identification.hypothesis import Free
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.identification.jacobian import inner_step
+from ema_twin_sim.simulation.assembly import longest_delay
+from tests.few_rows import few_rows
 
 
 @pytest.mark.parametrize(
@@ -17,10 +22,17 @@ from ema_twin_sim.identification.jacobian import inner_step
     ],
 )
 def test_a_step_stays_inside(value, lower, upper, step):
-    found = inner_step(Free("effects.a.b", lower, upper, 0.1), value)
+    found = inner_step(value, lower, upper, 0.1)
     assert found == pytest.approx(step)
     assert lower <= value + found <= upper
 
 
 def test_what_is_held_has_a_slope_all_the_same():
-    assert abs(inner_step(Free("contact.stiffness", 3.0, 3.0, 0.1), 3.0)) == 0.1
+    assert abs(inner_step(3.0, 3.0, 3.0, 0.1)) == 0.1
+
+
+def test_a_delay_as_long_as_the_plant_remembers_is_not_stepped_over(stock):
+    quick = stock.with_value("drive.control_cycle", 2e-5)  # whose memory of control cycles is short
+    problem = EquationErrorProblem([few_rows(np.zeros(50), encoder=np.zeros(50))])
+    late = null_hypothesis(quick).with_effect("encoder_delay", {}, {"delay": longest_delay(quick)})
+    assert np.isfinite(fit(problem, late, 0).jacobian).all()

@@ -34,7 +34,8 @@ def jacobian(
     )
     now = {name: h.instance(name) for name in sought}
     torques = {name: problem.alone(predicted, instance) for name, instance in now.items()}
-    steps = [inner_step(free, value) for free, value in zip(h.free, h.values, strict=True)]
+    lower, upper = problem.bounds(h)
+    steps = [inner_step(*of) for of in zip(h.values, lower, upper, (free.step for free in h.free), strict=True)]
     moved = [h.put({free.path: h.values[k] + steps[k]}) for k, free in enumerate(h.free)]
     two_inertia = predicted.plant["two_inertia"][0] != 0.0
 
@@ -81,15 +82,15 @@ def jacobian(
     return np.stack(list(predictions(problem.samples, column, range(len(h.free)))), 1)
 
 
-def inner_step(free: Free, value: float) -> float:
+def inner_step(value: float, lower: float, upper: float, step: float) -> float:
     """The finite step of a number from a value, to the side on which it stays within its bounds: upwards where both do.
 
     Where neither does, as far as the farther bound allows, so that no model is asked for a number that it cannot have.
     """
-    above, below = free.upper - value, value - free.lower
-    if above >= free.step:
-        return free.step
-    if below >= free.step:
-        return -free.step
+    above, below = upper - value, value - lower
+    if above >= step:
+        return step
+    if below >= step:
+        return -step
     farther = above if above >= below else -below
-    return farther or -free.step  # a number that is held has no side to go to
+    return farther or -step  # a number that is held has no side to go to
