@@ -116,5 +116,5 @@ def test_two_benches_that_mix_are_told_though_the_twin_answers_neither(streams):
 def test_a_monitor_that_came_late_tells_what_was_sent_before_it(streams):
     streams.sent = streams.skipped = 40
     streams.send(100)
-    assert "; 40 samples of this run were sent before this monitor came" in streams.told[1]
+    assert "; 40 samples of this run were sent before the first that came here" in streams.told[1]
     assert "missing" not in streams.told[1]

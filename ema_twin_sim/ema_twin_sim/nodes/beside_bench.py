@@ -83,7 +83,9 @@ class BesideBench:
             level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
         elif stream.unseen:
             level = diagnostics.WARN
-            message = f"{stream.unseen} samples of this run were sent before this twin came; it does not answer them"
+            message = (
+                f"{stream.unseen} samples of this run were sent before the first that came here; they are not answered"
+            )
         else:
             level, message = diagnostics.OK, "answers every sample of the bench"
         state = {

@@ -250,7 +250,7 @@ class MonitorNode(Node):
         words = "; ".join([words, *wrong])
         unseen = min(pairing.bench.unseen, pairing.missing)
         if unseen:
-            words = f"{words}; {unseen} samples of this run were sent before this monitor came"
+            words = f"{words}; {unseen} samples of this run were sent before the first that came here"
         if pairing.missing > unseen:
             words = f"{words}; {pairing.missing - unseen} samples of this run are missing"
         if growing := self._trend.growing():
