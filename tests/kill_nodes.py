@@ -10,6 +10,7 @@ import os
 import re
 import sys
 import tempfile
+import time
 from collections.abc import Sequence
 from itertools import cycle, islice, permutations
 from pathlib import Path
@@ -36,6 +37,13 @@ def kill_and_restart(bench: BenchProcesses, name: str, away: float, watched: flo
     return bench.longest_halt(killed), works, {re.sub(r"\d[\d.]*", "N", words) for words in bench.told_since(killed)}
 
 
+def undisturbed(bench: BenchProcesses, watched: float) -> float:
+    """The bench's longest halt [s] where nothing is killed: what this machine makes of it."""
+    since = time.monotonic()
+    bench.graph.spin_for(watched)
+    return bench.longest_halt(since)
+
+
 def restart_in_order(bench: BenchProcesses, order: Sequence[str]) -> float:
     """Kill all nodes at once and start them in this order: the time from the last one's start until all work [s]."""
     bench.kill(*order)
@@ -54,12 +62,13 @@ def main() -> int:
     parser.add_argument("--orders", type=int, default=4, help="orders in which all four are started again; 24 is all")
     asked = parser.parse_args()
     print("   Hz killed    kills  halt of the bench    works again after")
-    print("                      median      worst    median     worst")
+    print("                       median      worst    median      worst")
     for rate in asked.rates:
         watched = HISTORY / rate + LISTED
         with tempfile.TemporaryDirectory() as folder:
             bench = BenchProcesses(rate, Path(folder))
             try:
+                _print_row(rate, "nothing", [undisturbed(bench, watched) for _ in range(asked.kills)], ())
                 for name in asked.nodes:
                     aways = islice(cycle((watched, 0.0, LISTED / 2.0)), asked.kills)
                     kills = [kill_and_restart(bench, name, away, watched) for away in aways]
@@ -76,8 +85,10 @@ def main() -> int:
 
 
 def _print_row(rate: float, name: str, halts: Sequence[float], works: Sequence[float]) -> None:
-    halt = f"{median(halts):7.2f} s {max(halts):8.2f} s" if halts else f"{'-':>9} {'-':>10}"
-    print(f"{rate:5.0f} {name:8} {len(works):6} {halt} {median(works):7.1f} s {max(works):7.1f} s", flush=True)
+    halt, work = (
+        f"{median(times):7.2f} s {max(times):8.2f} s" if times else f"{'-':>9} {'-':>10}" for times in (halts, works)
+    )
+    print(f"{rate:5.0f} {name:8} {max(len(halts), len(works)):6} {halt} {work}", flush=True)
 
 
 if __name__ == "__main__":
