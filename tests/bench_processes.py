@@ -95,9 +95,9 @@ class BenchProcesses:
         self.graph.spin_until(lambda: all(map(self._works, names)), what=" and ".join(names))
         return time.monotonic() - max(self._begun[name][0] for name in names)
 
-    def longest_halt(self, since: float) -> float:
-        """The longest time [s] without a sample of the bench from `since` until now."""
-        times = [since, *(arrival for arrival in self.arrivals if arrival > since), time.monotonic()]
+    def longest_halt(self, since: float, until: float) -> float:
+        """The longest time [s] without a sample of the bench between two times."""
+        times = [since, *(arrival for arrival in self.arrivals if since < arrival < until), until]
         return max(after - before for before, after in pairwise(times))
 
     def told_since(self, since: float) -> set[str]:
