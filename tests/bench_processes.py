@@ -11,7 +11,6 @@ from pathlib import Path
 from diagnostic_msgs.msg import DiagnosticArray
 
 from ema_bench_replay.nodes import qos
-from ema_bench_replay.nodes.sample_codec import read_state
 from ema_twin_msgs.msg import EmaState, Health
 from tests.ros_graph import Graph, start_process
 
@@ -48,7 +47,6 @@ class BenchProcesses:
         self._processes: dict[str, subprocess.Popen[str]] = {}
         self._begun: dict[str, tuple[float, int, int]] = {}
         self._bags = 0
-        self._state = b""
         self._health: tuple[float, Health] = (0.0, Health(level=Health.STALE))
         self.arrivals: list[float] = []
         self.told: list[tuple[float, str, str]] = []
@@ -73,7 +71,7 @@ class BenchProcesses:
         if name == "record":
             self._bags += 1
             parameters["record"] = [f"output:={self._folder / str(self._bags)}"]
-        self._begun[name] = (time.monotonic(), *self._newest)
+        self._begun[name] = (time.monotonic(), *((0, 0) if name == "monitor" else self._compared))
         process = start_process(MODULES[name], *parameters.get(name, []))
         threading.Thread(target=process.stderr.read, daemon=True).start()
         self._processes[name] = process
@@ -88,7 +86,7 @@ class BenchProcesses:
         return killed
 
     def wait_for(self, *names: str) -> float:
-        """Wait until these nodes work: what the bench sent since they were started is compared, a bag holds samples.
+        """Wait until these nodes work: something is compared that was not yet, by this monitor; a bag holds samples.
 
         Returns how long that took [s] since the last of them was started.
         """
@@ -115,18 +113,17 @@ class BenchProcesses:
             return bag.exists() and bag.stat().st_size > _BEGUN
         begun, *before = self._begun[name]
         arrived, health = self._health
-        compared = [health.run, health.header.stamp.sec * 10**9 + health.header.stamp.nanosec]
-        return arrived > begun and health.compared > 0 and health.level != Health.STALE and compared > before
+        new = arrived > begun and self._compared > tuple(before)
+        return new and health.compared > 0 and health.level != Health.STALE
 
     @property
-    def _newest(self) -> tuple[int, int]:
-        """Run and stamp [ns] of the bench's newest sample."""
-        state = read_state(self._state) if self._state else None
-        return (state.run, state.stamp) if state else (0, 0)
+    def _compared(self) -> tuple[int, int]:
+        """Run and stamp [ns] of the newest sample that was compared."""
+        _, health = self._health
+        return health.run, health.header.stamp.sec * 10**9 + health.header.stamp.nanosec
 
-    def _on_state(self, message: bytes) -> None:
+    def _on_state(self, _message: bytes) -> None:
         self.arrivals.append(time.monotonic())
-        self._state = message
 
     def _on_health(self, health: Health) -> None:
         self._health = time.monotonic(), health
