@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-pictures docs bench accuracy figures pictures blueprints lock clean
+.PHONY: help setup demo test test-pictures docs bench kill accuracy figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -34,6 +34,9 @@ docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no 
 
 bench: setup ## the benchmarks
 	@$(RUN) -m pytest tests/benchmarks/bench_*.py -q
+
+kill: setup ## nodes are killed beside a bench that plays: how long it halts, when they work again; ARGS="--kills 10 --orders 24", "--help"
+	@$(RUN) -m tests.kill_nodes $(ARGS)
 
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)

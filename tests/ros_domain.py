@@ -1,9 +1,14 @@
-"""A ROS domain for this process of tests alone: others, of pytest -n or of another checkout, must not be heard."""
+"""A ROS domain for this process of tests alone: others, of pytest -n or of another checkout, must not be heard.
+
+Beyond that the tests' nodes find each other as everybody's do who has chosen nothing.
+"""
 
 import fcntl
 import os
 import tempfile
 from pathlib import Path
+
+from ema_bench_replay.nodes.loopback import PROFILES, RANGE, keep_to_this_machine
 
 
 def _take():
@@ -24,4 +29,6 @@ def _take():
 
 DOMAIN, _HELD = _take()
 os.environ["ROS_DOMAIN_ID"] = str(DOMAIN)
-os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+for name in (RANGE, *PROFILES):
+    os.environ.pop(name, None)
+keep_to_this_machine()

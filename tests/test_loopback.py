@@ -1,15 +1,16 @@
 """The nodes are heard on this machine alone, unless ROS's own variable opens them to the network."""
 
+import subprocess
+import sys
 import time
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
-from ros_graph import Graph, start_process
+from ros_graph import start_process
 
-from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes import loopback
 from ema_bench_replay.nodes.loopback import LOOPBACK, PROFILES, RANGE, keep_to_this_machine
-from ema_twin_msgs.msg import EmaState
 
 EPHEMERAL = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
 """Ports from here on belong to sockets that only send."""
@@ -28,9 +29,22 @@ def test_transports_that_were_chosen_stay():
     assert environment == {RANGE: "LOCALHOST", PROFILES[1]: "/etc/own.xml"}
 
 
+def test_the_profile_is_taken_where_nothing_was_chosen():
+    environment = {}
+    keep_to_this_machine(environment)
+    assert environment == {RANGE: "SYSTEM_DEFAULT", **dict.fromkeys(PROFILES, str(LOOPBACK))}
+
+
+def test_another_middleware_keeps_to_this_machine_by_the_range(monkeypatch):
+    monkeypatch.setattr(loopback, "get_rmw_implementation_identifier", lambda: "rmw_cyclonedds_cpp")
+    environment = {}
+    keep_to_this_machine(environment)
+    assert environment == {RANGE: "LOCALHOST"}
+
+
 def test_the_profile_names_no_other_address():
-    addresses = [e.text for e in ElementTree.parse(LOOPBACK).iter() if e.tag.endswith("}address")]
-    assert addresses == ["127.0.0.1"]
+    addresses = {e.text for e in ElementTree.parse(LOOPBACK).iter() if e.tag.endswith("}address")}
+    assert addresses == {"127.0.0.1"}
 
 
 @pytest.fixture
@@ -85,15 +99,22 @@ def test_a_node_listens_on_loopback_alone(module, parameter, start):
         time.sleep(0.1)
     time.sleep(0.5)  # the last of its sockets
     assert {*listening(process.pid)} == {LOOPBACK_ADDRESS}
+    assert "/dev/shm/fastrtps" not in Path(f"/proc/{process.pid}/maps").read_text()
+
+
+PLAIN_NODE = """
+import rclpy
+from ema_twin_msgs.msg import EmaState
+rclpy.init()
+heard = []
+node = rclpy.create_node("plain")
+node.create_subscription(EmaState, "/twin/state", heard.append, rclpy.qos.qos_profile_sensor_data)
+while not heard:
+    rclpy.spin_once(node)
+"""
 
 
 def test_a_plain_node_of_this_machine_hears_it(start):
     """ROS's own tools look for nodes in the whole network, this machine in it."""
     start("ema_twin_sim.nodes.twin", "input:=standalone")
-    graph = Graph()
-    try:
-        heard = []
-        graph.plain_node().create_subscription(EmaState, "/twin/state", heard.append, qos.STATE)
-        graph.spin_until(lambda: heard, what="a state of the twin")
-    finally:
-        graph.close()
+    subprocess.run([sys.executable, "-c", PLAIN_NODE], check=True, timeout=60.0)

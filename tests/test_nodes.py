@@ -284,6 +284,20 @@ def test_a_twin_without_its_driving_signal_says_so_and_goes_on(graph):
     assert twin.mode.follower.answered == 1
 
 
+def test_a_twin_that_came_late_does_not_say_that_it_integrated_across(graph):
+    graph.add(TwinNode)
+    tester = graph.plain_node()
+    reports = []
+    tester.create_subscription(DiagnosticArray, "/diagnostics", reports.append, qos.DIAGNOSTICS)
+    publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
+    for sequence in range(40, 60):
+        publisher.publish(write_state(10**9 + sequence * PERIOD, 1, sequence, bench_signals()))
+    words = "40 samples of this run were sent before the first that came here; they are not answered"
+    graph.spin_until(lambda: reports and reports[-1].status[0].message == words)
+    counts = {value.key: value.value for value in reports[-1].status[0].values}
+    assert (counts["samples lost in this run"], counts["samples answered"]) == ("0", "20")
+
+
 def test_a_twin_that_diverges_says_so_and_goes_on_with_the_next_run(graph, model, monkeypatch):
     twin = graph.add(TwinNode, model)
     tester = graph.plain_node()

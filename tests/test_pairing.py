@@ -131,6 +131,22 @@ def test_a_twin_that_was_started_again_before_the_bench_was_seen_to_go_on():
     assert (pairing.compared, pairing.missing) == (40, 0)
 
 
+@given(st.integers(1, 40), st.integers(0, 60), st.integers(0, 60), st.booleans())
+def test_what_a_twin_that_was_started_again_missed_is_missing_and_nothing_else(answered, begins, bench_at, from_start):
+    """Its earlier self answered so many; it begins anywhere, when the bench is anywhere: at no time fewer than none."""
+    pairing = Pairing(from_start=from_start)
+    sent = max(answered, bench_at)
+    bench(pairing, *range(sent))
+    twin(pairing, *range(answered))
+    for sequence in range(begins, 100):
+        bench(pairing, *range(sent, sequence + 1))
+        sent = max(sent, sequence + 1)
+        twin(pairing, sequence)
+        assert 0 <= pairing.missing <= max(0, begins - answered)
+    assert (pairing.missing, pairing.waiting) == (max(0, begins - answered),) * 2
+    assert pairing.compared + pairing.missing == 100
+
+
 def test_what_is_missing_on_either_side_is_counted():
     pairing = Pairing()
     bench(pairing, 0, 1, 3, 4)

@@ -23,13 +23,14 @@ def test_a_gap_is_counted_and_crossed():
     assert stream.lost == 3
 
 
-def test_samples_before_the_first_are_lost_unless_a_late_start_is_meant():
+def test_samples_before_the_first_were_not_seen_unless_a_late_start_is_meant():
+    """They are none that a twin could integrate across: it begins behind them."""
     stream = SampleStream()
-    accept(stream, [7])
-    assert stream.lost == 7
+    accept(stream, [7, 8])
+    assert (stream.unseen, stream.lost) == (7, 0)
     stream = SampleStream(from_start=False)
-    accept(stream, [7])
-    assert (stream.lost, stream.first) == (0, 7)
+    accept(stream, [7, 8])
+    assert (stream.unseen, stream.lost, stream.first) == (0, 0, 7)
 
 
 def test_a_late_sample_is_left_out():

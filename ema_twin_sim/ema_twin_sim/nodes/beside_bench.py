@@ -81,6 +81,11 @@ class BesideBench:
             level, message = diagnostics.WARN, self.incoming.complaint
         elif stream.lost:
             level, message = diagnostics.WARN, f"{stream.lost} samples of this run were lost; integrated across"
+        elif stream.unseen:
+            level = diagnostics.WARN
+            message = (
+                f"{stream.unseen} samples of this run were sent before the first that came here; they are not answered"
+            )
         else:
             level, message = diagnostics.OK, "answers every sample of the bench"
         state = {

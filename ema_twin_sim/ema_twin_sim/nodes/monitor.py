@@ -200,13 +200,13 @@ class MonitorNode(Node):
         return RunningComparison(self.model, source, self._window, noise=self._noise)
 
     def _level(self, rmse_window: Mapping[str, float]) -> tuple[Level, str]:
+        if mixed := self.mixed:  # before STALE: of two benches that mix, hardly a sample is answered
+            return Level.ERROR, mixed
         now, patience = time.monotonic(), self._limits["stale_after"]
         over = self.expected and self.complete
         if not over and now - self._pair_arrival > patience:
             silent = now - self._bench_arrival > patience
             return Level.STALE, "no sample arrives" if silent else "the twin does not answer the bench's samples"
-        if mixed := self.mixed:
-            return Level.ERROR, mixed
         comparison = self.comparison
         driven = DRIVEN.get(comparison.source, ())
         limits = self._limits["warn_at"], self._limits["error_at"]
@@ -248,8 +248,11 @@ class MonitorNode(Node):
         level, words = self._level(rmse_window)
         wrong = [one.complaint for one in self._incoming.values() if one.complaint]
         words = "; ".join([words, *wrong])
-        if pairing.missing:
-            words = f"{words}; {pairing.missing} samples of this run are missing"
+        unseen = min(pairing.bench.unseen, pairing.missing)
+        if unseen:
+            words = f"{words}; {unseen} samples of this run were sent before the first that came here"
+        if pairing.missing > unseen:
+            words = f"{words}; {pairing.missing - unseen} samples of this run are missing"
         if growing := self._trend.growing():
             words = (
                 f"{words}; the error of the {growing[0].replace('_', ' ')} grows by {100.0 * growing[1]:.0f} % an hour"

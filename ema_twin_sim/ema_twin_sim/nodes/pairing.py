@@ -97,7 +97,7 @@ class Pairing(Generic[Sample]):
         if kind is Kind.FIRST:
             self._begin(sample.run)
         elif self._ahead and self._ahead[0].run == sample.run and self._unanswered:
-            self._answers = self._ahead.popleft()
+            self._go_on_with(self._ahead.popleft())
         answer = self._answers.waiting.pop(sample.sequence, None) if self._answers else None
         if answer is None:
             self._keep(self._waiting, sample)
@@ -116,12 +116,12 @@ class Pairing(Generic[Sample]):
         if into is None:
             self.outdated += 1
             return None
-        into.newest = sample.sequence
+        into.newest = max(into.newest, sample.sequence)
         partner = self._waiting.pop(sample.sequence, None) if into is self._answers else None
-        if partner is None:
-            self._keep(into.waiting, sample)
-        else:
+        if partner is not None:
             self.compared += 1
+        elif into is not self._answers or sample.sequence > self.bench.sequence:
+            self._keep(into.waiting, sample)  # else the earlier self of this twin has answered
         return partner
 
     @property
@@ -151,9 +151,17 @@ class Pairing(Generic[Sample]):
         if self.run == run and (self._answers is None or self._unanswered):
             self.outdated += sum(len(older.waiting) for older in self._ahead)
             self._ahead.clear()
-            self._answers = begun
+            self._go_on_with(begun)
         else:
             self._ahead.append(begun)
+
+    def _go_on_with(self, begun: _TwinPass[Sample]) -> None:
+        """The twin was started again within the present pass: what its earlier self answered stays compared."""
+        if self._answers is not None:
+            begun.first = self._answers.first
+            begun.newest = max(begun.newest, self._answers.newest)
+            begun.waiting = {n: answer for n, answer in begun.waiting.items() if n >= self.bench.sequence}
+        self._answers = begun
 
     def _keep(self, waiting: dict[int, Sample], sample: Sample) -> None:
         waiting[sample.sequence] = sample

@@ -38,13 +38,14 @@ class SampleStream:
         sequence: sequence number of the newest sample in it.
         first: sequence number that the run is counted from.
         received: samples of this run, those left out not among them.
-        lost: samples of this run that did not come.
+        lost: samples of this run that did not come between its first here and its newest.
+        unseen: samples of this run before the first that came here; 0 where it is counted from there.
         late, duplicate, backward, stray: see the module; since the node's start.
         runs: runs begun.
     """
 
     def __init__(self, from_start: bool = True) -> None:
-        """`from_start`: what a run's samples before the first to arrive count as: lost, or never meant to be seen."""
+        """`from_start`: what a run's samples before the first to arrive count as: unseen, or never meant to be seen."""
         self._from_start = from_start
         self._gaps: deque[range] = deque(maxlen=REORDERED)
         self._first_stamp = 0
@@ -56,6 +57,7 @@ class SampleStream:
         self.first = 0
         self.received = 0
         self.lost = 0
+        self.unseen = 0
         self.late = 0
         self.duplicate = 0
         self.backward = 0
@@ -67,6 +69,7 @@ class SampleStream:
         return {
             f"{what} received in this run": self.received,
             f"{what} lost in this run": self.lost,
+            f"{what} of this run before the first that came": self.unseen,
             f"{what} that came late": self.late,
             f"{what} that came twice": self.duplicate,
             f"{what} that went back in time": self.backward,
@@ -132,7 +135,8 @@ class SampleStream:
         self._first_sequence = sequence
         self._elsewhere = None
         self.first = 0 if self._from_start else sequence
-        self.lost = sequence - self.first
+        self.lost = 0
+        self.unseen = sequence - self.first
         self.received = 1
         self.runs += 1
         return Kind.FIRST

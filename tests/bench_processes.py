@@ -1,0 +1,135 @@
+"""Replay, twin, monitor and record as processes that can be killed and started again, and a listener that stays."""
+
+from __future__ import annotations
+
+import subprocess
+import threading
+import time
+from itertools import pairwise
+from pathlib import Path
+
+from diagnostic_msgs.msg import DiagnosticArray
+
+from ema_bench_replay.nodes import qos
+from ema_twin_msgs.msg import EmaState, Health
+from tests.ros_graph import Graph, start_process
+
+READERS = {
+    "twin": "ema_twin_sim.nodes.twin",
+    "monitor": "ema_twin_sim.nodes.monitor",
+    "record": "ema_bench_replay.nodes.record",
+}
+MODULES = {**READERS, "replay": "ema_bench_replay.nodes.replay"}
+HISTORY = 5000
+"""Samples that Fast DDS keeps for a reader before a publisher has to wait for it."""
+LISTED = 3.0
+"""s for which a node that was killed is still taken to be there: see loopback.xml."""
+
+_RECORDING = next(Path(__file__).parent.glob("recordings/*ramp*.CSV"))
+_RECORDED_RATE = 500.0
+"""Hz."""
+_BEGUN = 100_000
+"""Bytes of a bag that holds samples."""
+
+
+class BenchProcesses:
+    """The four nodes; the recording is played over and over.
+
+    Attributes:
+        arrivals: monotonic times [s] of the bench's samples.
+        told: (monotonic time, node, words) of all diagnostics.
+        figures: the last figures of each node's diagnostics, by their names.
+    """
+
+    def __init__(self, rate: float, folder: Path) -> None:
+        """Play `rate` samples a second; bags go into `folder`. Waits until all nodes work together."""
+        self._speed, self._folder = rate / _RECORDED_RATE, folder
+        self._processes: dict[str, subprocess.Popen[str]] = {}
+        self._begun: dict[str, tuple[float, int, int]] = {}
+        self._bags = 0
+        self._health: tuple[float, Health] = (0.0, Health(level=Health.STALE))
+        self.arrivals: list[float] = []
+        self.told: list[tuple[float, str, str]] = []
+        self.figures: dict[str, dict[str, str]] = {}
+        self.graph = Graph()
+        node = self.graph.plain_node("listener")
+        node.create_subscription(EmaState, "/bench/state", self._on_state, qos.STATE, raw=True)
+        node.create_subscription(Health, "/monitor/health", self._on_health, qos.LATEST)
+        node.create_subscription(DiagnosticArray, "/diagnostics", self._on_diagnostics, qos.DIAGNOSTICS)
+        try:
+            for name in MODULES:
+                self.start(name)
+            self.wait_for(*MODULES)
+        except BaseException:
+            self.close()
+            raise
+
+    def start(self, name: str) -> None:
+        """Start a node's process; what it says goes to nobody."""
+        parameters = {"replay": [f"recording:={_RECORDING}", "loop:=true", f"rate:={self._speed}"]}
+        parameters["replay"] += ["subscribers:=4", "patience:=60.0"]
+        if name == "record":
+            self._bags += 1
+            parameters["record"] = [f"output:={self._folder / str(self._bags)}"]
+        self._begun[name] = (time.monotonic(), *((0, 0) if name == "monitor" else self._compared))
+        process = start_process(MODULES[name], *parameters.get(name, []))
+        threading.Thread(target=process.stderr.read, daemon=True).start()
+        self._processes[name] = process
+
+    def kill(self, *names: str) -> float:
+        """End nodes' processes by SIGKILL; returns when [s, monotonic]."""
+        killed = time.monotonic()
+        for name in names:
+            self._processes[name].kill()
+        for name in names:
+            self._processes[name].wait()
+        return killed
+
+    def wait_for(self, *names: str) -> float:
+        """Wait until these nodes work: something is compared that was not yet, by this monitor; a bag holds samples.
+
+        Returns how long that took [s] since the last of them was started.
+        """
+        self.graph.spin_until(lambda: all(map(self._works, names)), what=" and ".join(names))
+        return time.monotonic() - max(self._begun[name][0] for name in names)
+
+    def longest_halt(self, since: float, until: float) -> float:
+        """The longest time [s] without a sample of the bench between two times."""
+        times = [since, *(arrival for arrival in self.arrivals if since < arrival < until), until]
+        return max(after - before for before, after in pairwise(times))
+
+    def told_since(self, since: float) -> set[str]:
+        """What each node told after that time."""
+        return {f"{node}: {words}" for when, node, words in self.told if when > since}
+
+    def close(self) -> None:
+        """End all processes."""
+        self.kill(*self._processes)
+        self.graph.close()
+
+    def _works(self, name: str) -> bool:
+        if name == "record":
+            bag = self._folder / str(self._bags) / f"{self._bags}.mcap"
+            return bag.exists() and bag.stat().st_size > _BEGUN
+        begun, *before = self._begun[name]
+        arrived, health = self._health
+        new = arrived > begun and self._compared > tuple(before)
+        return new and health.compared > 0 and health.level != Health.STALE
+
+    @property
+    def _compared(self) -> tuple[int, int]:
+        """Run and stamp [ns] of the newest sample that was compared."""
+        _, health = self._health
+        return health.run, health.header.stamp.sec * 10**9 + health.header.stamp.nanosec
+
+    def _on_state(self, _message: bytes) -> None:
+        self.arrivals.append(time.monotonic())
+
+    def _on_health(self, health: Health) -> None:
+        self._health = time.monotonic(), health
+
+    def _on_diagnostics(self, array: DiagnosticArray) -> None:
+        for status in array.status:
+            name = status.name.partition(":")[0]
+            self.figures[name] = {value.key: value.value for value in status.values}
+            self.told.append((time.monotonic(), name, status.message))
