@@ -1,9 +1,13 @@
 """Campaigns: every recording of many units judged once, whatever becomes of files, workers and the campaign itself."""
 
 import os
+import re
 import shutil
 import signal
+import subprocess
+import sys
 import threading
+import time
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
@@ -37,7 +41,7 @@ def folder(tmp_path):
 
 def a_row(unit="A", name="a", key="1", status=DONE, done=0, **others):
     row = {"unit": unit, "name": name, "key": key, "status": status, "task": "compare", "model": "m"}
-    return {**row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}
+    return {**dict.fromkeys(SCHEMA.names), **row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}
 
 
 class TestJobs:
@@ -202,12 +206,13 @@ def _lost(job, reason):
     return Outcome(job, FAILED, reason, 0.0)
 
 
-class TestEngine:
-    @pytest.fixture(scope="class")
-    def client(self):
-        with cluster(None, 2) as client:
-            yield client
+@pytest.fixture(scope="module")
+def client():
+    with cluster(None, 2) as client:
+        yield client
 
+
+class TestEngine:
     def test_every_job_is_done_once(self, client, tmp_path):
         jobs = [Job(str(k), "A", str(k), ()) for k in range(2000)]
         outcomes = list(run(client, iter(jobs), partial(_stub, folder=str(tmp_path)), _lost))
@@ -238,3 +243,43 @@ class TestEngine:
 def test_no_scheduler_is_told():
     with pytest.raises(InputError, match="does not answer"), cluster("tcp://127.0.0.1:1", 1):
         pass
+
+
+def _command(*arguments):
+    """A process of its own group, so that it can be killed with nothing else."""
+    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.start import main; main()"
+    return subprocess.Popen(
+        [sys.executable, "-c", start, "campaign", *map(str, arguments)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+
+
+def _until(is_so, seconds=120.0):
+    begun = time.monotonic()
+    while not is_so():
+        assert time.monotonic() - begun < seconds
+        time.sleep(0.05)
+
+
+def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
+    recording = sorted(RECORDINGS.glob("*.CSV"))[0]
+    for k in range(40):
+        unit = tmp_path / "runs" / f"U{k % 4}"
+        unit.mkdir(parents=True, exist_ok=True)
+        shutil.copy(recording, unit / f"{k}.CSV")
+    asked = (tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "r", "--do", "compare", "--workers", 2)
+    first = _command(*asked)
+    _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
+    first.kill()  # the campaign alone: its workers see that it is gone
+    first.wait()
+    done = Store(tmp_path / "r").settled()
+    assert 5 <= len(done) < 40
+    second = _command(*asked)
+    told, errors = second.communicate(timeout=300)
+    assert second.returncode == 0, errors
+    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
+    assert again >= len(done)
+    assert f"{40 - again} judged" in told
+    files = [row for file in tmp_path.rglob("*.parquet") for row in pq.read_table(file)["key"].to_pylist()]
+    assert len(files) == len({*files}) == 40
+    assert not [*tmp_path.rglob("*.part")]

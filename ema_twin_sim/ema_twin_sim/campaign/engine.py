@@ -25,9 +25,11 @@ AHEAD = 2
 """Batches for every thread of a worker: one that it works on, one that waits for it."""
 LARGEST = 1000
 """Jobs in a batch at most."""
-DEATHS = 2
-"""Workers that may die over a batch before its jobs are tried one by one, and over one before that is given up."""
-_CONNECTING = 20.0  # s
+DEATHS = 1
+"""Workers that may die over a batch before its jobs are doubted. What died with them may be no fault of theirs, since a
+worker that dies takes all with it that waits for it: so each is tried once more, with nothing beside it.
+"""
+_CONNECTING = 5.0  # s, to a worker that may have died, or to a scheduler
 _LISTENING = "127.0.0.1"
 
 
@@ -93,15 +95,15 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
 def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, str], Outcome]) -> Iterator[Outcome]:
     """The outcomes of all jobs, as they come.
 
-    A job that a worker dies over again and again is given up: ``lost`` writes what is known of it. Raises InputError
-    where the scheduler is lost; what was done is in the store then.
+    A job over which workers die with nothing beside it is given up: ``lost`` writes what is known of it. Raises
+    InputError where the scheduler is lost; what was done is in the store then.
     """
     from distributed import as_completed
     from distributed.client import FutureCancelledError
     from distributed.scheduler import KilledWorker
 
     waiting = iter(jobs)
-    alone: list[Job] = []  # of batches that workers died over
+    doubted: list[Job] = []  # of batches that workers died over
     held: dict[Future, list[Job]] = {}
     done = as_completed(loop=client.loop)
     seconds: float | None = None  # that a job takes, in the mean of late
@@ -109,26 +111,29 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
     def feed() -> None:
         threads = max(sum(client.nthreads().values()), 1)
         size = 1 if seconds is None else min(max(round(BATCH / max(seconds, BATCH / LARGEST)), 1), LARGEST)
-        while len(held) < AHEAD * threads:
-            batch = [alone.pop()] if alone else list(islice(waiting, size))
-            if not batch:
-                return
-            future = client.submit(work, batch, pure=False)
-            held[future] = batch
-            done.add(future)
+        while len(held) < AHEAD * threads and (batch := list(islice(waiting, size))):
+            give(batch)
+        if not held and doubted:
+            give([doubted.pop()])
+
+    def give(batch: list[Job]) -> None:
+        future = client.submit(work, batch, pure=False)
+        held[future] = batch
+        done.add(future)
 
     feed()
     while held:
+        was_alone = len(held) == 1 and len(next(iter(held.values()))) == 1
         future = next(done)
         batch = held.pop(future)
         try:
             outcomes = future.result()
         except KilledWorker:
-            if len(batch) > 1:
-                alone += batch
-                outcomes = []
-            else:
+            if was_alone:
                 outcomes = [lost(batch[0], f"{DEATHS + 1} workers died over it")]
+            else:
+                doubted += batch
+                outcomes = []
         except FutureCancelledError:
             raise InputError(
                 "the scheduler is gone; start the campaign again: what was done is kept, and not done again"
