@@ -35,7 +35,6 @@ METHOD = {
     ),
     "identification/hypothesis.py": "EXACT LAG_LIMIT LAG_STEP",
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
-    "identification/parallel.py": "_MANY _POOL",
     "identification/screening.py": "STEP AT_ONCE",
     "identification/search_limits.py": "LATEST _POWERS",
     "identification/sensors.py": "GEARBOX_COLUMNS STEPS",

@@ -9,6 +9,8 @@ PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
 ROOMS = (
     *(
         "criteria",
+        "version",
+        "parallel",
         "listing",
         "quantities",
         "reading_noise",
@@ -21,7 +23,7 @@ ROOMS = (
     ),
     *("measured", "identification", "comparison", "fitting"),
     *("discovery/criteria", "discovery/search", "discovery/experiment"),
-    *("discovery", "new_machine", "nodes", "commands", "report", "views", "start"),
+    *("discovery", "campaign", "new_machine", "nodes", "commands", "report", "views", "start"),
 )
 """From the ground up: each imports from those before it."""
 UPWARDS = {("commands", "report"), ("commands", "views")}

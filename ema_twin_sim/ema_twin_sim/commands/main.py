@@ -16,8 +16,10 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from .. import start
+from ..version import VERSION
 from . import (
     add,
+    campaign,
     compare,
     demo,
     diagnose,
@@ -35,10 +37,9 @@ from . import (
     remove,
     report,
     simulate,
+    units,
 )
 from .output import tell_of_compiling
-
-VERSION = "0.1.0"
 
 app = typer.Typer(
     name="ema-twin",
@@ -50,8 +51,8 @@ app = typer.Typer(
     "add what is missing, watch the error fall.",
 )
 for verb in (
-    init, import_, compare, diagnose, discover, report, fit, plan, live, simulate, add, remove, effects, info, diff,
-    export, recover, demo,
+    init, import_, compare, diagnose, discover, report, fit, plan, campaign, units, live, simulate, add, remove,
+    effects, info, diff, export, recover, demo,
 ):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")
     app.command(name, epilog=verb.EXAMPLES)(verb.run)

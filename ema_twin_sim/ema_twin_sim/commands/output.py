@@ -12,12 +12,13 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
 _WIDTH_WITHOUT_TERMINAL = 120
 _LEAST_WIDTH = 20
 _SECONDS_BETWEEN_LOG_LINES = 5.0
+_LONG = 90.0  # s, from which on a time is told in minutes
 
 
 def _wanted_width() -> int | None:
@@ -123,7 +124,7 @@ def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
     """What takes a line of what is being done, and shows it on the error output; in a log, now and then."""
-    if not sys.stderr.isatty():
+    if not _watched():
         yield _now_and_then()
         return
     with messages.status("starting") as shown:
@@ -146,6 +147,41 @@ def counted(total: int, what: str) -> Iterator[Callable[[str], None]]:
                 show(f"{what}: {done} of {total} done ({name})")
 
         yield advance
+
+
+@contextmanager
+def counted_down(total: int, what: str) -> Iterator[Callable[[str], None]]:
+    """As ``counted``, with the time that is left by how fast the last ones went."""
+    done = 0
+    begun = time.monotonic()
+    show = _now_and_then()
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    left = TimeRemainingColumn(elapsed_when_finished=True)
+    bar = Progress(*columns, TextColumn("left:"), left, console=messages, transient=True, disable=not _watched())
+    with bar as progress:
+        task = progress.add_task(what, total=total)
+
+        def advance(name: str) -> None:
+            nonlocal done
+            done += 1
+            progress.advance(task)
+            if progress.disable and done < total:
+                seconds = (time.monotonic() - begun) / done * (total - done)
+                show(f"{what}: {done} of {total} done ({name}), about {duration(seconds)} left")
+
+        yield advance
+
+
+def duration(seconds: float) -> str:
+    """A time as one says it: 40 s, 12 min, 3 h 20 min."""
+    if seconds < _LONG:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60.0)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def _watched() -> bool:
+    return sys.stderr.isatty()
 
 
 def tell_of_compiling() -> None:
@@ -174,5 +210,5 @@ def progress_bar() -> Progress:
     """A progress bar on the error output, where somebody watches, that leaves no trace when done."""
     return Progress(
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-        console=messages, transient=True, disable=not sys.stderr.isatty(),
+        console=messages, transient=True, disable=not _watched(),
     )  # fmt: skip

@@ -158,7 +158,7 @@ def write_page(
     from ..report.backwards import backwards
     from ..report.content import Content, shown
     from ..report.page import write_report
-    from .main import VERSION
+    from ..version import VERSION
 
     names, note = told_apart(models, labels), ""
     if len(models) > 2 and not fitting_moved(models, findings, fit):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -19,6 +17,7 @@ from ..measured.scales import standstill, to_own_units, to_rotary_equivalent
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
+from ..parallel import simulations
 from ..simulation.angle_origins import angle_origins, without_common_zero
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .running_comparison import UNITS, RunningComparison, SignalError
@@ -35,9 +34,6 @@ Signals = dict[str, SignalError]
 
 _UNITS = UNITS | {"motor_torque": "N m"}
 """Of what is traced to a place: the signals, and the drive's torque in the current's stead."""
-
-_POOL = ThreadPoolExecutor(os.cpu_count())
-"""Recordings are simulated side by side: compiled code holds no lock."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +111,7 @@ def compare(
     starts: list[str] = []
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    besides = _POOL.map(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
+    besides = simulations(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
     for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
         for name, part in parts.items():
             stretches[name].append(part)
@@ -191,7 +187,7 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
         running.add_rows(recording.signals, simulate(twin, recording, source).signals)
         return running
 
-    for running in _POOL.map(beside, matched, inputs):
+    for running in simulations(beside, matched, inputs):
         pooled.include(running)
     return together, shown_errors(twin, _of_the_drive(twin, pooled.result(), matched))
 

@@ -23,10 +23,10 @@ from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import reported, standard_errors
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS
-from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
 from ..model import EffectInstance, Model
 from ..model.own_units import in_si, shown_entry
+from ..parallel import simulations
 from ..plant.measured_motion import TIME
 from ..simulation.simulate import choose_input, simulate
 from .criteria.worth import complexity_penalty, has_effect_size, noise_per_unit, penalised_gain

@@ -23,7 +23,7 @@ from ..effects import catalogue
 from ..identification.equation import EquationErrorProblem
 from ..identification.fit import fit, prior_rows
 from ..identification.hypothesis import Hypothesis
-from ..identification.parallel import simulations
+from ..parallel import simulations
 from ..plant.measured_motion import ACCELERATION
 from ..reading_noise import reading_noise
 from ..simulation.sensor_noise import counter_noise

@@ -18,8 +18,8 @@ from ema_bench_replay.recording import Recording
 from ..criteria import NEGLIGIBLE
 from ..identification.fit import fit
 from ..identification.hypothesis import Hypothesis
-from ..identification.parallel import simulations
 from ..model import Model
+from ..parallel import simulations
 from ..simulation.simulate import choose_input
 from .search.trace import Search
 from .unseen import squares

@@ -14,11 +14,11 @@ from ..comparison.beyond_noise import told_share
 from ..comparison.running_comparison import share_removed
 from ..criteria import CLEARLY_MORE
 from ..identification.fit import Fit, fit
-from ..identification.parallel import simulations
 from ..identification.uncertainty import held_out
 from ..identification.unseen_encoders import parting
 from ..model import Model
 from ..model.own_units import in_si, shown
+from ..parallel import simulations
 from ..simulation.simulate import BY_MOTOR, choose_input, simulate
 from .search.trace import Search
 

@@ -10,9 +10,7 @@ an impact shakes it, twin and machine need not agree sample by sample: there row
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -24,13 +22,13 @@ from ..criteria import OUTLIER, SMALL, STANDSTILL
 from ..measured.observation import Observation
 from ..measured.sliding import moving_maximum
 from ..model import Model
+from ..parallel import simulations
 from ..plant.measured_motion import SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
 from ..simulation.sensor_noise import counter_noise, noise_floors
 from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
 
-POOL = ThreadPoolExecutor(os.cpu_count())
 LINGER = 0.06  # own s around standstill in which rows do not count
 LEAP = 5.0  # steps of a finite difference over which leaps are looked for
 LEAPS = 3  # times that they are looked for
@@ -165,7 +163,7 @@ class SimulationMisfit:
         return self._predicted[1]
 
     def _predict_all(self, points: Sequence[np.ndarray], step: float | None, shift: float = 0.0) -> list[np.ndarray]:
-        runs = POOL.map(lambda k: self._runs(points, k, step, shift), range(len(self._recordings)))
+        runs = simulations(lambda k: self._runs(points, k, step, shift), range(len(self._recordings)))
         return [np.concatenate(of_point) for of_point in zip(*runs, strict=True)]
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ..comparison.running_comparison import RunningComparison, SignalError
 from ..measured.folds import HALF_OF
 from ..model import Model
 from ..model.own_units import in_si
+from ..parallel import simulations
 from ..simulation.simulate import simulate
 from .misfit import Misfit
 from .solver import Solution
@@ -78,8 +78,7 @@ def _errors(
         except InputError:  # a number that only this recording knows may be anything without it
             return simulate(instead, recording, source)
 
-    with ThreadPoolExecutor() as pool:
-        twins = list(pool.map(twin_of, recordings, sources, models, given))
+    twins = list(simulations(twin_of, recordings, sources, models, given))
     together = sources[0] if len(set(sources)) == 1 else MIXED
     pooled = RunningComparison(given[0], together, noise=noise)
     for recording, source, model, twin, start in zip(recordings, sources, given, twins, first, strict=True):

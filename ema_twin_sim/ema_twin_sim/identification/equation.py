@@ -11,12 +11,12 @@ from ..effects import catalogue
 from ..measured.observation import Observation
 from ..measured.smoothing import smooth_at
 from ..model import EffectInstance
+from ..parallel import predictions
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE
 from ..plant.measured_motion import MOTOR_ANGLE, REQUIRED, TIME, inverse_dynamics, inverse_dynamics_of
 from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import assemble, effect_address, effect_slots, longest_delay
 from .hypothesis import Hypothesis
-from .parallel import predictions
 from .prediction import Prediction, acts_at_the_motor, follows_measured_motion, seen_output
 from .search_limits import search_limits
 from .wander import Wander

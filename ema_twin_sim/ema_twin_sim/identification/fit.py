@@ -10,11 +10,11 @@ from functools import cache, partial
 import numpy as np
 
 from ..criteria import CORRELATION
+from ..parallel import predictions
 from .along_slopes import AlongSlopes
 from .equation import EquationErrorProblem
 from .hypothesis import Hypothesis
 from .jacobian import jacobian
-from .parallel import predictions
 from .prediction import Prediction, Predictor
 
 

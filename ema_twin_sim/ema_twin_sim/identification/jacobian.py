@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..model import EffectInstance
+from ..parallel import predictions
 from .equation import EquationErrorProblem
 from .hypothesis import LAG, Free, Hypothesis
-from .parallel import predictions
 from .prediction import Prediction, Predictor, acts_at_the_motor
 
 AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..effects import Effect, catalogue
 from ..model import EffectInstance
+from ..parallel import predictions
 from .candidates import Candidate, starts
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
-from .parallel import predictions
 from .search_limits import Reached
 from .start_values import regressed_angle
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
+from ..parallel import simulations
 from ..plant.layout import BENCH, CURRENT, SETPOINT, TWIN
 from ..plant.many import LANE, advance_many
 from .divergence import looks_lost
@@ -21,7 +20,6 @@ from .twin import ROWS_AT_A_TIME, Twin, hold_input
 FEWEST = 5
 """Models that take as long one after the other as ``LANE`` of them side by side."""
 
-_POOL = ThreadPoolExecutor(os.cpu_count())
 _NOT_NEEDED = [BENCH.index("speed"), BENCH.index("motor_position")]
 """What only the unexplained torque looks at."""
 
@@ -63,7 +61,7 @@ def simulate_many(
             lost = any(map(looks_lost, (*of_one[ROWS_AT_A_TIME::ROWS_AT_A_TIME], of_one[-1])))
             found[k] = seen(models[k], recording, followed(twins[k], recording, bench) if lost else of_one)
 
-    list(_POOL.map(run, jobs))
+    list(simulations(run, jobs))
     return [found[k] for k in range(len(models))]
 
 

@@ -29,11 +29,11 @@ from ...identification.fit import Fit, fit, fits
 from ...identification.generic_bases import beside_generic_bases, dependence
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import hopped
-from ...identification.parallel import predictions
 from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
+from ...parallel import predictions
 from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
 from .found_orders import order_candidates, resolved

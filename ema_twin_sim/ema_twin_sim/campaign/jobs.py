@@ -1,0 +1,166 @@
+"""Jobs: which recordings of a folder belong to which unit, and which are judged together."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+from ema_bench_replay.errors import InputError
+
+from ..model.model_file import model_files
+
+VERBS = ("compare", "fit", "diagnose", "discover")
+TOGETHER = ("recording", "folder", "unit")
+SUFFIXES = (".mcap", ".csv")
+GROUPS = {"unit", "time"}
+"""The groups that a pattern of names may have."""
+_KEY_BYTES = 16
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is done with every job: a verb beside a model."""
+
+    verb: str  # one of VERBS
+    model: str  # a file, or a name in config/models
+    import_map: str = "siemens"
+    without: tuple[str, ...] = ()
+
+    def identity(self) -> str:
+        """What tells this task from another: a model's content counts, not where it lies."""
+        content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in model_files(self.model)]
+        return json.dumps([self.verb, content, self.import_map, sorted(self.without)])
+
+
+@dataclass(frozen=True)
+class Job:
+    """Recordings of one unit that are judged together."""
+
+    key: str  # the same for the same recordings, as they are, judged by the same task
+    unit: str
+    name: str  # of the recording, of its folder, or of the unit
+    files: tuple[str, ...]
+    time: datetime | None = None  # that the name tells; None where only the recording may
+
+
+@dataclass(frozen=True)
+class Grouping:
+    """How a folder's recordings are told apart: by a pattern of their paths, and by what is judged together.
+
+    Without a ``pattern`` a unit is a folder of ``folder``, or that itself. A pattern is searched for in each path
+    beneath ``folder``; its groups ``unit`` and, if it has one, ``time`` (as ISO 8601 writes it) are taken.
+    """
+
+    folder: Path
+    pattern: re.Pattern[str] | None = None
+    together: str = "recording"
+
+    @classmethod
+    def of(cls, folder: Path, pattern: str | None, together: str) -> Grouping:
+        """Raises InputError where the folder is none, or the pattern cannot be read or names no unit."""
+        if not folder.is_dir():
+            raise InputError(f"{folder}: is no folder; give the folder that holds the recordings")
+        if together not in TOGETHER:
+            raise InputError(f"--together {together}: is not known; give {', '.join(TOGETHER[:-1])} or {TOGETHER[-1]}")
+        if pattern is None:
+            return cls(folder, None, together)
+        try:
+            compiled = re.compile(pattern)
+        except re.error as error:
+            raise InputError(f"--unit {pattern}: is no regular expression ({error})") from None
+        if "unit" not in compiled.groupindex or not {*compiled.groupindex} <= GROUPS:
+            raise InputError(f"--unit {pattern}: give one with a group (?P<unit>...), and (?P<time>...) if you like")
+        return cls(folder, compiled, together)
+
+    def place(self, file: Path) -> tuple[str, datetime | None] | None:
+        """The (unit, time) of a recording; None where the pattern is not in its path."""
+        path = file.relative_to(self.folder)
+        if self.pattern is None:
+            return (path.parts[0] if len(path.parts) > 1 else self.folder.resolve().name), None
+        found = self.pattern.search(path.as_posix())
+        if found is None or not found["unit"]:
+            return None
+        if "time" not in self.pattern.groupindex or not found["time"]:
+            return found["unit"], None
+        try:
+            when = datetime.fromisoformat(found["time"])
+        except ValueError:
+            raise InputError(f"{file}: {found['time']} is no time; write it as ISO 8601 does: 2026-03-31") from None
+        return found["unit"], when if when.tzinfo else when.replace(tzinfo=timezone.utc)
+
+    def group(self, file: Path, unit: str) -> str:
+        """The name of what a recording is judged with."""
+        path = file.relative_to(self.folder)
+        if self.together == "unit":
+            return unit
+        return (path if self.together == "recording" else path.parent).as_posix()
+
+
+def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[Path]:
+    """The recordings beneath a folder, in the order of their names: CSVs, .mcap files, and bags of several of these.
+
+    Hidden files and folders, and those ``skipped``, are left out.
+    """
+    left_out = {path.resolve() for path in skipped}
+    for place, folders, files in os.walk(folder):
+        here = Path(place)
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and (here / f).resolve() not in left_out)
+        if "metadata.yaml" in files and any(file.endswith(".mcap") for file in files):
+            folders.clear()
+            yield here
+            continue
+        yield from (
+            here / file for file in sorted(files) if not file.startswith(".") and file.lower().endswith(SUFFIXES)
+        )
+
+
+def find_jobs(
+    grouping: Grouping, task: Task, skipped: Sequence[Path] = (), tell: Callable[[str], None] = lambda text: None
+) -> list[Job]:
+    """What is to be done for a folder; recordings of no unit are told of.
+
+    Raises InputError where there is none.
+    """
+    of: dict[tuple[str, str], list[tuple[Path, datetime | None]]] = {}
+    strays: list[Path] = []
+    count = 0
+    for file in find_recordings(grouping.folder, skipped):
+        count += 1
+        place = grouping.place(file)
+        if place is None:
+            strays.append(file)
+            continue
+        unit, when = place
+        of.setdefault((unit, grouping.group(file, unit)), []).append((file, when))
+    if not count:
+        raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
+    if strays:
+        tell(f"{len(strays)} of {count} recordings are of no unit by --unit, {strays[0]} the first: left out")
+    identity = task.identity()
+    return [
+        Job(
+            _key(identity, grouping.folder, [file for file, _ in files]),
+            unit,
+            name,
+            tuple(str(file) for file, _ in files),
+            min((when for _, when in files if when is not None), default=None),
+        )
+        for (unit, name), files in of.items()
+    ]
+
+
+def _key(identity: str, folder: Path, files: Sequence[Path]) -> str:
+    """What tells a job from all others: a recording that has changed makes another job."""
+    parts = [identity]
+    for file in sorted(files):
+        held = sorted(file.iterdir()) if file.is_dir() else [file]
+        for one in held:
+            about = one.stat()
+            parts.append(f"{one.relative_to(folder).as_posix()} {about.st_size} {about.st_mtime_ns}")
+    return hashlib.blake2b("\n".join(parts).encode(), digest_size=_KEY_BYTES).hexdigest()

@@ -1,0 +1,61 @@
+"""Results: what is known of one job, as a row of the store's table."""
+
+from __future__ import annotations
+
+import pyarrow as pa
+
+SCHEMA_VERSION = "1"
+"""Another number for every change that a reader of older files would trip over."""
+
+DONE, REFUSED, FAILED = "done", "refused", "failed"
+"""Judged; no input that can be judged; an error of this package or a worker that died."""
+
+_ERROR = pa.struct(
+    [
+        ("signal", pa.string()),
+        ("rmse", pa.float64()),  # in the signal's SI unit
+        ("noise_floor", pa.float64()),
+        ("unit", pa.string()),
+    ]
+)
+_BEYOND = pa.struct([("signal", pa.string()), ("times", pa.float64())])
+_PARAMETER = pa.struct(
+    [
+        ("owner", pa.string()),  # an effect's name in the model, or a part of the machine
+        ("name", pa.string()),
+        ("value", pa.float64()),
+        ("std", pa.float64()),  # standard error; null where it was held
+        ("unit", pa.string()),
+    ]
+)
+_CAUSE = pa.struct([("effect", pa.string()), ("probability", pa.float64())])
+
+SCHEMA = pa.schema(
+    [
+        ("key", pa.string()),
+        ("unit", pa.string()),
+        ("name", pa.string()),
+        ("task", pa.string()),
+        ("model", pa.string()),
+        ("status", pa.string()),  # done, refused or failed
+        ("message", pa.string()),  # why it was refused, or failed
+        ("time", pa.timestamp("us", "UTC")),  # of the recording; null where nothing tells
+        ("duration", pa.float64()),  # s, of all its recordings together
+        ("samples", pa.int64()),
+        ("motion", pa.string()),  # rotary or linear
+        ("signals", pa.list_(pa.string())),  # that all its recordings hold
+        ("content", pa.list_(pa.string())),  # a hash of each recording's signals
+        ("verdict", pa.string()),  # explained, none or unknown, where effects were looked for
+        ("missing", pa.list_(pa.string())),  # effects that the model lacks
+        ("depends_on", pa.list_(pa.string())),  # what is left depends on, where the verdict is unknown
+        ("causes", pa.list_(_CAUSE)),
+        ("errors", pa.list_(_ERROR)),
+        ("beyond_noise", pa.list_(_BEYOND)),  # signals that stand out of the sensors' noise, the worst first
+        ("parameters", pa.list_(_PARAMETER)),
+        ("warnings", pa.list_(pa.string())),
+        ("seconds", pa.float64()),  # that the work took
+        ("done_at", pa.timestamp("us", "UTC")),
+        ("version", pa.string()),  # of ema-twin
+    ],
+    metadata={"ema_twin.schema": SCHEMA_VERSION},
+)

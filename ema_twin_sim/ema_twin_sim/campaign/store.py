@@ -1,0 +1,178 @@
+"""The store: a folder of Parquet files, each written whole under a name of its own.
+
+Campaigns that write at the same time touch no file of each other's. A job that two of them did is there twice, and
+counts once: its latest row. pandas, polars, DuckDB and pyarrow read the folder as it is.
+"""
+
+from __future__ import annotations
+
+import os
+import uuid
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from ema_bench_replay.errors import InputError
+
+from .results import DONE, FAILED, SCHEMA, SCHEMA_VERSION
+
+if TYPE_CHECKING:
+    import duckdb
+
+FOLDER = "results"
+_MANY_FILES = 8  # of a unit, from which on they are made one
+_TRIES = 5  # at reading files while somebody else makes one of several
+
+
+class Store:
+    """The results of campaigns in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._files = folder / FOLDER
+
+    @classmethod
+    def opened(cls, folder: Path) -> Store:
+        """A store that exists. Raises InputError where there is none, or one of another version."""
+        store = cls(folder)
+        first = next(store._each(), None)
+        if first is None:
+            raise InputError(f"{folder}: holds no results; give the folder that ema-twin campaign wrote (-o)")
+        store._refuse_other_version(first)
+        return store
+
+    @classmethod
+    def made(cls, folder: Path) -> Store:
+        """A store to write to: what is there goes on. Raises InputError where the folder holds something else."""
+        store = cls(folder)
+        if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not store._files.is_dir())):
+            raise InputError(f"{folder}: holds something else than results; give another folder with -o")
+        if (first := next(store._each(), None)) is not None:
+            store._refuse_other_version(first)
+        try:
+            store._files.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder}: cannot be made ({error.strerror}); choose another folder with -o") from None
+        return store
+
+    def write(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Add rows, each with the columns of ``SCHEMA``: a unit's in one file, which is there whole or not at all."""
+        units: dict[str, list[Mapping[str, Any]]] = {}
+        for row in rows:
+            units.setdefault(row["unit"], []).append(row)
+        for unit, its in units.items():
+            self._write(pa.Table.from_pylist([dict(row) for row in its], SCHEMA), unit)
+
+    def settled(self) -> set[str]:
+        """The keys of all jobs that were done or refused: to do again is only what failed."""
+        keys: set[str] = set()
+        for table in self._tables(["key", "status"]):
+            keys |= {
+                key
+                for key, status in zip(table["key"].to_pylist(), table["status"].to_pylist(), strict=True)
+                if status != FAILED
+            }
+        return keys
+
+    def merge_files(self) -> None:
+        """Make one file of a unit's many. What another campaign has merged meanwhile is left as it is."""
+        for folder in sorted(self._files.iterdir()) if self._files.is_dir() else []:
+            files = sorted(folder.glob("*.parquet"))
+            if len(files) < _MANY_FILES:
+                continue
+            try:
+                table = pa.concat_tables([pq.read_table(file, schema=SCHEMA) for file in files])
+            except FileNotFoundError:
+                continue
+            rows = _latest(table.to_pylist())
+            self._write(pa.Table.from_pylist(rows, SCHEMA), rows[0]["unit"])
+            for file in files:
+                with suppress(FileNotFoundError):
+                    file.unlink()
+
+    @contextmanager
+    def query(self) -> Iterator[duckdb.DuckDBPyConnection]:
+        """A database with the view ``results``: the latest row of every job."""
+        import duckdb
+
+        with duckdb.connect(config={"enable_external_access": "true"}) as database:
+            database.execute("SET autoinstall_known_extensions = false; SET autoload_known_extensions = false")
+            database.execute("SET TimeZone = 'UTC'")
+            pattern = f"{self._files}/*/*.parquet".replace("'", "''")
+            database.execute(
+                f"CREATE VIEW results AS SELECT * FROM read_parquet('{pattern}', hive_partitioning = false) "
+                "QUALIFY row_number() OVER (PARTITION BY unit, name, task, model ORDER BY done_at DESC) = 1"
+            )
+            yield database
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The latest row of every job, by unit, time and name."""
+        for attempt in range(_TRIES):
+            try:
+                with self.query() as database:
+                    found = database.sql("SELECT * FROM results ORDER BY unit, time NULLS LAST, name")
+                    return list(found.to_arrow_table().cast(SCHEMA).to_pylist())
+            except OSError:
+                if attempt == _TRIES - 1:
+                    raise
+        return []
+
+    def _write(self, table: pa.Table, unit: str) -> None:
+        folder = self._files / quote(unit, safe=" ").replace(".", "%2E")  # no unit is hidden, nor the folder above
+        folder.mkdir(parents=True, exist_ok=True)
+        name = uuid.uuid4().hex
+        part = folder / f".{name}.part"
+        try:
+            with part.open("wb") as file:
+                pq.write_table(table, file, compression="zstd")
+                file.flush()
+                os.fsync(file.fileno())
+            part.replace(folder / f"{name}.parquet")
+        except BaseException:
+            with suppress(OSError):
+                part.unlink()
+            raise
+
+    def _tables(self, columns: Sequence[str]) -> Iterator[pa.Table]:
+        for file in self._each():
+            try:
+                yield pq.read_table(file, columns=[*columns])
+            except FileNotFoundError:  # made one with others, which hold what it did
+                continue
+            except (pa.ArrowInvalid, OSError) as error:
+                raise InputError(f"{file}: cannot be read ({error}); remove it, and run the campaign again") from None
+
+    def _each(self) -> Iterator[Path]:
+        return (file for folder in _listed(self._files) for file in _listed(folder) if file.suffix == ".parquet")
+
+    def _refuse_other_version(self, file: Path) -> None:
+        try:
+            held = (pq.read_schema(file).metadata or {}).get(b"ema_twin.schema", b"").decode()
+        except (pa.ArrowInvalid, OSError) as error:
+            raise InputError(f"{file}: cannot be read ({error}); remove it, and run the campaign again") from None
+        if held != SCHEMA_VERSION:
+            said = f"version {held}" if held else "no version"
+            raise InputError(
+                f"{file}: has results of {said}, this ema-twin writes version {SCHEMA_VERSION}; "
+                "give another folder with -o"
+            )
+
+
+def _listed(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+
+
+def _latest(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The latest row of each job; what was done counts before what failed later."""
+    best: dict[str, dict[str, Any]] = {}
+    for row in sorted(rows, key=lambda row: (row["status"] == DONE, row["done_at"])):
+        best[row["key"]] = row
+    return list(best.values())

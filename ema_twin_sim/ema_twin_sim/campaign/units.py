@@ -1,0 +1,124 @@
+"""Units: what the results of a campaign say of each unit, and what of them must not be taken together."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import groupby, pairwise
+from typing import Any
+
+from ..listing import listed
+from .results import DONE, FAILED, REFUSED
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """One unit: its ``rows``, in the order in which they were recorded, as far as anything tells."""
+
+    name: str
+    rows: tuple[Row, ...]
+    remarks: tuple[str, ...]  # why some of them do not go together
+
+    @property
+    def judged(self) -> int:
+        """How many results there are."""
+        return self._count(DONE)
+
+    @property
+    def refused(self) -> int:
+        """How many inputs could not be judged."""
+        return self._count(REFUSED)
+
+    @property
+    def failed(self) -> int:
+        """How many were lost to an error."""
+        return self._count(FAILED)
+
+    @property
+    def last(self) -> datetime | None:
+        """When it was recorded last."""
+        return max((row["time"] for row in self.rows if row["time"] is not None), default=None)
+
+    @property
+    def searched(self) -> int:
+        """In how many results effects were looked for."""
+        return sum(row["verdict"] is not None for row in self.rows)
+
+    @property
+    def missing(self) -> list[tuple[str, int]]:
+        """(effect, in how many results the model lacks it), the most frequent first; ``unknown`` is one of them."""
+        found = Counter(effect for row in self.rows for effect in row["missing"] or ())
+        found.update("unknown" for row in self.rows if row["verdict"] == "unknown")
+        return sorted(found.items(), key=lambda item: (-item[1], item[0]))
+
+    @property
+    def beyond_noise(self) -> float | None:
+        """The largest error of a signal in the last result, in times the sensors' noise; None where there is none."""
+        return next((b for row in reversed(self.rows) if (b := self.beyond(row)) is not None), None)
+
+    @staticmethod
+    def beyond(row: Row) -> float | None:
+        """The same of one result; one where nothing stands out of the noise."""
+        if row["errors"] is None:
+            return None
+        return max((signal["times"] for signal in row["beyond_noise"] or ()), default=1.0)
+
+    def as_json(self) -> dict[str, object]:
+        """Times as ISO 8601 writes them; absent numbers are null."""
+        return {
+            "unit": self.name,
+            "judged": self.judged,
+            "refused": self.refused,
+            "failed": self.failed,
+            "last": None if self.last is None else self.last.isoformat(),
+            "searched": self.searched,
+            "missing": [{"effect": effect, "results": count} for effect, count in self.missing],
+            "beyond_noise": self.beyond_noise,
+            "remarks": list(self.remarks),
+        }
+
+    def _count(self, status: str) -> int:
+        return sum(row["status"] == status for row in self.rows)
+
+
+def units_of(rows: Iterable[Row]) -> list[Unit]:
+    """The units of results that stand in the order of their units; the one with most beyond the noise first."""
+    units = []
+    for name, its in groupby(rows, key=lambda row: row["unit"]):
+        of = tuple(its)
+        units.append(Unit(name, of, tuple(_remarks(of))))
+    return sorted(units, key=lambda unit: (-(unit.beyond_noise or 0.0), unit.name))
+
+
+def _remarks(rows: Sequence[Row]) -> Iterable[str]:
+    """What of a unit's results does not go together: other machines, copies, clocks that disagree, one only."""
+    done = [row for row in rows if row["status"] == DONE]
+    motions = sorted({row["motion"] for row in done if row["motion"]})
+    if len(motions) > 1:
+        yield f"has recordings of {listed(motions)} machines: name units apart with --unit"
+    signals = {tuple(row["signals"] or ()) for row in done}
+    if len(signals) > 1:
+        most = max(signals, key=lambda held: sum(tuple(row["signals"] or ()) == held for row in done))
+        odd = next(row for row in done if tuple(row["signals"] or ()) != most)
+        apart = sorted({*most} ^ {*(odd["signals"] or ())})
+        yield f"{odd['name']} and others differ in what they hold ({listed(apart)}): their errors do not compare"
+    first_of: dict[str, str] = {}
+    for row in done:
+        for content in row["content"] or ():
+            first = first_of.setdefault(content, row["name"])
+            if first != row["name"]:
+                yield f"{row['name']} is a copy of {first}: it counts twice; remove one"
+    dated = sorted((row for row in done if row["time"] is not None), key=lambda row: row["time"])
+    for before, after in pairwise(dated):
+        overlap = before["duration"] - (after["time"] - before["time"]).total_seconds()
+        if overlap > 0.0 and before["task"] == after["task"] and before["content"] != after["content"]:
+            yield f"{after['name']} begins before {before['name']} ends: one of their clocks is wrong"
+            break
+    if dated and len(dated) < len(done):
+        yield f"{len(done) - len(dated)} of {len(done)} results have no date: their order is that of their names"
+    if len({content for row in done for content in row["content"] or ()}) == 1:
+        yield "has one recording only: nothing tells how it changes"

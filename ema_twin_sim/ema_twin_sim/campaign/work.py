@@ -1,0 +1,175 @@
+"""Work: one job, from its files to the row that is kept of it. Whatever happens, there is a row."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Mapping, Sequence
+from datetime import datetime, timezone
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import NO_DATE, Recording
+
+from ..model import Model, load_model
+from ..model.model_file import model_files
+from ..version import VERSION
+from .jobs import Job, Task
+from .results import DONE, FAILED, REFUSED
+
+_LEAST_SAMPLES = 2
+_HASH_BYTES = 16
+
+Row = dict[str, Any]
+
+
+def judged(job: Job, task: Task) -> Row:
+    """The row of a job: what was found, or why nothing could be."""
+    begun = time.perf_counter()
+    row = blank(job, task)
+    try:
+        recordings = [load(file, import_map=task.import_map) for file in job.files]
+        row |= _of_recordings(recordings)
+        row["warnings"] = [warning for recording in recordings for warning in recording.warnings]
+        if job.time is not None:
+            row["time"] = job.time
+        if short := [r.name for r in recordings if len(r) < _LEAST_SAMPLES]:
+            raise InputError(f"{short[0]}: holds {_LEAST_SAMPLES - 1} sample; leave it out")
+        model = _model(task.model, _modified(task.model))
+        row |= _VERBS[task.verb](recordings, model, task.without)
+        row["status"] = DONE
+    except InputError as error:
+        row |= {"status": REFUSED, "message": str(error)}
+    except Exception as error:  # one recording stops no campaign
+        row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
+    row |= {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
+    return row
+
+
+def blank(job: Job, task: Task) -> Row:
+    """The row of a job of which nothing is known yet."""
+    return {
+        "key": job.key,
+        "unit": job.unit,
+        "name": job.name,
+        "task": task.verb,
+        "model": task.model,
+        "time": job.time,
+        "done_at": datetime.now(timezone.utc),
+        "version": VERSION,
+    }
+
+
+def lost(job: Job, task: Task, reason: str) -> Row:
+    """The row of a job that no worker came back from."""
+    return blank(job, task) | {"status": FAILED, "message": reason}
+
+
+@lru_cache(maxsize=4)
+def _model(name: str, modified: tuple[int, ...]) -> Model:
+    return load_model(name)
+
+
+def _modified(name: str) -> tuple[int, ...]:
+    return tuple(file.stat().st_mtime_ns for file in model_files(name))
+
+
+def _of_recordings(recordings: Sequence[Recording]) -> Row:
+    starts = [recording.start for recording in recordings if recording.start != NO_DATE]
+    motions = sorted({recording.motion for recording in recordings})
+    return {
+        "time": datetime.fromtimestamp(min(starts) * 1e-9, timezone.utc) if starts else None,
+        "duration": sum(recording.duration for recording in recordings),
+        "samples": sum(len(recording) for recording in recordings),
+        "motion": " and ".join(motions),
+        "signals": sorted(set.intersection(*({*recording.signals} for recording in recordings))),
+        "content": [_content(recording) for recording in recordings],
+    }
+
+
+def _content(recording: Recording) -> str:
+    """A hash of all samples: the same for a copy under another name."""
+    found = hashlib.blake2b(np.ascontiguousarray(recording.stamps).tobytes(), digest_size=_HASH_BYTES)
+    for name, values in recording.signals.items():
+        found.update(name.encode())
+        found.update(np.ascontiguousarray(values).tobytes())
+    return found.hexdigest()
+
+
+def _compared(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> Row:
+    from ..comparison.beyond_noise import beyond_noise
+    from ..comparison.compare import compare
+
+    found = compare(recordings, model)
+    beyond = _beyond(beyond_noise(found.input, found.overall))
+    return {"errors": _errors(found.overall), "beyond_noise": beyond, "warnings": list(found.warnings)}
+
+
+def _fitted(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> Row:
+    from ..comparison.beyond_noise import beyond_noise
+    from ..fitting.fit import fit_model
+
+    found = fit_model(recordings, model)
+    return {
+        "errors": _errors(found.after),
+        "beyond_noise": _beyond(beyond_noise(found.input, found.after)),
+        "parameters": _numbers(found.parameters) + _numbers(found.constants),
+        "warnings": [warning.message for warning in found.warnings],
+    }
+
+
+def _diagnosed(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> Row:
+    from ..discovery.diagnose import weigh
+    from ..discovery.discover import discover
+
+    found = discover(recordings, model, without=without)
+    causes = weigh(found)
+    ranked = [{"effect": entry.effect, "probability": entry.probability} for entry in causes.ranking]
+    others = [{"effect": "none", "probability": causes.none}, {"effect": "unknown", "probability": causes.unknown}]
+    return _discovery(found) | {"causes": ranked + others}
+
+
+def _discovered(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> Row:
+    from ..discovery.discover import discover
+
+    return _discovery(discover(recordings, model, without=without))
+
+
+def _discovery(found: Any) -> Row:
+    return {
+        "verdict": found.verdict,
+        "missing": list(found.added),
+        "depends_on": list(found.depends_on),
+        "errors": _errors(found.left),
+        "beyond_noise": _beyond(found.beyond_noise),
+        "parameters": _numbers(found.parameters) + _numbers(found.constants),
+        "warnings": list(found.warnings),
+    }
+
+
+_VERBS = {"compare": _compared, "fit": _fitted, "diagnose": _diagnosed, "discover": _discovered}
+
+
+def _errors(signals: Mapping[str, Any]) -> list[Row]:
+    return [
+        {"signal": name, "rmse": error["rmse"], "noise_floor": error["noise_floor"], "unit": error["unit"]}
+        for name, error in signals.items()
+        if not error["driven"]
+    ]
+
+
+def _beyond(times: Mapping[str, float]) -> list[Row]:
+    return [{"signal": name, "times": value} for name, value in times.items()]
+
+
+def _numbers(by_owner: Mapping[str, Mapping[str, Any]]) -> list[Row]:
+    return [
+        {"owner": owner, "name": name, "value": held["value"], "std": held["std"], "unit": held["unit"]}
+        for owner, entries in by_owner.items()
+        for name, held in entries.items()
+        if name not in ("effect", "options")
+    ]

@@ -1,0 +1,189 @@
+"""``ema-twin campaign``: hundreds of recordings of many units, judged side by side, resumable, into one store."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from . import options
+from .output import counted_down, say, status, warn
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from ..campaign.engine import Outcome
+    from ..campaign.jobs import Grouping, Job, Task
+    from ..campaign.store import Store
+
+EXAMPLES = """Examples:
+
+ema-twin campaign recordings --model polito_bench -o results     (recordings/UNIT/…: what each unit's model lacks)
+
+ema-twin campaign tests --model press.yaml --map press -o results --do fit --unit "(?P<unit>EMA\\d+)_(?P<time>[\\d-]+)"
+
+ema-twin campaign tests --model press.yaml -o results --watch     (and each recording that comes)
+
+ema-twin campaign /data/tests --model /data/press.yaml -o /data/results --scheduler tcp://10.0.0.1:8786
+
+Then: ema-twin units results"""
+
+_SHOWN = 5
+"""Recordings that were refused, of which the reason is told."""
+_EVERY = 10.0  # s, between two looks for new recordings
+
+
+def run(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that holds the units' recordings.")],
+    model: options.ModelName,
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
+    ],
+    do: Annotated[
+        str,
+        typer.Option(
+            "--do",
+            metavar="VERB",
+            help="What is done: compare, fit, diagnose or discover.",
+            autocompletion=lambda incomplete: [
+                verb for verb in ("compare", "fit", "diagnose", "discover") if verb.startswith(incomplete)
+            ],
+        ),
+    ] = "discover",
+    unit: Annotated[
+        str | None,
+        typer.Option(
+            "--unit",
+            metavar="PATTERN",
+            help="Where in a recording's path its unit stands: a regular expression with (?P<unit>...) and, if the "
+            "path tells when it was recorded, (?P<time>...). By default a unit is a folder in FOLDER.",
+        ),
+    ] = None,
+    together: Annotated[
+        str,
+        typer.Option(
+            "--together",
+            metavar="WHAT",
+            help="What is judged together: each recording by itself, those of a folder, or those of a unit.",
+            autocompletion=lambda incomplete: [
+                what for what in ("recording", "folder", "unit") if what.startswith(incomplete)
+            ],
+        ),
+    ] = "recording",
+    import_map: options.ImportMap = "siemens",
+    without: options.Without = None,
+    workers: Annotated[
+        int, typer.Option("--workers", min=1, max=1024, help="Processes on this machine; by default one for each core.")
+    ] = os.cpu_count() or 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            "--scheduler",
+            metavar="ADDRESS",
+            help="A dask scheduler (tcp://HOST:PORT), whose workers see the same files, in place of this machine.",
+        ),
+    ] = None,
+    watch: Annotated[bool, typer.Option("--watch", help="Go on with recordings that come, until Ctrl-C.")] = False,
+) -> None:
+    """Judge every recording of many units, on all cores or a cluster; done once, a recording is not judged again.
+
+    A campaign that was interrupted goes on where it was. A recording that cannot be judged is told, and stops nothing.
+    RESULTS holds Parquet files, which pandas, polars and DuckDB read as they are.
+    """
+    from ema_bench_replay.configuration import find_configuration
+    from ema_bench_replay.errors import InputError
+
+    from ..campaign.engine import cluster
+    from ..campaign.jobs import VERBS, Grouping, Task
+    from ..campaign.store import Store
+    from ..effects import find_effect
+    from ..model import load_model
+    from ..model.model_file import model_files
+
+    if do not in VERBS:
+        raise InputError(f"--do {do}: is not known; give {', '.join(VERBS[:-1])} or {VERBS[-1]}")
+    load_model(model)
+    task = Task(
+        do,
+        str(model_files(model)[0].resolve()),
+        str(find_configuration("maps", import_map).resolve()),
+        tuple(find_effect(id, "--without").id for id in without or ()),
+    )
+    grouping = Grouping.of(folder.resolve(), unit, together)
+    store = Store.made(output)
+    first = _waiting(grouping, task, store, set())
+    counts: Counter[str] = Counter()
+    if first or watch:
+        with ExitStack() as stack:
+            with status() as progress:
+                progress("starting the workers")
+                client = stack.enter_context(cluster(scheduler, workers))
+            for jobs in _rounds(first, grouping, task, store, watch=watch):
+                counts += _judge(client, jobs, task, store)
+    store.merge_files()
+    _tell(counts, output)
+
+
+def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str]) -> list[Job]:
+    """The jobs that have no result yet, and are not ``known``."""
+    from ..campaign.jobs import find_jobs
+
+    jobs = find_jobs(grouping, task, (store.folder,), warn)
+    settled = store.settled()
+    waiting = [job for job in jobs if job.key not in settled and job.key not in known]
+    if len(waiting) < len(jobs) and not known:
+        say(f"{len(jobs) - len(waiting)} of {len(jobs)} are judged already and stay as they are.")
+    return waiting
+
+
+def _rounds(
+    first: Sequence[Job], grouping: Grouping, task: Task, store: Store, *, watch: bool
+) -> Iterator[Sequence[Job]]:
+    """The jobs that are there, and, to ``watch``, those that come: each once its files have stopped to grow."""
+    tried = {job.key for job in first}
+    if first:
+        yield first
+    growing: set[str] = set()
+    while watch:
+        if not growing:
+            say("Waiting for recordings; Ctrl-C ends it.")
+        time.sleep(_EVERY)
+        jobs = _waiting(grouping, task, store, tried)
+        ready = [job for job in jobs if job.key in growing]
+        growing = {job.key for job in jobs} - {job.key for job in ready}
+        tried |= {job.key for job in ready}
+        if ready:
+            yield ready
+
+
+def _judge(client: Client, jobs: Sequence[Job], task: Task, store: Store) -> Counter[str]:
+    from ..campaign.campaign import campaign
+
+    counts: Counter[str] = Counter()
+    with counted_down(len(jobs), "judging") as done:
+        outcomes: Iterator[Outcome] = campaign(client, jobs, task, store.folder.resolve())
+        for outcome in outcomes:
+            counts[outcome.status] += 1
+            if outcome.status != "done" and counts[outcome.status] <= _SHOWN:
+                warn(f"{outcome.job.unit}, {outcome.job.name}: {outcome.status}: {outcome.message}")
+            done(outcome.job.name)
+    return counts
+
+
+def _tell(counts: Counter[str], output: Path) -> None:
+    if counts:
+        refused, failed = counts["refused"], counts["failed"]
+        told = [f"{counts['done']} judged"]
+        told += [f"{refused} refused"] if refused else []
+        told += [f"{failed} failed, which the next run tries again"] if failed else []
+        say(f"{', '.join(told)}.")
+    else:
+        say("Nothing is left to do.")
+    say(f"{output} holds the results. See every unit:\n  ema-twin units {quote(str(output))}")
