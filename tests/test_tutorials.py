@@ -12,6 +12,7 @@ PAGES = {
     "own_recordings": TOLERANCE,
     "stranger": TOLERANCE,
     "own_effect": TOLERANCE,
+    "campaign": TOLERANCE,
     "emps": 0.005,
 }
 """Those whose commands run one after another, and by what share their numbers may be others on another machine: where
