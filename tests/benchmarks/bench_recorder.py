@@ -1,0 +1,101 @@
+"""How much a recorder that is killed loses, beside replay, twin and monitor: `python -m tests.benchmarks.bench_recorder`.
+
+Each kill is a SIGKILL at a random moment while messages flow. What it lost is the time from the last message of a topic
+that can be read of its bag to the last one that was sent before the kill, by the bag of a second recorder, which lives.
+"""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.bags.mcap_scan import McapScan
+from tests import ros_domain  # noqa: F401 - takes a graph of its own
+from tests.ros_graph import start_process
+
+TRACE = Path(__file__).parents[1] / "recordings" / "BancoEMA_sine_0.05_0.25Hz.CSV"
+TOPICS = ("/bench/state", "/twin/state", "/monitor/residual")
+ALLOWED = 0.25
+"""s."""
+RECORD = "ema_bench_replay.nodes.record"
+
+
+def sent_times(file):
+    """When each message of each topic in the file was sent, ns, in order."""
+    scan = McapScan(file)
+    found = defaultdict(list)
+    for message in scan.messages():
+        found[scan.channels[message.channel].topic].append(message.publish_time)
+    return {topic: np.sort(found[topic]) for topic in TOPICS}
+
+
+def follows(folder, since):
+    """Whether the bag that is being written holds messages that were sent after `since` (ns) of all topics."""
+    try:
+        times = sent_times(folder / f"{folder.name}.mcap")
+    except (OSError, ValueError):
+        return False
+    return all(len(sent) and sent[-1] > since for sent in times.values())
+
+
+def kill_one(folder):
+    """When it was killed, ns, and the last message of each topic that its bag has."""
+    begun = time.time_ns()
+    record = start_process(RECORD, f"output:={folder}")
+    try:
+        deadline = time.monotonic() + 90.0
+        while not follows(folder, begun + 3_000_000_000):
+            assert time.monotonic() < deadline, "the recorder writes nothing"
+            time.sleep(0.3)
+        time.sleep(random.uniform(0.3, 1.3))
+        killed = time.time_ns()
+        record.send_signal(signal.SIGKILL)
+    finally:
+        record.kill()
+        record.communicate()
+    return killed, {topic: sent[-1] for topic, sent in sent_times(folder / f"{folder.name}.mcap").items()}
+
+
+def main(kills=100):
+    random.seed(1)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        nodes = [
+            start_process("ema_twin_sim.nodes.twin"),
+            start_process("ema_twin_sim.nodes.monitor"),
+            start_process(RECORD, f"output:={folder / 'witness'}"),
+            start_process("ema_bench_replay.nodes.replay", f"recording:={TRACE}", "loop:=true", "subscribers:=3"),
+        ]
+        found = []
+        try:
+            for k in range(kills):
+                found.append(kill_one(folder / f"killed_{k}"))
+                print(k + 1, f"load {os.getloadavg()[0]:.1f}", flush=True)
+        finally:
+            for node in nodes:
+                node.send_signal(signal.SIGINT)
+            for node in nodes:
+                try:
+                    node.communicate(timeout=30.0)
+                except subprocess.TimeoutExpired:
+                    node.kill()
+                    node.communicate()
+        sent = sent_times(folder / "witness" / "witness.mcap")
+        lost = sorted(
+            max((sent[topic][np.searchsorted(sent[topic], killed) - 1] - last) * 1e-9 for topic, last in kept.items())
+            for killed, kept in found
+        )
+    over = sum(seconds > ALLOWED for seconds in lost)
+    print(*(f"{seconds:.3f}" for seconds in lost))
+    print(f"{kills} kills: {lost[len(lost) // 2]:.3f} s lost in the middle, {lost[-1]:.3f} s at most, {over} over {ALLOWED:g} s")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
