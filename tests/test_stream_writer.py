@@ -1,7 +1,6 @@
 """Bags that are written while they run."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -39,7 +38,7 @@ class TestStreamWriter:
         assert times == [(NO_DATE + k * 1_000_000, k) for k in range(3000)]
         with (tmp_path / "live" / "live.mcap").open("rb") as file:
             chunks = make_reader(file).get_summary().chunk_indexes
-        assert len(chunks) == 20 and all(c.message_end_time - c.message_start_time < 1.5e8 for c in chunks)
+        assert len(chunks) == 30 and all(c.message_end_time - c.message_start_time < 1e8 for c in chunks)
 
     def test_a_topic_that_nobody_offers_yet(self, tmp_path):
         writer = StreamWriter(tmp_path / "live")
@@ -91,18 +90,6 @@ for k in itertools.count():
             assert make_reader(file).get_summary().statistics.message_count == len(recording)
         with AnyReader([tmp_path / "whole.mcap"]) as reader:
             assert sum(1 for _ in reader.messages()) == len(recording)
-
-    @pytest.mark.parametrize("what", ["file", "folder"])
-    def test_a_file_that_is_removed_is_told(self, tmp_path, what):
-        """What is written to it goes on without an error of the system's, and is nowhere."""
-        writer = StreamWriter(tmp_path / "live")
-        writer.add_topic("/empty", "std_msgs/msg/Header", "")
-        writer.write("/empty", b"\0\1\0\0" + bytes(13), 1)
-        writer.flush()
-        shutil.rmtree(tmp_path / "live") if what == "folder" else writer.path.unlink()
-        writer.write("/empty", b"\0\1\0\0" + bytes(13), 2)
-        with pytest.raises(InputError, match="was removed while it was written, with 2 messages"):
-            writer.flush()
 
 
 class TestRecover:

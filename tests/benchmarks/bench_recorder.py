@@ -1,4 +1,4 @@
-"""How much a recorder that is killed loses, beside replay, twin and monitor: `python -m tests.benchmarks.bench_recorder`.
+"""How much a killed recorder loses beside replay, twin and monitor: `python -m tests.benchmarks.bench_recorder`.
 
 Each kill is a SIGKILL at a random moment while messages flow. What it lost is the time from the last message of a topic
 that can be read of its bag to the last one that was sent before the kill, by the bag of a second recorder, which lives.
@@ -94,7 +94,8 @@ def main(kills=100):
         )
     over = sum(seconds > ALLOWED for seconds in lost)
     print(*(f"{seconds:.3f}" for seconds in lost))
-    print(f"{kills} kills: {lost[len(lost) // 2]:.3f} s lost in the middle, {lost[-1]:.3f} s at most, {over} over {ALLOWED:g} s")
+    told = f"lost {lost[kills // 2]:.3f} s (median), {lost[-1]:.3f} s at most, {over} over {ALLOWED:g} s"
+    print(f"{kills} kills: {told}")
 
 
 if __name__ == "__main__":
