@@ -1,10 +1,11 @@
-"""What becomes of a recording whose disk is full, or whose file or folder goes away: it is told, counted and gone on with."""
+"""A recording whose disk is full, or whose file or folder goes away: that is told, counted and gone on with."""
 
 import errno
 import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import yaml
@@ -19,6 +20,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
 from tests.bags import DEFINITION, STATE
 
+FOLDER = Path(__file__).resolve().parents[1]
 TOPIC = "/bench/state"
 TYPES, ROOT = parse(DEFINITION, STATE)
 
@@ -138,7 +140,7 @@ class TestFullDisk:
         script = f"""
 import os, sys
 from pathlib import Path
-sys.path.insert(0, {str(os.getcwd())!r})
+sys.path.insert(0, {str(FOLDER)!r})
 from tests.test_recorder_faults import *
 stream_writer.PATIENCE = 0
 room = Path({str(room)!r})
@@ -177,7 +179,7 @@ class TestRemoved:
         recording = load(tmp_path / "live")
         assert len(recording) == opened_by_others(tmp_path / "live") == 700
         assert recording.warnings == (
-            "live_1.mcap: /bench/state: begins with sample 1000 of its run: the recorder came late",
+            f"live_1.mcap: {TOPIC}: begins with sample 1000 of its run: the recorder came late",
         )
 
     def test_no_folder_is_made_where_the_disk_was(self, tmp_path, monkeypatch):
