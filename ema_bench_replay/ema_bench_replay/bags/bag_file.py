@@ -17,13 +17,12 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
 class BagFile:
     """An MCAP on disk that chunks are added to. Each call raises OSError where it fails, and may then be made again."""
 
-    def __init__(self, path: Path, recording: str, part: int, *, replace: bool = False) -> None:
-        """Make the file, which is this part, from 0 on, of a `recording`; an existing one only to `replace`."""
+    def __init__(self, path: Path, recording: str, part: int) -> None:
+        """Make the file, which is this part, from 0 on, of a `recording`; none may be there."""
         self.path = path
         self.is_whole = False
         self._size = 0
-        flags = os.O_WRONLY | os.O_CREAT | (os.O_TRUNC if replace else os.O_EXCL)
-        self._descriptor: int | None = os.open(path, flags | os.O_CLOEXEC, 0o666)
+        self._descriptor: int | None = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
         try:
             made = os.fstat(self._descriptor)
             self._made = made.st_dev, made.st_ino

@@ -37,6 +37,11 @@ def recordings_in(files: Sequence[Path]) -> list[tuple[Path, ...]]:
     return [tuple(file for _, file in sorted(parts)) for parts in found.values()]
 
 
+def named_after(folder: Path) -> list[Path]:
+    """The MCAP files in a folder that bear its name, with a number or without: what recorders write there."""
+    return [file for file in sorted(folder.glob("*.mcap")) if folder.name in (file.stem, _NUMBER.sub("", file.stem))]
+
+
 def name_of(parts: Sequence[Path]) -> str:
     """The recording's name: that of its file, without the part's number where there are several."""
     return _NUMBER.sub("", parts[0].stem) if len(parts) > 1 else parts[0].stem

@@ -16,6 +16,7 @@ from mcap.opcode import Opcode
 
 from ema_bench_replay.bags.bag_file import NO_ROOM, BagFile
 from ema_bench_replay.bags.bag_metadata import FileOfBag, Topic, metadata_yaml
+from ema_bench_replay.bags.bag_parts import named_after
 from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, Messages
 from ema_bench_replay.errors import InputError
@@ -78,12 +79,14 @@ class StreamWriter:
         self._first = 0  # log time of that message
         self._size = 0
         self.path = self.folder / f"{self.folder.name}.mcap"
-        if self.path.exists() and not force:
-            raise InputError(f"{self.path}: exists already; choose another folder, or --force to replace it")
+        before = named_after(self.folder)
+        if before and not force:
+            raise InputError(f"{before[0]}: exists already; choose another folder, or --force to replace it")
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            (self.folder / "metadata.yaml").unlink(missing_ok=True)
-            self._begin(self.path, replace=force)
+            for file in (*before, self.folder / "metadata.yaml"):
+                file.unlink(missing_ok=True)
+            self._begin(self.path)
         except OSError as error:
             raise InputError(f"{_cannot(self.path, error)}; choose another folder, or make room") from None
 
@@ -235,8 +238,8 @@ class StreamWriter:
             number += 1
         return path
 
-    def _begin(self, path: Path, *, replace: bool = False) -> None:
-        file = BagFile(path, self._recording, len(self._files), replace=replace)
+    def _begin(self, path: Path) -> None:
+        file = BagFile(path, self._recording, len(self._files))
         for channel in self._channels.values():
             _announce(file, channel)
         self._files.append(file)

@@ -60,7 +60,7 @@ class RecordNode(Node):
 
     Attributes:
         missed: messages that did not come, by topic.
-        exit_status: of the process: 0, or 1 where the recording is not whole.
+        faults: why the finished recording is not whole, in words; empty where it is.
     """
 
     def __init__(self, *, parameters: Sequence[Parameter] = (), context: Context | None = None) -> None:
@@ -81,7 +81,7 @@ class RecordNode(Node):
         self._removed: set[Path] = set()
         self._closed = False
         self.missed: dict[str, int] = {}
-        self.exit_status = 0
+        self.faults = ""
         self._diagnostics = diagnostics.Diagnostics(self, "bag", str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
@@ -173,6 +173,11 @@ class RecordNode(Node):
         """Messages that did not come, or came and are in no file, by topic."""
         return {topic: missed + self._writer.lost[topic] for topic, missed in self.missed.items()}
 
+    @property
+    def exit_status(self) -> int:
+        """Of the process: 1 where the recording is not whole."""
+        return int(bool(self.faults))
+
     def _reasons(self) -> str:
         """Why messages are lost, in words."""
         gone = {file.path: file.messages for file in self._writer.removed}
@@ -214,9 +219,9 @@ class RecordNode(Node):
         lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
         if lost:
             faults.insert(0, f"lost: {', '.join(lost)}{self._doubt()}: {self._reasons()}")
+        self.faults = "; ".join(faults)
         if faults:
-            self.exit_status = 1
-            self.get_logger().error("; ".join((text, *faults)))
+            self.get_logger().error(f"{text}; {self.faults}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")
 
