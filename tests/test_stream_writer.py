@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 import yaml
@@ -20,6 +21,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
 from tests.bags import DEFINITION, STATE, assert_same, some_samples, write_other
+from tests.command_line import done_here
 
 
 class TestStreamWriter:
@@ -84,6 +86,8 @@ for k in itertools.count():
         before = cut.read_bytes()
         found = recover(cut, tmp_path / "whole.mcap")
         assert cut.read_bytes() == before and found.damage == "the file is cut"
+        (tmp_path / "live" / "live_recovered.mcap").write_bytes((tmp_path / "whole.mcap").read_bytes())
+        assert_same(load(tmp_path / "live"), replace(recording, name="live_recovered", warnings=()))
         assert found.messages == {"/bench/state": len(recording)}
         assert_same(load(tmp_path / "whole.mcap"), replace(recording, name="whole", warnings=()))
         with (tmp_path / "whole.mcap").open("rb") as file:
@@ -106,6 +110,46 @@ class TestRecover:
             counts.append(recover(cut, tmp_path / "out.mcap", force=True).messages["/bench/state"])
             assert len(load(tmp_path / "out.mcap")) == counts[-1] == len(load(cut))
         assert counts == sorted(counts, reverse=True) and counts[0] == 500 > counts[-1] > 0
+
+    def test_what_is_torn_off_is_told(self, tmp_path):
+        writer = StreamWriter(tmp_path / "live")
+        writer.add_topic("/slow", "std_msgs/msg/Header", "")
+        writer.add_topic("/fast", "std_msgs/msg/Header", "")
+        for k in range(200):
+            writer.write("/fast", b"\0\1\0\0" + bytes(13), k * 10_000_000)
+            if k % 50 == 0:
+                writer.write("/slow", b"\0\1\0\0" + bytes(13), k * 10_000_000)
+        writer.flush()
+        whole_chunks = writer.path.stat().st_size
+        writer.write("/fast", b"\0\1\0\0" + bytes(13), 2_000_000_000)
+        writer.flush()
+        torn = writer.path.stat().st_size - whole_chunks - 70  # within the chunk itself
+        cut = tmp_path / "cut.mcap"
+        cut.write_bytes(writer.path.read_bytes()[: whole_chunks + torn])
+        found = recover(cut, tmp_path / "out.mcap")
+        assert found.torn == torn > 0
+        assert found.topics == {"/fast": (200, pytest.approx(1.99)), "/slow": (4, pytest.approx(1.5))}
+        cut.write_bytes(writer.path.read_bytes()[:whole_chunks])
+        found = recover(cut, tmp_path / "out.mcap", force=True)
+        assert (found.torn, found.damage) == (0, "the file is cut")  # between two chunks: only the index lacks
+        cut.write_bytes(writer.path.read_bytes())
+        assert recover(cut, tmp_path / "out.mcap", force=True).messages == {"/fast": 201, "/slow": 4}
+
+    def test_the_command(self, whole, tmp_path, capsys):
+        cut = tmp_path / "cut.mcap"
+        cut.write_bytes(whole.read_bytes()[:-3000])
+        done_here("recover", cut)
+        told = " ".join(capsys.readouterr().out.split())
+        assert f"cut_recovered.mcap: {len(load(cut))} messages over" in told and "/bench/state:" in told
+        assert len(load(tmp_path / "cut_recovered.mcap")) == len(load(cut)) > 100
+        for arguments, told in (
+            ((cut,), "exists already"),
+            ((tmp_path / "none.mcap",), "is no file"),
+            ((Path(__file__), "-o", tmp_path / "x.mcap"), "is no MCAP"),
+        ):
+            with pytest.raises(InputError, match=told) as refused:
+                done_here("recover", *arguments)
+            assert "\n" not in str(refused.value)
 
     def test_what_is_refused(self, whole, tmp_path):
         for path, output, told in (

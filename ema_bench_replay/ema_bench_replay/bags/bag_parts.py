@@ -12,6 +12,8 @@ from mcap.exceptions import McapError
 from mcap.records import Chunk, Metadata
 from mcap.stream_reader import StreamReader
 
+from ema_bench_replay.bags.mcap_file import MAGIC
+
 PART_NAME = "ema_twin_part"
 """Name of the MCAP metadata record that says which recording a file is of, and which of its parts, from 0 on."""
 _HEAD = 4096
@@ -25,7 +27,7 @@ def bag_parts(folder: Path) -> list[tuple[Path, ...]]:
 
 
 def recordings_in(files: Sequence[Path]) -> list[tuple[Path, ...]]:
-    """These MCAP files, those that are one recording together and in its order.
+    """These MCAP files, those that are one recording together and in its order, each part once.
 
     A file tells it itself where this project's recorder wrote it; else the metadata.yaml beside it, which rosbag2
     writes when it ends; else, where rosbag2 was killed, its names: FOLDER/FOLDER_0.mcap, FOLDER_1.mcap and so on.
@@ -34,7 +36,25 @@ def recordings_in(files: Sequence[Path]) -> list[tuple[Path, ...]]:
     for file in files:
         recording, part = _own_words(file) or _listed(file) or _named(file) or (file, 0)
         found.setdefault(recording, []).append((part, file))
-    return [tuple(file for _, file in sorted(parts)) for parts in found.values()]
+    return [_in_order(parts) for parts in found.values()]
+
+
+def _in_order(files: Sequence[tuple[int, Path]]) -> tuple[Path, ...]:
+    """The files by their parts' numbers; of a cut file and what was recovered of it, the one with an index."""
+    parts: dict[int, Path] = {}
+    for number, file in sorted(files):
+        if number not in parts or (_has_end(file) and not _has_end(parts[number])):
+            parts[number] = file
+    return tuple(parts.values())
+
+
+def _has_end(file: Path) -> bool:
+    try:
+        with file.open("rb") as stream:
+            stream.seek(-len(MAGIC), 2)
+            return stream.read() == MAGIC
+    except OSError:
+        return False
 
 
 def named_after(folder: Path) -> list[Path]:

@@ -84,9 +84,9 @@ def find_recordings(path: Path) -> list[Path]:
 
 def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:
     """Each recording with what it is read of: a folder or a file, or the files of one that a recorder has split."""
-    found = {parts[0]: parts for parts in recordings_in([file for file in files if file.suffix.lower() == ".mcap"])}
-    behind = {file for parts in found.values() for file in parts[1:]}
-    return [found.get(file, (file,)) for file in files if file not in behind]
+    bags = [file for file in files if file.suffix.lower() == ".mcap"]
+    found = {parts[0]: parts for parts in recordings_in(bags)}
+    return [found.get(file, (file,)) for file in files if file in found or file not in bags]
 
 
 def _each_once(files: Sequence[Path]) -> list[Path]:
