@@ -12,11 +12,12 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.qos import QoSProfile
 from ros_graph import Graph, start_process
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
-from tests.command_line import ENDING
+from tests.command_line import ENDING, MODEL, done_here
 
 RECORD = "ema_bench_replay.nodes.record"
 TOPIC = "/bench/state"
@@ -170,3 +171,32 @@ def test_a_kill_costs_a_quarter_of_a_second_at_most(bench, start, tmp_path):
         record.communicate()
         kept = load(folder)
         assert killed - (kept.start + kept.stamps[-1]) < 0.25e9
+
+
+def test_a_live_run_that_is_not_recorded_whole_is_refused(ramp, tmp_path, monkeypatch):
+    """Its errors are told all the same."""
+    from ema_twin_sim.nodes import live
+
+    folder = tmp_path / "bag"
+    run_live = live.run_live
+
+    def removing(*arguments, on_pairs, **options):
+        def take(pairs):
+            on_pairs(pairs)
+            if (folder / "bag_1.mcap").exists():
+                (folder / "bag.mcap").unlink(missing_ok=True)
+
+        return run_live(*arguments, on_pairs=take, **options)
+
+    monkeypatch.setattr(live, "run_live", removing)
+    figures = tmp_path / "live.json"
+    arguments = ("live", ramp, *MODEL, "--headless", "--to", "3", "--record", folder, "--json", figures)
+    with pytest.raises(InputError, match=r"bag: the recording is not whole: lost: \d+ of /\w.* was removed or moved"):
+        done_here(*arguments, "--max-bag-duration", "1")
+    assert figures.exists()
+    assert len(list(folder.glob("bag_*.mcap"))) > 1
+    monkeypatch.undo()
+    with pytest.raises(InputError, match="give --record DIR"):
+        done_here("live", ramp, *MODEL, "--headless", "--max-bag-size", "1e6")
+    done_here(*arguments[:-3], folder, "--force", "--max-bag-size", "100000")
+    assert len(load(folder)) == len(load(ramp).between(None, 3.0))

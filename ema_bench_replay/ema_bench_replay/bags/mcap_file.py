@@ -73,7 +73,9 @@ class McapFile:
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks: list[ChunkIndex] = []
+        self._chunks = bytearray()  # their index as it will be written: of a long recording, nothing else grows
+        self._chunk_count = 0
+        self._times: tuple[int, int] | None = None  # of the first and the last message
         self._counts: dict[int, int] = {}
         self._unwritten: list[McapRecord] = []  # schemas and channels, for the head of the next chunk
         self._compressor = zstandard.ZstdCompressor(level=1)
@@ -87,9 +89,7 @@ class McapFile:
     @property
     def span(self) -> tuple[int, int]:
         """Log times of the first and the last message, ns; zeros where there is none."""
-        starts = [chunk.message_start_time for chunk in self._chunks]
-        ends = [chunk.message_end_time for chunk in self._chunks]
-        return min(starts, default=0), max(ends, default=0)
+        return self._times or (0, 0)
 
     @property
     def size(self) -> int:
@@ -137,7 +137,9 @@ class McapFile:
         self._unwritten = []
         for group in groups:
             self._counts[group.channel] += len(group.offsets)
-        self._chunks.append(
+        self._times = (first, last) if self._times is None else (min(first, self._times[0]), max(last, self._times[1]))
+        self._chunk_count += 1
+        self._chunks += _bytes(
             ChunkIndex(
                 chunk_start_offset=start,
                 chunk_length=end - start,
@@ -160,7 +162,7 @@ class McapFile:
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=self._counts,
-            chunk_count=len(self._chunks),
+            chunk_count=self._chunk_count,
             message_count=sum(self._counts.values()),
             message_end_time=last,
             message_start_time=first,
@@ -169,17 +171,15 @@ class McapFile:
         )
         summary, offsets = RecordBuilder(), []
         for opcode, records in (
-            (Opcode.SCHEMA, self._schemas),
-            (Opcode.CHANNEL, self._channels),
-            (Opcode.STATISTICS, [statistics]),
-            (Opcode.CHUNK_INDEX, self._chunks),
-            (Opcode.METADATA_INDEX, self._metadata),
+            (Opcode.SCHEMA, b"".join(map(_bytes, self._schemas))),
+            (Opcode.CHANNEL, b"".join(map(_bytes, self._channels))),
+            (Opcode.STATISTICS, _bytes(statistics)),
+            (Opcode.CHUNK_INDEX, bytes(self._chunks)),
+            (Opcode.METADATA_INDEX, b"".join(map(_bytes, self._metadata))),
         ):
-            begin = summary.count
-            for record in records:
-                record.write(summary)
             if records:
-                offsets.append(SummaryOffset(opcode, start + begin, summary.count - begin))
+                offsets.append(SummaryOffset(opcode, start + summary.count, len(records)))
+                summary.write(records)
         offsets_start = start + summary.count
         for offset in offsets:
             offset.write(summary)
@@ -187,6 +187,7 @@ class McapFile:
         # The checksum covers the summary and the footer up to the checksum itself.
         crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start), zlib.crc32(data))
         self._write(end + data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
+        self._chunks.clear()
 
     def _write(self, data: bytes) -> None:
         self._stream.write(data)

@@ -60,7 +60,8 @@ class RecordNode(Node):
 
     Attributes:
         missed: messages that did not come, by topic.
-        faults: why the finished recording is not whole, in words; empty where it is.
+        faults: why the finished recording is not whole, in words; empty where it is, or lacks only what came by best
+            effort and did not come.
     """
 
     def __init__(self, *, parameters: Sequence[Parameter] = (), context: Context | None = None) -> None:
@@ -76,6 +77,7 @@ class RecordNode(Node):
         )
         self._recorded: dict[str, Subscription] = {}
         self._numbers: dict[str, PublishedNumbers] = {}
+        self._best_effort: set[str] = set()
         self._unreadable: dict[str, str] = {}
         self._problem = ""
         self._removed: set[Path] = set()
@@ -118,10 +120,11 @@ class RecordNode(Node):
             return
         self.missed[topic] = 0
         self._numbers[topic] = PublishedNumbers(partial(self.count_publishers, topic))
+        profile = _matching(offered)
+        if profile.reliability == ReliabilityPolicy.BEST_EFFORT:
+            self._best_effort.add(topic)
         # rclpy wants a callback, but no executor serves the subscription
-        self._recorded[topic] = self.create_subscription(
-            message_type, topic, lambda _message: None, _matching(offered), raw=True
-        )
+        self._recorded[topic] = self.create_subscription(message_type, topic, lambda _message: None, profile, raw=True)
 
     def _collect(self) -> bool:
         """Take what has come; whether there was anything."""
@@ -216,12 +219,16 @@ class RecordNode(Node):
         files = self._writer.files
         where = f"{files[0] if files else self._writer.folder}{f' and {len(files) - 1} more' if len(files) > 1 else ''}"
         text = f"{sum(self._writer.written.values())} messages of {len(self.missed)} topics in {where}"
-        lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
-        if lost:
-            faults.insert(0, f"lost: {', '.join(lost)}{self._doubt()}: {self._reasons()}")
+        lost = {topic: count for topic, count in self.lost.items() if count}
+        counts = ", ".join(f"{count} of {topic}" for topic, count in lost.items())
+        in_words = f"lost: {counts}{self._doubt()}: {self._reasons()}"
+        if lost.keys() - self._best_effort or sum(self._writer.lost.values()):
+            faults.insert(0, in_words)
         self.faults = "; ".join(faults)
         if faults:
             self.get_logger().error(f"{text}; {self.faults}")
+        elif lost:  # of topics whose publishers do their best, and no more
+            self.get_logger().warning(f"{text}; {in_words}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")
 
