@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ema_bench_replay.bags.bag_parts import named_after
 from ema_bench_replay.errors import InputError
 
 from ..comparison.beyond_noise import shown_signals
@@ -252,6 +251,8 @@ def _late(result: LiveResult, rate: float) -> str:
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> list[Path]:
     """Refuse what may not be replaced, before anything starts; returns the files of the bag that ``force`` replaces."""
+    from ema_bench_replay.bags.bag_parts import named_after
+
     if rrd is not None and rrd.exists():
         if not rrd.is_file():
             raise InputError(f"{rrd}: is no file; name the file to write for --rrd")
