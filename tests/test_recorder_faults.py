@@ -15,6 +15,7 @@ from rosbags.highlevel import AnyReader
 from ema_bench_replay.bags import bag_file, stream_writer
 from ema_bench_replay.bags.bag_metadata import STATE_QOS
 from ema_bench_replay.bags.cdr import parse, serialise
+from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
@@ -30,12 +31,13 @@ class Bench:
 
     def __init__(self, writer):
         self.writer = writer
+        self.step = 1_000_000
         self.sent = 0
         writer.add_topic(TOPIC, STATE, STATE_QOS)
 
     def send(self, count):
         for _ in range(count):
-            now = NO_DATE + self.sent * 1_000_000
+            now = NO_DATE + self.sent * self.step
             stamp = dict(zip(("sec", "nanosec"), divmod(now, 10**9), strict=True))
             values = {"header": {"stamp": stamp}, "sequence": self.sent, "current": float(self.sent % 97)}
             self.writer.write(TOPIC, serialise(TYPES, ROOT, values), now)
@@ -49,11 +51,13 @@ class Disk:
     def __init__(self, monkeypatch):
         self.room = 1 << 40
         self.error = errno.ENOSPC
+        self.once = False
         self._write = os.pwrite
         monkeypatch.setattr(bag_file.os, "pwrite", self.write)
 
     def write(self, descriptor, data, offset):
         if not self.room:
+            self.room = 1 << 40 if self.once else 0
             raise OSError(self.error, os.strerror(self.error))
         done = self._write(descriptor, data[: self.room], offset)
         self.room -= done
@@ -132,6 +136,20 @@ class TestFullDisk:
         assert len(recording) == 2000
         assert recording.warnings == ("live.mcap: the file is cut; used up to the last whole part",)
         assert opened_by_others(tmp_path / "live") == 1000  # the whole file alone is listed
+
+    def test_a_file_that_failed_is_finished_where_it_can_be(self, bench, disk, tmp_path, monkeypatch):
+        """The index is shorter than what was written of the chunk that failed, and stands in its place."""
+        monkeypatch.setattr(stream_writer, "LONGEST_CHUNK", 10**12)
+        bench.step = 10_000
+        bench.send(2000)
+        disk.room, disk.error, disk.once = 40_000, errno.EIO, True
+        bench.send(6000)
+        bench.send(1000)
+        assert bench.writer.finish() == {TOPIC: 9000}
+        assert [file.name for file in bench.writer.files] == ["live.mcap", "live_1.mcap"]
+        assert not bench.writer.unfinished
+        assert bench.writer.files[0].read_bytes().endswith(MAGIC)
+        assert opened_by_others(tmp_path / "live") == 9000 and not load(tmp_path / "live").warnings
 
     def test_a_disk_of_a_few_kilobytes(self, tmp_path):
         """A file system of its own, in a namespace where the user may mount one."""
