@@ -48,15 +48,20 @@ def follows(folder, since):
     return all(len(sent) and sent[-1] > since for sent in times.values())
 
 
+def wait_for(folder, since):
+    """Return once the bag follows, as `follows` has it."""
+    deadline = time.monotonic() + 90.0
+    while not follows(folder, since):
+        assert time.monotonic() < deadline, "the recorder writes nothing"
+        time.sleep(0.3)
+
+
 def kill_one(folder):
     """When it was killed, ns, and the last message of each topic that its bag has."""
     begun = time.time_ns()
     record = start_process(RECORD, f"output:={folder}")
     try:
-        deadline = time.monotonic() + 90.0
-        while not follows(folder, begun + 3_000_000_000):
-            assert time.monotonic() < deadline, "the recorder writes nothing"
-            time.sleep(0.3)
+        wait_for(folder, begun + 3_000_000_000)
         time.sleep(random.uniform(0.3, 1.3))
         killed = time.time_ns()
         record.send_signal(signal.SIGKILL)
@@ -75,6 +80,7 @@ def kill_some(kills, folder):
         start_process("ema_bench_replay.nodes.replay", f"recording:={TRACE}", "loop:=true", "subscribers:=3"),
     ]
     try:
+        wait_for(folder / "witness", 0)
         found = [kill_one(folder / f"killed_{k}") for k in range(kills)]
     finally:
         for node in nodes:
