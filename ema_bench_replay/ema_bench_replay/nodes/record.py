@@ -174,7 +174,8 @@ class RecordNode(Node):
     @property
     def lost(self) -> dict[str, int]:
         """Messages that did not come, or came and are in no file, by topic."""
-        return {topic: missed + self._writer.lost[topic] for topic, missed in self.missed.items()}
+        unwritten = self._writer.lost
+        return {topic: missed + unwritten[topic] for topic, missed in self.missed.items()}
 
     @property
     def exit_status(self) -> int:
