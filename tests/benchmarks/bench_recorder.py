@@ -25,8 +25,8 @@ TRACE = Path(__file__).parents[1] / "recordings" / "BancoEMA_sine_0.05_0.25Hz.CS
 TOPICS = ("/bench/state", "/twin/state", "/monitor/residual")
 ALLOWED = 0.25
 """s."""
-AT_ONCE = 10
-"""Kills beside one graph: it goes on with all the readers that are dead."""
+AT_ONCE = 4
+"""Kills beside one graph: publishers wait for readers that are dead, until DDS gives them up."""
 RECORD = "ema_bench_replay.nodes.record"
 
 
