@@ -10,8 +10,10 @@ from rosbags.highlevel import AnyReader
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.load import load
+from ema_bench_replay.nodes.record import PARAMETERS
 from ema_twin_sim.commands.inputs import load_runs
 from tests.bags import assert_same, refused, some_samples, write_other
+from tests.launch_files import started
 from tests.test_recorder_faults import TOPIC, Bench
 
 PARTS = ("live.mcap", "live_1.mcap", "live_2.mcap", "live_3.mcap")
@@ -121,3 +123,14 @@ class TestReading:
         for k in (1, 2, 3):
             write_other(tmp_path / f"ramp_{k}.mcap", some_samples(50 + k))
         assert [len(recording) for recording in load_runs([tmp_path])] == [51, 52, 53]
+
+
+def test_the_launch_file_hands_on_how_to_split():
+    (record,) = (
+        node
+        for node in started("ema_twin", record="bag", max_bagfile_size="1000", max_bagfile_duration="60")
+        if node["executable"] == "record"
+    )
+    limits = {"max_bagfile_size": 1000, "max_bagfile_duration": 60.0}
+    assert record["parameters"] == [{"output": "bag", **limits}]
+    assert limits.keys() < {declaration.name for declaration in PARAMETERS}
