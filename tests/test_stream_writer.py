@@ -40,7 +40,7 @@ class TestStreamWriter:
         assert times == [(NO_DATE + k * 1_000_000, k) for k in range(3000)]
         with (tmp_path / "live" / "live.mcap").open("rb") as file:
             chunks = make_reader(file).get_summary().chunk_indexes
-        assert len(chunks) == 30 and all(c.message_end_time - c.message_start_time < 1e8 for c in chunks)
+        assert len(chunks) >= 30 and all(c.message_end_time - c.message_start_time < 1e8 for c in chunks)
 
     def test_a_topic_that_nobody_offers_yet(self, tmp_path):
         writer = StreamWriter(tmp_path / "live")
