@@ -1,7 +1,7 @@
 """How much a killed recorder loses beside replay, twin and monitor: `python -m tests.benchmarks.bench_recorder`.
 
-Each kill is a SIGKILL at a random moment while messages flow. What it lost is the time from the last message of a topic
-that can be read of its bag to the last one that was sent before the kill, by the bag of a second recorder, which lives.
+Each kill is a SIGKILL at a random moment while messages flow. What it lost is the time up to the kill from the first
+message that can not be read of its bag any more, but of the bag of a second recorder, which lives.
 """
 
 import os
@@ -97,10 +97,13 @@ def kill_some(kills, folder):
                 node.kill()
                 node.communicate()
     sent = sent_times(folder / "witness" / "witness.mcap")
-    return [
-        max((sent[topic][np.searchsorted(sent[topic], killed) - 1] - last) * 1e-9 for topic, last in kept.items())
-        for killed, kept in found
-    ]
+    return [max(lost_of(sent[topic], last, killed) for topic, last in kept.items()) for killed, kept in found]
+
+
+def lost_of(sent, last, killed):
+    """Seconds from the first message that was sent after the `last` one kept to the kill; 0 where none was."""
+    behind = sent[(sent > last) & (sent < killed)]
+    return (killed - behind[0]) * 1e-9 if len(behind) else 0.0
 
 
 def main(kills=100):
