@@ -73,7 +73,9 @@ def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, n
     for process in nodes.values():
         process.send_signal(number)
     outputs = {name: process.communicate(timeout=ENDING)[1] for name, process in nodes.items()}
-    assert all(ended_well(nodes[name], errors) for name, errors in outputs.items()), outputs
+    incomplete = nodes["record"].returncode == 1 and "; lost: " in outputs["record"]
+    well = {name for name, errors in outputs.items() if ended_well(nodes[name], errors)}
+    assert nodes.keys() - well <= ({"record"} if incomplete else set()), outputs
     assert "Traceback" not in "".join(outputs.values())
     assert "FATAL" not in "".join(outputs.values())
     assert "stopped after" in outputs["replay"]
@@ -108,7 +110,10 @@ def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trac
     graph.spin_until(lambda: all_of_it.items() <= written.items())
     for process in (record, twin):
         process.send_signal(signal.SIGINT)
-        assert process.wait(ENDING) == 0
+    assert twin.wait(ENDING) == 0
+    # what is published to be seen and not to be kept, as joint states, may pass a busy recorder by: it tells which
+    lost = record.communicate(timeout=ENDING)[1].partition("; lost: ")[2]
+    assert "/state" not in lost and (lost or record.returncode == 0)
     figures = compare([recording], load_model("polito_bench")).recordings[0].signals
     for name, live in monitor.comparison.result().items():
         assert live["rmse"] == pytest.approx(figures[name]["rmse"], rel=1e-6), name
@@ -134,6 +139,7 @@ def test_what_the_recorder_loses_it_counts(graph, start, tmp_path):
     graph.spin_for(0.3)
     record.send_signal(signal.SIGINT)
     error = record.communicate(timeout=ENDING)[1]
+    assert record.returncode == 1
     written, lost = map(int, re.search(r"(\d+) messages of 1 topics.*lost: (\d+) of /loud", error).groups())
     assert lost > 1000
     assert written + lost == 5020

@@ -20,6 +20,8 @@ ARGUMENTS = {
     "input": ("auto", "what drives the twin: setpoint, current, standalone, or auto"),
     "command": ("sine:0.02:1", "command of a standalone twin"),
     "record": ("", "folder to record all topics into; none: do not record"),
+    "max_bagfile_size": ("0", "bytes at which the recording's next file begins; 0: it is one file"),
+    "max_bagfile_duration": ("0.0", "longest span of a file of the recording, s; 0: it is one file"),
 }
 
 
@@ -37,7 +39,11 @@ def nodes(context: LaunchContext) -> list[Node]:
         monitor = {name: value for name, value in twin.items() if name != "command"}
         started.append(Node(package="ema_twin_sim", executable="monitor", parameters=[monitor], **shown))
     if given["record"]:
-        record = {"output": given["record"]}
+        record = {
+            "output": given["record"],
+            "max_bagfile_size": int(given["max_bagfile_size"]),
+            "max_bagfile_duration": float(given["max_bagfile_duration"]),
+        }
         started.append(Node(package="ema_bench_replay", executable="record", parameters=[record], **shown))
     if given["recording"] and not standalone:
         replay = {

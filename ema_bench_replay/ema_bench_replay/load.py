@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 
-def load(path: str | Path, *, import_map: str | Path = "siemens") -> Recording:
-    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import wrote.
+def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens") -> Recording:
+    """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
+
+    A recording that was split is its folder, or the sequence of its files.
 
     Both positions of a run begin at zero (see `Recording.from_zero`), wherever they were. Raises InputError, in one
     line, where there is none or it cannot be used.
     """
     # each reader is imported when it is needed: who reads an MCAP needs no CSV
-    path = Path(path)
+    files = [Path(path)] if isinstance(path, (str, Path)) else list(path)
+    path = files[0]
     if not path.exists():
         raise InputError(f"{path}: no such file; give a CSV trace, an MCAP or the folder that import wrote")
     if path.is_dir() or path.suffix.lower() == ".mcap":
         from ema_bench_replay.bags.bag_reader import read_bag
 
-        recording = read_bag(path)
+        recording = read_bag(path if len(files) == 1 else files)
         return recording if recording.of_points else recording.from_zero()  # as a trace is read, and a live twin counts
     if path.suffix.lower() in (".csv", ".txt", ".tsv"):
         from ema_bench_replay.traces.import_map import load_map

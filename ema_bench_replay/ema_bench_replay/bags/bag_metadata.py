@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from textwrap import indent
 from typing import NamedTuple
 
@@ -33,24 +34,43 @@ STATE_QOS = qos_profile(reliability="reliable", durability="transient_local", hi
 JOINTS_QOS = qos_profile(reliability="reliable", durability="volatile")
 
 
-def metadata_yaml(file: str, first: int, last: int, topics: list[Topic]) -> str:
-    """Text of metadata.yaml for a bag of one file whose messages span from `first` to `last` (ns)."""
-    count = sum(topic.messages for topic in topics)
-    span = (
-        f"starting_time:\n  nanoseconds_since_epoch: {first}\nduration:\n  nanoseconds: {last - first}\n"
-        f"message_count: {count}\n"
+class FileOfBag(NamedTuple):
+    """One file of a bag."""
+
+    name: str
+    first: int  # ns since the epoch: log time of the first message
+    last: int
+    messages: int
+
+
+def metadata_yaml(files: Sequence[FileOfBag], topics: Sequence[Topic]) -> str:
+    """Text of metadata.yaml for a bag of these files, in the order in which they are played."""
+    held = [file for file in files if file.messages] or files[:1]
+    first, last = min((file.first for file in held), default=0), max((file.last for file in held), default=0)
+    names = [json.dumps(file.name) for file in files]  # quoted, since a file may be called anything
+    listed = "".join(
+        f"- path: {name}\n{indent(_span(file.first, file.last, file.messages), '  ')}"
+        for name, file in zip(names, files, strict=True)
     )
-    name = json.dumps(file)  # quoted, since a file may be called anything
-    listed = "".join(_topic(topic) for topic in topics)
     return (
         "rosbag2_bagfile_information:\n  version: 9\n  storage_identifier: mcap\n"
-        + indent(span, "  ")
-        + "  topics_with_message_count:\n"
-        + indent(listed, "    ")
+        + indent(_span(first, last, sum(file.messages for file in files)), "  ")
+        + f"  topics_with_message_count:{_listed(''.join(_topic(topic) for topic in topics))}"
         + '  compression_format: ""\n  compression_mode: ""\n'
-        + f"  relative_file_paths:\n    - {name}\n  files:\n    - path: {name}\n"
-        + indent(span, "      ")
+        + f"  relative_file_paths:{_listed(''.join(f'- {name}' + chr(10) for name in names))}"
+        + f"  files:{_listed(listed)}"
         + "  custom_data: ~\n  ros_distro: jazzy\n"
+    )
+
+
+def _listed(lines: str) -> str:
+    return "\n" + indent(lines, "    ") if lines else " []\n"
+
+
+def _span(first: int, last: int, messages: int) -> str:
+    return (
+        f"starting_time:\n  nanoseconds_since_epoch: {first}\nduration:\n  nanoseconds: {last - first}\n"
+        f"message_count: {messages}\n"
     )
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Collection
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 from mcap.records import Schema
 
+from ema_bench_replay.bags.bag_parts import bag_parts, name_of
 from ema_bench_replay.bags.bag_writer import METADATA_NAME, STATE_TOPIC, STATE_TYPE
 from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
-from ema_bench_replay.bags.mcap_scan import McapScan
+from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import SIGNALS, Recording
 
@@ -24,29 +24,30 @@ _NAMED = 5  # of the topics that an error lists
 _EVIDENCE = "/evidence/"  # what the topics of a search's evidence begin with
 
 
-def read_bag(path: str | Path, *, topic: str | None = None) -> Recording:
+def read_bag(path: str | Path | Sequence[Path], *, topic: str | None = None) -> Recording:
     """Read the EmaState messages of one topic: `topic`, else /bench/state, else the only one there is.
 
-    `path` is an MCAP or a folder with one. The samples are those of the first run in the bag, in the order of their
-    sequence (of their stamps where they have none); repeated ones are dropped. A signal that is NaN throughout is
-    absent; one that is NaN in places is refused, but for unexplained_torque, which a twin may not know at once. A
-    damaged file is used up to the damage. What was left out is told in the warnings. Raises InputError.
+    `path` is an MCAP, a folder with one recording, or the files of one that was split, in their order. The samples are
+    those of the first run in the bag, in the order of their sequence (of their stamps where they have none); repeated
+    ones are dropped. A signal that is NaN throughout is absent; one that is NaN in places is refused, but for
+    unexplained_torque, which a twin may not know at once. A damaged file is used up to the damage. What was left out is
+    told in the warnings. Raises InputError.
     """
-    file = _file(Path(path))
-    scan = McapScan(file)
-    topic, channels, types = _choose(scan, topic)
-    columns = _read(scan, channels, types)
-    warnings = []
-    if scan.damage:
-        warnings.append(f"{file.name}: {scan.damage}; used up to the last whole part")
+    files = _files(Path(path)) if isinstance(path, (str, Path)) else tuple(path)
+    place = files[0] if len(files) == 1 else files[0].with_name(f"{files[0].name} to {files[-1].name}")
+    scans = [McapScan(file) for file in files]
+    topic, schema, types = _choose(place, scans, topic)
+    columns = _read(scans, topic, schema, types)
+    damaged = [scan for scan in scans if scan.damage]
+    warnings = [f"{scan.path.name}: {scan.damage}; used up to the last whole part" for scan in damaged]
     if not columns:
-        where = " before the damage" if scan.damage else ""
-        raise InputError(f"{file}: {topic} has no samples{where}; record it again")
-    samples = _Samples(file, topic, columns)
+        where = " before the damage" if damaged else ""
+        raise InputError(f"{place}: {topic} has no samples{where}; record it again")
+    samples = _Samples(place, name_of(files), topic, columns)
     samples.first_run()
     samples.in_order()
     own: dict[str, str] = {}
-    for record in scan.metadata:
+    for record in (record for scan in scans for record in scan.metadata):
         if record.name == METADATA_NAME:
             own.update(record.metadata)
     # Findings of the import belong to the bench's own signals.
@@ -57,16 +58,16 @@ def read_bag(path: str | Path, *, topic: str | None = None) -> Recording:
     )
 
 
-def _file(path: Path) -> Path:
+def _files(path: Path) -> tuple[Path, ...]:
     if not path.is_dir():
-        return path
-    found = sorted(path.glob("*.mcap"))
+        return (path,)
+    found = bag_parts(path)
     if len(found) == 1:
         return found[0]
     if not found:
         raise InputError(f"{path}: the folder holds no .mcap and no CSV trace; give a file, or the folder of one bag")
-    names = ", ".join(file.name for file in found)
-    raise InputError(f"{path}: the folder holds {len(found)} .mcap files; name one of them: {names}")
+    files = sorted(file.name for parts in found for file in parts)
+    raise InputError(f"{path}: the folder holds {len(files)} .mcap files; name one of them: {', '.join(files)}")
 
 
 def _some(names: Collection[str]) -> str:
@@ -75,50 +76,75 @@ def _some(names: Collection[str]) -> str:
     return f"{', '.join(first)} and {others} more" if others > 0 else ", ".join(first)
 
 
-def _choose(scan: McapScan, topic: str | None) -> tuple[str, set[int], Types]:
-    """The topic to read, its channels, and the types that its messages are made of."""
-    topics: dict[str, list[tuple[int, Schema]]] = defaultdict(list)
-    others = set()
+def _state_channels(scan: McapScan) -> dict[int, tuple[str, Schema]]:
+    """The channels of one file that carry EmaState: topic and definition of each."""
+    found = {}
     for channel in scan.channels.values():
         schema = scan.schemas.get(channel.schema_id)
         if schema and schema.name == STATE_TYPE and channel.message_encoding == "cdr" and schema.encoding == "ros2msg":
-            topics[channel.topic].append((channel.id, schema))
-        else:
-            others.add(f"{channel.topic} ({schema.name if schema else 'no type'})")
+            found[channel.id] = channel.topic, schema
+    return found
+
+
+def _choose(place: Path, scans: Sequence[McapScan], topic: str | None) -> tuple[str, Schema, Types]:
+    """The topic to read, its definition, and the types that its messages are made of."""
+    topics: dict[str, Schema] = {}
+    others = set()
+    for scan in scans:
+        of_state = _state_channels(scan)
+        for name, schema in of_state.values():
+            topics.setdefault(name, schema)
+        for channel in scan.channels.values():
+            if channel.id not in of_state:
+                other = scan.schemas.get(channel.schema_id)
+                others.add(f"{channel.topic} ({other.name if other else 'no type'})")
     if not topics:
         if not others:
-            raise InputError(f"{scan.path}: {scan.damage or 'the file is empty'}, no topic is left; record it again")
+            wrong = next((scan.damage for scan in scans if scan.damage), "the file is empty")
+            raise InputError(f"{place}: {wrong}, no topic is left; record it again")
         if any(topic.startswith(_EVIDENCE) for topic in others):
             what = "is evidence that discover or diagnose wrote, no recording"
-            raise InputError(f"{scan.path}: {what}; open it with: rerun {scan.path}")
+            raise InputError(f"{place}: {what}; open it with: rerun {place}")
         seen = _some(others)
-        raise InputError(f"{scan.path}: holds no {STATE_TYPE}, but {seen}; give a bag of /bench/state, or a CSV trace")
+        raise InputError(f"{place}: holds no {STATE_TYPE}, but {seen}; give a bag of /bench/state, or a CSV trace")
     if topic is None:
         topic = STATE_TOPIC if STATE_TOPIC in topics else next(iter(topics))
         if len(topics) > 1 and topic != STATE_TOPIC:
-            raise InputError(f"{scan.path}: holds {_some(topics)} and no {STATE_TOPIC}; name one topic")
+            raise InputError(f"{place}: holds {_some(topics)} and no {STATE_TOPIC}; name one topic")
     if topic not in topics:
-        raise InputError(f"{scan.path}: holds no {STATE_TYPE} on {topic}; there is {_some(topics)}")
-    schema = topics[topic][0][1]
+        raise InputError(f"{place}: holds no {STATE_TYPE} on {topic}; there is {_some(topics)}")
+    schema = topics[topic]
     try:
         types, root = parse(schema.data.decode("utf-8", errors="replace"), schema.name)
     except CdrError as error:
-        raise InputError(f"{scan.path}: the type of {topic} {error}; record it with ros2msg definitions") from None
+        raise InputError(f"{place}: the type of {topic} {error}; record it with ros2msg definitions") from None
     names = {field.name for field in types[root]}
     if "header" not in names or not names & set(SIGNALS):
-        raise InputError(f"{scan.path}: {topic} has no header or no signal; its {STATE_TYPE} is not this project's")
-    return topic, {channel for channel, other in topics[topic] if other.data == schema.data}, types
+        raise InputError(f"{place}: {topic} has no header or no signal; its {STATE_TYPE} is not this project's")
+    return topic, schema, types
 
 
-def _read(scan: McapScan, channels: set[int], types: Types) -> dict[str, np.ndarray]:
-    """All samples of these channels, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
+def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[tuple[McapScan, Block]]:
+    """The messages of a topic that are of one definition, file by file."""
+    for scan in scans:
+        channels = {
+            number
+            for number, (name, other) in _state_channels(scan).items()
+            if name == topic and other.data == schema.data
+        }
+        for block in scan.blocks(channels):
+            yield scan, block
+
+
+def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -> dict[str, np.ndarray]:
+    """All samples of a topic, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
 
     The angle origins are those of the first message: a run has one.
     """
     columns = _Columns()
     root = "/".join(STATE_TYPE.split("/")[::2])
     origins: dict[str, np.ndarray] = {}
-    for block in scan.blocks(channels):
+    for scan, block in _blocks(scans, topic, schema):
         try:
             fields = decode(types, root, block.data, block.offsets, block.sizes, _NAMES)
             if not columns.size:
@@ -163,8 +189,8 @@ class _Columns:
 class _Samples:
     """The samples of one topic on their way to a recording."""
 
-    def __init__(self, file: Path, topic: str, columns: dict[str, np.ndarray]) -> None:
-        self.file, self.topic, self.columns = file, topic, columns
+    def __init__(self, file: Path, name: str, topic: str, columns: dict[str, np.ndarray]) -> None:
+        self.file, self.name, self.topic, self.columns = file, name, topic, columns
         self.warnings: list[str] = []
         self.origins = {name: float(columns.pop(name)[0]) for name in _ORIGINS if name in columns}
         log_times = self.columns.pop("log_time")
@@ -220,7 +246,7 @@ class _Samples:
             raise self._error("all signals are NaN", "record a topic that carries values")
         warnings = list(dict.fromkeys([*warnings, *self.warnings]))
         return Recording(
-            self.file.stem,
+            self.name,
             stamps - stamps[0],
             signals,
             int(stamps[0]),

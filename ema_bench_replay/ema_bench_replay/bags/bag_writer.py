@@ -9,7 +9,7 @@ from typing import BinaryIO, NamedTuple
 import numpy as np
 from mcap.opcode import Opcode
 
-from ema_bench_replay.bags.bag_metadata import JOINTS_QOS, STATE_QOS, Topic, metadata_yaml
+from ema_bench_replay.bags.bag_metadata import JOINTS_QOS, STATE_QOS, FileOfBag, Topic, metadata_yaml
 from ema_bench_replay.bags.cdr import layout_of, parse, serialise
 from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
@@ -73,7 +73,7 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
     file.finish()
     counts = file.counts
     topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e, _ in encoders]
-    return metadata_yaml(name, *file.span, topics)
+    return metadata_yaml([FileOfBag(name, *file.span, sum(counts.values()))], topics)
 
 
 class _Encoder(NamedTuple):

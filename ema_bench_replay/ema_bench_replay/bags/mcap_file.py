@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import zstandard
@@ -52,17 +52,30 @@ class Messages(NamedTuple):
     records: bytes
 
 
-class McapFile:
-    """An MCAP that is being written to a stream that the caller opens and closes."""
+class Sink(Protocol):
+    """What an MCAP is written to: a file, or what behaves like one."""
 
-    def __init__(self, stream: BinaryIO) -> None:
+    def write(self, data: bytes, /) -> int:
+        """Take the data, all of it."""
+
+
+class McapFile:
+    """An MCAP that is being written to a stream that the caller opens and closes.
+
+    A chunk, and the end, are each given to the stream in one piece, and count once it has taken them: after an error of
+    the stream the same call may be made again.
+    """
+
+    def __init__(self, stream: Sink) -> None:
         """Write the file's head."""
         self._stream = stream
         self._position = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks: list[ChunkIndex] = []
+        self._chunks = bytearray()  # their index as it will be written: of a long recording, nothing else grows
+        self._chunk_count = 0
+        self._times: tuple[int, int] | None = None  # of the first and the last message
         self._counts: dict[int, int] = {}
         self._unwritten: list[McapRecord] = []  # schemas and channels, for the head of the next chunk
         self._compressor = zstandard.ZstdCompressor(level=1)
@@ -76,9 +89,12 @@ class McapFile:
     @property
     def span(self) -> tuple[int, int]:
         """Log times of the first and the last message, ns; zeros where there is none."""
-        starts = [chunk.message_start_time for chunk in self._chunks]
-        ends = [chunk.message_end_time for chunk in self._chunks]
-        return min(starts, default=0), max(ends, default=0)
+        return self._times or (0, 0)
+
+    @property
+    def size(self) -> int:
+        """Bytes written so far."""
+        return self._position
 
     def add_channel(self, topic: str, type_name: str, definition: str, qos: str, type_hash: str) -> int:
         """Announce a topic; returns the channel's number. `qos` is what rosbag2 calls offered_qos_profiles (YAML)."""
@@ -103,22 +119,27 @@ class McapFile:
     def add_chunk(self, groups: list[Messages]) -> None:
         """Write messages as one compressed chunk, with their index."""
         head = b"".join(map(_bytes, self._unwritten))
-        self._unwritten = []
         data = b"".join([head, *(group.records for group in groups)])
         first = min(int(group.log_times.min()) for group in groups)
         last = max(int(group.log_times.max()) for group in groups)
         packed = self._compressor.compress(data)
         start = self._position
-        self._write(_bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data))))
-        end = self._position
+        written = [_bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))]
+        end = position = start + len(written[0])
         index_offsets = {}
         offset = len(head)
         for group in groups:
-            index_offsets[group.channel] = self._position
-            self._write(_index(group, offset))
-            self._counts[group.channel] += len(group.offsets)
+            index_offsets[group.channel] = position
+            written.append(_index(group, offset))
+            position += len(written[-1])
             offset += len(group.records)
-        self._chunks.append(
+        self._write(b"".join(written))
+        self._unwritten = []
+        for group in groups:
+            self._counts[group.channel] += len(group.offsets)
+        self._times = (first, last) if self._times is None else (min(first, self._times[0]), max(last, self._times[1]))
+        self._chunk_count += 1
+        self._chunks += _bytes(
             ChunkIndex(
                 chunk_start_offset=start,
                 chunk_length=end - start,
@@ -134,14 +155,14 @@ class McapFile:
 
     def finish(self) -> None:
         """Write the summary and the file's end."""
-        self._write(b"".join(map(_bytes, self._unwritten)) + _bytes(DataEnd(0)))
-        start = self._position
+        end = b"".join(map(_bytes, self._unwritten)) + _bytes(DataEnd(0))
+        start = self._position + len(end)
         first, last = self.span
         statistics = Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=self._counts,
-            chunk_count=len(self._chunks),
+            chunk_count=self._chunk_count,
             message_count=sum(self._counts.values()),
             message_end_time=last,
             message_start_time=first,
@@ -150,24 +171,23 @@ class McapFile:
         )
         summary, offsets = RecordBuilder(), []
         for opcode, records in (
-            (Opcode.SCHEMA, self._schemas),
-            (Opcode.CHANNEL, self._channels),
-            (Opcode.STATISTICS, [statistics]),
-            (Opcode.CHUNK_INDEX, self._chunks),
-            (Opcode.METADATA_INDEX, self._metadata),
+            (Opcode.SCHEMA, b"".join(map(_bytes, self._schemas))),
+            (Opcode.CHANNEL, b"".join(map(_bytes, self._channels))),
+            (Opcode.STATISTICS, _bytes(statistics)),
+            (Opcode.CHUNK_INDEX, bytes(self._chunks)),
+            (Opcode.METADATA_INDEX, b"".join(map(_bytes, self._metadata))),
         ):
-            begin = summary.count
-            for record in records:
-                record.write(summary)
             if records:
-                offsets.append(SummaryOffset(opcode, start + begin, summary.count - begin))
+                offsets.append(SummaryOffset(opcode, start + summary.count, len(records)))
+                summary.write(records)
         offsets_start = start + summary.count
         for offset in offsets:
             offset.write(summary)
         data = summary.end()
         # The checksum covers the summary and the footer up to the checksum itself.
         crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start), zlib.crc32(data))
-        self._write(data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
+        self._write(end + data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
+        self._chunks.clear()
 
     def _write(self, data: bytes) -> None:
         self._stream.write(data)

@@ -56,7 +56,10 @@ class Message(NamedTuple):
 
 
 class McapScan:
-    """One MCAP file. Once its blocks were read, `damage` says in words what was wrong with it, or is None."""
+    """One MCAP file. Once its blocks were read, `damage` says in words what was wrong with it, or is None.
+
+    `torn` is then how many bytes lie behind the last whole record; 0 where there is no damage.
+    """
 
     def __init__(self, path: Path) -> None:
         """Read what kinds of messages the file holds. Raises InputError where it is no MCAP."""
@@ -65,6 +68,7 @@ class McapScan:
         self.channels: dict[int, Channel] = {}
         self.metadata: list[Metadata] = []
         self.damage: str | None = None
+        self.torn = 0
         with self._open() as file:
             try:
                 summary = SeekingReader(file).get_summary()
@@ -102,7 +106,8 @@ class McapScan:
     def _contents(self) -> Iterator[bytes]:
         """Records with messages, decompressed; other records are taken in on the way."""
         with self._open() as file:
-            end = file.seek(0, 2) - len(MAGIC)
+            size = file.seek(0, 2)
+            end = size - len(MAGIC)
             file.seek(max(end, 0))
             finished = file.read() == MAGIC and end > len(MAGIC)
             file.seek(0)
@@ -110,6 +115,8 @@ class McapScan:
                 raise InputError(f"{self.path}: is no MCAP; give a bag or a CSV trace")
             whole = False
             while True:
+                if file.tell() <= size:
+                    self.torn = size - file.tell()
                 head = file.read(_RECORD.size)
                 if len(head) < _RECORD.size:
                     break
@@ -118,6 +125,7 @@ class McapScan:
                     break
                 if opcode == Opcode.DATA_END:
                     whole = True
+                    self.torn -= len(head) + length
                     break
                 if opcode == Opcode.MESSAGE:
                     file.seek(-len(head), 1)
@@ -137,7 +145,9 @@ class McapScan:
                     file.seek(length, 1)
                     continue
                 yield data
-            if not (whole and finished):
+            if whole and finished:
+                self.torn = 0
+            else:
                 self.damage = "the file is cut"
 
     def _plain(self, file: BinaryIO, end: int) -> bytes:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from mcap.writer import Writer
 
@@ -14,13 +13,30 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
 
 
+class RecoveredTopic(NamedTuple):
+    """What was found of one topic."""
+
+    messages: int
+    seconds: float  # from the first message to the last
+
+
 @dataclass(frozen=True)
 class Recovered:
     """What was found in a damaged bag."""
 
-    messages: dict[str, int]  # by topic
-    seconds: float  # from the first message to the last
+    topics: dict[str, RecoveredTopic]
     damage: str | None  # in words; None where the bag was whole
+    torn: int  # bytes behind the last whole record
+
+    @property
+    def messages(self) -> dict[str, int]:
+        """Messages by topic."""
+        return {name: topic.messages for name, topic in self.topics.items()}
+
+    @property
+    def seconds(self) -> float:
+        """The longest span of a topic, s."""
+        return max(topic.seconds for topic in self.topics.values())
 
 
 def recover(path: Path, output: Path, *, force: bool = False) -> Recovered:
@@ -33,8 +49,7 @@ def recover(path: Path, output: Path, *, force: bool = False) -> Recovered:
     if output.exists() and output.samefile(path):
         raise InputError(f"{output}: is the damaged bag itself, which stays; give another name")
     scan = McapScan(path)
-    counts: Counter[str] = Counter()
-    first, last = math.inf, -math.inf
+    times: dict[str, tuple[int, int, int]] = {}  # of each topic: messages, first and last log time
     with new_file(output, force=force) as stream:
         writer = Writer(stream)
         writer.start(profile="ros2", library="ema_bench_replay")
@@ -51,11 +66,13 @@ def recover(path: Path, output: Path, *, force: bool = False) -> Recovered:
             writer.add_message(
                 written[message.channel], message.log_time, message.data, message.publish_time, message.sequence
             )
-            counts[scan.channels[message.channel].topic] += 1
-            first, last = min(first, message.log_time), max(last, message.log_time)
-        if not counts:
+            logged = message.log_time
+            count, first, last = times.get(scan.channels[message.channel].topic, (0, logged, logged))
+            times[scan.channels[message.channel].topic] = count + 1, min(first, logged), max(last, logged)
+        if not times:
             raise InputError(f"{path}: {scan.damage or 'holds no message'}; nothing of it can be recovered")
         for record in scan.metadata:
             writer.add_metadata(record.name, record.metadata)
         writer.finish()
-    return Recovered(dict(sorted(counts.items())), (last - first) * 1e-9, scan.damage)
+    topics = {name: RecoveredTopic(n, (last - first) * 1e-9) for name, (n, first, last) in sorted(times.items())}
+    return Recovered(topics, scan.damage, scan.torn)

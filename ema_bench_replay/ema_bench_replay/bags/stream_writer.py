@@ -1,32 +1,42 @@
-"""A bag written while it happens: serialised messages of any type, on disk a sixth of a second after they arrived."""
+"""A bag written while it happens: serialised messages of any type, on disk a tenth of a second after they arrived."""
 
 from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+import uuid
+from collections import Counter, deque
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
 
-from ema_bench_replay.bags.bag_metadata import Topic, metadata_yaml
+from ema_bench_replay.bags.bag_file import NO_ROOM, BagFile
+from ema_bench_replay.bags.bag_metadata import FileOfBag, Topic, metadata_yaml
+from ema_bench_replay.bags.bag_parts import named_after
 from ema_bench_replay.bags.definitions import message_definition
-from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
+from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, Messages
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
 
 #: A chunk is closed when it spans this long, in its messages' time or on the clock, ns.
-LONGEST_CHUNK = 150_000_000
+LONGEST_CHUNK = 100_000_000
+#: Messages that cannot be written now wait in memory up to this many bytes; what comes beyond them is lost.
+LARGEST_WAITING = 64 << 20
+#: How long a bag that cannot be written is left alone before it is tried again, ns.
+PATIENCE = 500_000_000
 _LARGEST_CHUNK = 4 << 20
 _PREFIX = struct.Struct("<BQHIQQ")  # MESSAGE_PREFIX, for one message
 
 
 class _Channel(NamedTuple):
-    number: int
+    topic: str
+    number: int  # in every file
     type_name: str
+    definition: str
     type_hash: str
     qos: str
     records: bytearray  # of the chunk that is open
@@ -37,33 +47,89 @@ class _Channel(NamedTuple):
 class StreamWriter:
     """Writes FOLDER/NAME.mcap, NAME being the folder's own, and its metadata.yaml when it finishes.
 
+    The next files are NAME_1.mcap, NAME_2.mcap and so on. A new one begins when one is as large or as long as it may
+    be, and where one was removed, or fails for another reason than room. Where nothing can be written, messages wait in
+    memory and are written when that is possible again.
+
     What arrived longer ago than a chunk lasts is on disk if messages keep coming, or if `flush` is called now and then;
     a bag that was never finished can be read up to there. Not for several threads at once.
+
+    Attributes:
+        path: the newest file.
+        problem: why nothing can be written now, in a sentence; empty where all is well.
     """
 
-    def __init__(self, folder: str | Path, *, force: bool = False) -> None:
-        """Begin the file. Raises InputError where the bag exists (without `force`) or cannot be written."""
+    def __init__(
+        self, folder: str | Path, *, force: bool = False, max_size: int = 0, max_duration: float = 0.0
+    ) -> None:
+        """Begin the first file. A file is followed by the next at `max_size` bytes, and spans at most `max_duration` s,
+        where these are not 0. Raises InputError where the bag exists (without `force`) or cannot be written.
+        """
         self.folder = Path(folder)
-        self.path = self.folder / f"{self.folder.name}.mcap"
-        if self.path.exists() and not force:
-            raise InputError(f"{self.path}: exists already; choose another folder, or --force to replace it")
-        try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            (self.folder / "metadata.yaml").unlink(missing_ok=True)
-            self._stream = self.path.open("wb")
-        except OSError as error:
-            raise self._error(error) from None
-        self._file = McapFile(self._stream)
+        self.problem = ""
+        self._recording = uuid.uuid4().hex
+        self._limits = max_size, round(max_duration * 1e9)
         self._channels: dict[str, _Channel] = {}
+        self._files: list[BagFile] = []
+        self._current: BagFile | None = None
+        self._waiting: deque[list[Messages]] = deque()
+        self._dropped: Counter[int] = Counter()  # messages that found no room in memory either, by channel
+        self._again = 0  # monotonic ns before which the disk is not tried
         self._opened = 0  # monotonic ns at which the open chunk got its first message
         self._first = 0  # log time of that message
         self._size = 0
+        self.path = self.folder / f"{self.folder.name}.mcap"
+        before = named_after(self.folder)
+        if before and not force:
+            raise InputError(f"{before[0]}: exists already; choose another folder, or --force to replace it")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            for file in (*before, self.folder / "metadata.yaml"):
+                file.unlink(missing_ok=True)
+            self._begin(self.path)
+        except OSError as error:
+            raise InputError(f"{_cannot(self.path, error)}; choose another folder, or make room") from None
+
+    @property
+    def written(self) -> dict[str, int]:
+        """Messages in the bag's files, as far as these are there, by topic."""
+        counts = _sum(file.content.counts for file in self._files if file.is_kept)
+        return {channel.topic: counts[channel.number] for channel in self._channels.values()}
+
+    @property
+    def lost(self) -> dict[str, int]:
+        """Messages that came and are in no file that is there, nor wait for one, by topic."""
+        counts = _sum([self._dropped, *(file.content.counts for file in self.removed)])
+        return {channel.topic: counts[channel.number] for channel in self._channels.values()}
+
+    @property
+    def waiting(self) -> int:
+        """Messages that could not be written yet."""
+        return sum(len(group.offsets) for chunk in self._waiting for group in chunk)
+
+    @property
+    def removed(self) -> list[BagFile]:
+        """Files with messages that are no longer where they were written."""
+        return [file for file in self._files if file.messages and not file.is_kept]
+
+    @property
+    def unfinished(self) -> list[Path]:
+        """Files that were left without an index."""
+        return [f.path for f in self._files if f is not self._current and not f.is_whole and f.is_kept]
+
+    @property
+    def files(self) -> list[Path]:
+        """The bag's files that are there."""
+        return [file.path for file in self._files if file.is_kept]
 
     def add_topic(self, topic: str, type_name: str, qos: str) -> None:
         """Announce a topic before its first message; `qos` as `bag_metadata.qos_profile` writes it, one or several."""
         definition = message_definition(type_name)
-        number = self._file.add_channel(topic, type_name, definition.text, qos, definition.type_hash)
-        self._channels[topic] = _Channel(number, type_name, definition.type_hash, qos, bytearray(), [], [])
+        number = len(self._channels) + 1
+        channel = _Channel(topic, number, type_name, definition.text, definition.type_hash, qos, bytearray(), [], [])
+        self._channels[topic] = channel
+        if self._current is not None:
+            _announce(self._current, channel)
 
     def write(self, topic: str, data: bytes, log_time: int, publish_time: int | None = None, sequence: int = 0) -> None:
         """Add one serialised message. Times in ns since the epoch; `log_time` is when it arrived."""
@@ -87,7 +153,32 @@ class StreamWriter:
         self._size += MESSAGE_PREFIX.itemsize + len(data)
 
     def flush(self) -> None:
-        """Put on disk what has arrived."""
+        """Put on disk what has arrived, or keep it until that can be done; `problem` tells which."""
+        self._close_chunk()
+        if self._waiting and time.monotonic_ns() >= self._again:
+            self._write_waiting()
+        while sum(len(group.records) for chunk in self._waiting for group in chunk) > LARGEST_WAITING:
+            self._drop(self._waiting.pop())  # the newest: one gap, behind what is kept
+
+    def finish(self) -> dict[str, int]:
+        """Close the bag; returns how many messages of each topic are in it. What cannot be written now is lost.
+
+        Raises InputError where its metadata.yaml cannot be written.
+        """
+        self._close_chunk()
+        if self._waiting:
+            self._write_waiting()
+        while self._waiting:
+            self._drop(self._waiting.popleft())
+        self._current = None
+        for file in self._files:
+            with suppress(OSError):
+                file.finish()
+            file.close()
+        self._write_metadata()
+        return self.written
+
+    def _close_chunk(self) -> None:
         groups = [
             Messages(c.number, np.array(c.log_times, np.uint64), np.array(c.offsets, np.int64), bytes(c.records))
             for c in self._channels.values()
@@ -95,39 +186,109 @@ class StreamWriter:
         ]
         if not groups:
             return
-        with self._told():
-            self._file.add_chunk(groups)
-            self._stream.flush()
         for channel in self._channels.values():
             for part in (channel.records, channel.offsets, channel.log_times):
                 part.clear()
         self._size = 0
+        self._waiting.append(groups)
 
-    def finish(self) -> dict[str, int]:
-        """Close the bag; returns how many messages each topic has in it."""
-        self.flush()
-        with self._told():
-            self._file.finish()
-            self._stream.close()
-        counts = {topic: self._file.counts[channel.number] for topic, channel in self._channels.items()}
-        topics = [Topic(name, c.type_name, c.type_hash, c.qos, counts[name]) for name, c in self._channels.items()]
-        with new_file(self.folder / "metadata.yaml", force=True) as stream:
-            stream.write(metadata_yaml(self.path.name, *self._file.span, topics).encode())
-        return counts
+    def _drop(self, chunk: list[Messages]) -> None:
+        for group in chunk:
+            self._dropped[group.channel] += len(group.offsets)
 
-    @contextmanager
-    def _told(self) -> Iterator[None]:
-        """Raise InputError where nothing can be written, or nothing is kept, as in a file that was removed."""
+    def _write_waiting(self) -> None:
         try:
-            yield
-            self.path.stat()
-        except FileNotFoundError:
-            with_it = f"{sum(self._file.counts.values())} messages"
-            raise InputError(
-                f"{self.path}: was removed while it was written, with {with_it}; record them again"
-            ) from None
+            while self._waiting:
+                self._file_for(self._waiting[0]).add_chunk(self._waiting[0])
+                self._waiting.popleft()
         except OSError as error:
-            raise self._error(error) from None
+            self._again = time.monotonic_ns() + PATIENCE
+            remedy = "make room" if error.errno in NO_ROOM else "it is tried again until it can be"
+            self.problem = f"{_cannot(self.path if self._current else self.folder, error)}; {remedy}"
+            if self._current is not None and error.errno not in NO_ROOM:
+                self._leave(self._current)
+        else:
+            if self.problem:
+                self.problem = ""
+                self._finish_others()
 
-    def _error(self, error: OSError) -> InputError:
-        return InputError(f"{self.path}: cannot be written ({error.strerror}); choose another folder, or make room")
+    def _file_for(self, chunk: list[Messages]) -> BagFile:
+        """The file that a chunk belongs in: the current one, or the next."""
+        file = self._current
+        if file is not None and (not file.is_kept or self._is_full(file, chunk)):
+            self._leave(file)
+        if self._current is None:
+            self._begin(self._next_path())
+        assert self._current is not None
+        return self._current
+
+    def _is_full(self, file: BagFile, chunk: list[Messages]) -> bool:
+        max_size, max_duration = self._limits
+        if not file.messages:
+            return False
+        last = max(int(group.log_times.max()) for group in chunk)
+        too_long = max_duration and last - file.content.span[0] > max_duration
+        return bool(too_long or (max_size and file.content.size >= max_size))
+
+    def _next_path(self) -> Path:
+        """Where no file is yet. The folder is made where it was removed, but none above it: a disk may be gone."""
+        self.folder.mkdir(exist_ok=True)
+        number = len(self._files)
+        while (path := self.folder / f"{self.folder.name}_{number}.mcap").exists():
+            number += 1
+        return path
+
+    def _begin(self, path: Path) -> None:
+        file = BagFile(path, self._recording, len(self._files))
+        for channel in self._channels.values():
+            _announce(file, channel)
+        self._files.append(file)
+        self._current, self.path = file, path
+
+    def _leave(self, file: BagFile) -> None:
+        """Go on without this file, which is finished now, or, where only room lacks, later."""
+        self._current = None
+        try:
+            file.finish()
+        except OSError as error:
+            if error.errno not in NO_ROOM or not file.is_kept:  # one that was removed would keep its room
+                file.close()
+        if not file.messages and file.is_kept:
+            file.close()
+            self._files.remove(file)
+            with suppress(OSError):
+                file.path.unlink()
+
+    def _finish_others(self) -> None:
+        for file in self._files:
+            if file is not self._current:
+                with suppress(OSError):
+                    file.finish()
+
+    def _write_metadata(self) -> None:
+        files = [file for file in self._files if file.is_kept and file.is_whole]
+        if not files:
+            return
+        counts = _sum(file.content.counts for file in files)
+        topics = [Topic(c.topic, c.type_name, c.type_hash, c.qos, counts[c.number]) for c in self._channels.values()]
+        listed = [FileOfBag(file.path.name, *file.content.span, file.messages) for file in files]
+        with new_file(self.folder / "metadata.yaml", force=True) as stream:
+            stream.write(metadata_yaml(listed, topics).encode())
+
+
+def _announce(file: BagFile, channel: _Channel) -> None:
+    number = file.content.add_channel(
+        channel.topic, channel.type_name, channel.definition, channel.qos, channel.type_hash
+    )
+    assert number == channel.number  # every file numbers the topics alike
+
+
+def _sum(counts: Iterable[Mapping[int, int]]) -> Counter[int]:
+    total: Counter[int] = Counter()
+    for count in counts:
+        total.update(count)
+    return total
+
+
+def _cannot(path: Path, error: OSError) -> str:
+    return f"{path}: cannot be written ({error.strerror})"

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 
 from rclpy.context import Context
 from rclpy.node import Node
@@ -26,6 +27,8 @@ from .spin import run, steady_timer
 PARAMETERS = (
     Declaration("output", "", "folder to make, with the MCAP and its metadata.yaml"),
     Declaration("topics", ("*",), "topics to record; * and ? stand for any text and any character"),
+    Declaration("max_bagfile_size", 0, "size at which the next file begins; 0: no limit", unit="byte", lower=0),
+    Declaration("max_bagfile_duration", 0.0, "longest span of one file; 0: no limit", unit="s", lower=0.0),
 )
 
 _LOOK_AROUND = 0.1
@@ -36,8 +39,10 @@ _AT_ONCE = 2000
 """Messages of a topic taken in one go: the others, and a signal to end, shall not wait longer."""
 _LAST_WORDS = 10.0
 """s at the end for what has arrived and was not taken yet."""
-_FLUSH = 0.15
+_FLUSH = 0.1
 """s after which a message is on disk, however slowly they come."""
+_WATCH = 1.0
+"""s between two looks whether the files are still there."""
 
 
 class RecordNode(Node):
@@ -50,9 +55,13 @@ class RecordNode(Node):
     and numbers (`EventsExecutor` of these rclpy versions fails where a callback wants them), and DDS's own report of
     losses must not be asked for: taking it while more are lost locks up rmw_fastrtps.
 
+    Where the disk is full, or the file or its folder is gone, that is told, messages wait in memory, and the recording
+    goes on when it can; what is lost is counted. Files are split where that is asked for, as `ros2 bag record` does it.
+
     Attributes:
-        written: messages written, by topic.
-        lost: messages lost, by topic.
+        missed: messages that did not come, by topic.
+        faults: why the finished recording is not whole, in words; empty where it is, or lacks only what came by best
+            effort and did not come.
     """
 
     def __init__(self, *, parameters: Sequence[Parameter] = (), context: Context | None = None) -> None:
@@ -63,19 +72,24 @@ class RecordNode(Node):
         if not given["output"]:
             raise InputError("record: parameter output: it is not given; give output:=FOLDER")
         self._patterns = given["topics"]
-        self._writer = StreamWriter(given["output"])
+        self._writer = StreamWriter(
+            given["output"], max_size=given["max_bagfile_size"], max_duration=given["max_bagfile_duration"]
+        )
         self._recorded: dict[str, Subscription] = {}
         self._numbers: dict[str, PublishedNumbers] = {}
+        self._best_effort: set[str] = set()
         self._unreadable: dict[str, str] = {}
         self._problem = ""
+        self._removed: set[Path] = set()
         self._closed = False
-        self.written: dict[str, int] = {}
-        self.lost: dict[str, int] = {}
+        self.missed: dict[str, int] = {}
+        self.faults = ""
         self._diagnostics = diagnostics.Diagnostics(self, "bag", str(given["output"]), self._report)
         self._look_around()
         steady_timer(self, _LOOK_AROUND, self._look_around)
         steady_timer(self, _COLLECT, self._collect)
         steady_timer(self, _FLUSH, self._flush)
+        steady_timer(self, _WATCH, self._watch)
 
     @property
     def ready_words(self) -> str:
@@ -91,7 +105,7 @@ class RecordNode(Node):
     def _look_around(self) -> None:
         for topic, types in self.get_topic_names_and_types():
             wanted = any(fnmatchcase(topic, pattern) for pattern in self._patterns)
-            if wanted and topic not in self.written and topic not in self._unreadable and self.count_publishers(topic):
+            if wanted and topic not in self.missed and topic not in self._unreadable and self.count_publishers(topic):
                 self._subscribe(topic, types[0])
 
     def _subscribe(self, topic: str, type_name: str) -> None:
@@ -104,12 +118,13 @@ class RecordNode(Node):
             self._unreadable[topic] = type_name
             self.get_logger().warning(f"{topic} is not recorded: {type_name} is not installed here ({error})")
             return
-        self.written[topic] = self.lost[topic] = 0
+        self.missed[topic] = 0
         self._numbers[topic] = PublishedNumbers(partial(self.count_publishers, topic))
+        profile = _matching(offered)
+        if profile.reliability == ReliabilityPolicy.BEST_EFFORT:
+            self._best_effort.add(topic)
         # rclpy wants a callback, but no executor serves the subscription
-        self._recorded[topic] = self.create_subscription(
-            message_type, topic, lambda _message: None, _matching(offered), raw=True
-        )
+        self._recorded[topic] = self.create_subscription(message_type, topic, lambda _message: None, profile, raw=True)
 
     def _collect(self) -> bool:
         """Take what has come; whether there was anything."""
@@ -124,42 +139,59 @@ class RecordNode(Node):
         return any_came
 
     def _on_message(self, topic: str, message: bytes, info: Mapping[str, int | None]) -> None:
-        self.lost[topic] += self._numbers[topic].lost_before(info["publication_sequence_number"])
-        if self._problem:
-            self.lost[topic] += 1
-            return
-        try:
-            arrived = info["received_timestamp"] or time.time_ns()
-            self._writer.write(topic, message, arrived, info["source_timestamp"])
-        except InputError as error:
-            self._fail(error)
-        else:
-            self.written[topic] += 1
+        self.missed[topic] += self._numbers[topic].lost_before(info["publication_sequence_number"])
+        self._writer.write(topic, message, info["received_timestamp"] or time.time_ns(), info["source_timestamp"])
 
     def _flush(self) -> None:
-        if not self._problem:
-            try:
-                self._writer.flush()
-            except InputError as error:
-                self._fail(error)
+        self._writer.flush()
+        before, self._problem = self._problem, self._writer.problem
+        if self._problem and not before:
+            self.get_logger().error(f"{self._problem}; messages wait in memory")
+        elif before and not self._problem:
+            self.get_logger().warning(f"writes again, to {self._writer.path}")
 
-    def _fail(self, error: InputError) -> None:
-        """The disk is full, or gone: what is written stays, and the node goes on to say so."""
-        self._problem = str(error)
-        self.get_logger().error(self._problem)
+    def _watch(self) -> None:
+        for file in self._writer.removed:
+            if file.path not in self._removed:
+                self._removed.add(file.path)
+                self.get_logger().error(f"{file.path} was removed or moved, with {file.messages} messages")
 
     def _report(self) -> diagnostics.Report:
-        lost = sum(self.lost.values())
+        written, lost, waiting = self._writer.written, sum(self.lost.values()), self._writer.waiting
         if self._problem:
-            level, message = diagnostics.ERROR, self._problem
+            wait = f"{waiting} messages wait, {lost} are lost"
+            level, message = diagnostics.ERROR, f"{self._problem}; {wait}"
         elif lost:
-            level, message = diagnostics.ERROR, f"{lost} messages did not come, or were not written"
+            level, message = diagnostics.ERROR, f"{lost} messages are lost: {self._reasons()}"
         elif self._unreadable:
             level, message = diagnostics.WARN, f"not recorded, type not installed: {', '.join(self._unreadable)}"
         else:
-            level, message = diagnostics.OK, f"records {len(self.written)} topics"
-        figures = {topic: f"{count} messages written" for topic, count in self.written.items()}
-        return diagnostics.Report(level, message, {**figures, "messages lost": lost})
+            level, message = diagnostics.OK, f"records {len(written)} topics"
+        figures: dict[str, object] = {topic: f"{count} messages written" for topic, count in written.items()}
+        figures |= {"messages lost": lost, "messages waiting": waiting, "files": len(self._writer.files)}
+        return diagnostics.Report(level, message, figures)
+
+    @property
+    def lost(self) -> dict[str, int]:
+        """Messages that did not come, or came and are in no file, by topic."""
+        unwritten = self._writer.lost
+        return {topic: missed + unwritten[topic] for topic, missed in self.missed.items()}
+
+    @property
+    def exit_status(self) -> int:
+        """Of the process: 1 where the recording is not whole."""
+        return int(bool(self.faults))
+
+    def _reasons(self) -> str:
+        """Why messages are lost, in words."""
+        gone = {file.path: file.messages for file in self._writer.removed}
+        unwritten = sum(self._writer.lost.values()) - sum(gone.values())
+        reasons = [f"{count} were in {path}, which was removed or moved" for path, count in gone.items()]
+        if missed := sum(self.missed.values()):
+            reasons.append(f"{missed} did not come")
+        if unwritten:
+            reasons.append(f"{unwritten} could not be written")
+        return ", ".join(reasons)
 
     def close(self) -> None:
         """Finish the file, and say what is in it."""
@@ -179,17 +211,25 @@ class RecordNode(Node):
         super().destroy_node()
 
     def _finish(self) -> None:
+        faults = []
         try:
             self._writer.finish()
         except InputError as error:
-            self._fail(error)
-        text = f"{sum(self.written.values())} messages of {len(self.written)} topics in {self._writer.path}"
-        lost = [f"{count} of {topic}" for topic, count in self.lost.items() if count]
-        if self._problem:
-            after = sum(self.lost.values())
-            self.get_logger().error(f"{self._problem}; {after} messages that came afterwards are not recorded")
-        elif lost:
-            self.get_logger().warning(f"{text}; lost: {', '.join(lost)}{self._doubt()}")
+            faults.append(str(error))
+        faults += [f"{path} has no index (ema-twin recover {path})" for path in self._writer.unfinished]
+        files = self._writer.files
+        where = f"{files[0] if files else self._writer.folder}{f' and {len(files) - 1} more' if len(files) > 1 else ''}"
+        text = f"{sum(self._writer.written.values())} messages of {len(self.missed)} topics in {where}"
+        lost = {topic: count for topic, count in self.lost.items() if count}
+        counts = ", ".join(f"{count} of {topic}" for topic, count in lost.items())
+        in_words = f"lost: {counts}{self._doubt()}: {self._reasons()}"
+        if lost.keys() - self._best_effort or sum(self._writer.lost.values()):
+            faults.insert(0, in_words)
+        self.faults = "; ".join(faults)
+        if faults:
+            self.get_logger().error(f"{text}; {self.faults}")
+        elif lost:  # of topics whose publishers do their best, and no more
+            self.get_logger().warning(f"{text}; {in_words}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")
 

@@ -131,7 +131,8 @@ def run(
     `parameters`, `--help` prints these.
 
     Returns:
-        The process's exit status: 0, or 2 where the node refused its arguments, with one line on standard error.
+        The process's exit status: the node's `exit_status`, 0 where it has none, or 2 where it refused its arguments,
+        with one line on standard error.
     """
     words = list(sys.argv if arguments is None else arguments)
     if parameters and {"-h", "--help"}.intersection(words[1:]):
@@ -151,7 +152,7 @@ def run(
             return 2
         finally:
             leave_graph([] if node is None else [node])
-    return 0
+    return getattr(node, "exit_status", 0)
 
 
 def _initialise(arguments: list[str]) -> None:

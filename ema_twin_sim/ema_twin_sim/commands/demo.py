@@ -19,7 +19,7 @@ from . import discover as discover_verb
 from .fit import errors_table
 from .live_error import LINES_ARE, ErrorPrinter
 from .live_view import LiveView
-from .output import console, say, status
+from .output import console, say, status, warn
 from .rerun_file import write_rrd
 from .wording import effect_words, fit_sentences
 
@@ -123,6 +123,8 @@ def run(
         view.close()
     if result.interrupted:
         raise KeyboardInterrupt
+    if result.unrecorded:
+        warn(f"{output / 'live'}: the recording is not whole: {result.unrecorded}")
     if not result.complete:
         counts = ", ".join(f"{name} {count}" for name, count in result.counts.items())
         raise InputError(

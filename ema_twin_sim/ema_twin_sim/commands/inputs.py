@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
 from ema_bench_replay.outputs import new_file
@@ -33,10 +34,11 @@ def load_runs(
     """
     if start is not None and end is not None and start > end:
         raise InputError(f"--from {start:g} is after --to {end:g}; give the earlier time first")
-    files = _each_once([file for path in paths for file in find_recordings(path)])
+    found = _together(_each_once([file for path in paths for file in find_recordings(path)]))
+    files = [parts[0] for parts in found]
     recordings = []
-    for file in tracked(files, "reading"):
-        recording = load(file, import_map=import_map)
+    for file, parts in zip(files, tracked(found, "reading"), strict=True):
+        recording = load(parts, import_map=import_map)
         for warning in recording.warnings:
             if strict:
                 raise InputError(f"{warning} (refused by --strict)")
@@ -67,30 +69,36 @@ def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
 def find_recordings(path: Path) -> list[Path]:
     """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these.
 
-    A folder of several .mcap that are no bag together (it has no metadata.yaml) holds a recording in each, as does a
-    folder of CSV traces without any bag.
+    A folder of several .mcap that are not one recording together stands for its files, as does a folder of CSV traces
+    without any bag.
     """
-    files = sorted(path.glob("*.mcap")) if path.is_dir() else []
-    if not path.is_dir() or len(files) == 1 or (files and (path / "metadata.yaml").exists()):
+    if not path.is_dir():
         return [path]
-    if files:
-        return files
+    found = bag_parts(path)
+    if found:
+        return [path] if len(found) == 1 else [file for parts in found for file in parts]
     inside = sorted(folder for folder in path.iterdir() if folder.is_dir() and any(folder.glob("*.mcap")))
     traces = sorted(file for file in path.iterdir() if file.suffix.lower() == ".csv" and file.is_file())
     return inside or traces or [path]
 
 
+def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:
+    """Each recording with what it is read of: a folder or a file, or the files of one that a recorder has split."""
+    bags = [file for file in files if file.suffix.lower() == ".mcap"]
+    found = {parts[0]: parts for parts in recordings_in(bags)}
+    return [found.get(file, (file,)) for file in files if file in found or file not in bags]
+
+
 def _each_once(files: Sequence[Path]) -> list[Path]:
-    found: dict[Path, Path] = {}
-    twice = []
-    for file in files:
-        bags = list(file.glob("*.mcap")) if file.is_dir() else []
-        held = found.setdefault((bags[0] if len(bags) == 1 else file).resolve(), file)
-        if held is not file:
-            twice.append(str(file))
+    held: dict[Path, int] = {}
+    twice = set()
+    for k in sorted(range(len(files)), key=lambda k: not files[k].is_dir()):  # a folder, rather than a file in it
+        bags = [files[k], *files[k].glob("*.mcap")]
+        if {held.setdefault(bag.resolve(), k) for bag in bags} != {k}:
+            twice.add(k)
     if twice:
-        warn(f"given more than once, taken once: {', '.join(dict.fromkeys(twice))}")
-    return list(found.values())
+        warn(f"given more than once, taken once: {', '.join(dict.fromkeys(str(files[k]) for k in sorted(twice)))}")
+    return [file for k, file in enumerate(files) if k not in twice]
 
 
 def input_files(

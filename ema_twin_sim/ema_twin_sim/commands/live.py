@@ -30,6 +30,8 @@ ema-twin live run.mcap --model better.yaml --rate 5 --headless --json live.json
 
 ema-twin live run.mcap --model polito_bench --loop --web -o better.yaml     (d: missing?  a: add  q: end)
 
+ema-twin live --model polito_bench --record bench --max-bag-duration 600     (a file every ten minutes)
+
 ema-twin live --model polito_bench     (attaches to a running /bench/state: the real bench)"""
 
 
@@ -53,6 +55,22 @@ def run(
     rrd: Annotated[Path | None, typer.Option("--rrd", metavar="FILE", help="Write a rerun recording.")] = None,
     record: Annotated[
         Path | None, typer.Option("--record", metavar="DIR", help="Record all topics to an MCAP in a new folder.")
+    ] = None,
+    max_bag_size: Annotated[
+        float | None,
+        typer.Option(
+            metavar="BYTES",
+            parser=options.number(1.0, 1e18, "bytes"),
+            help="With --record: the next file begins where one has this size.",
+        ),
+    ] = None,
+    max_bag_duration: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            parser=options.number(0.1, options.LARGEST, "s"),
+            help="With --record: a file spans this long at most, then the next begins.",
+        ),
     ] = None,
     output: Annotated[
         Path | None,
@@ -108,6 +126,8 @@ def run(
     driving = choose_input(recording, found, input) if recording is not None else input
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)
+    if record is None and (max_bag_size is not None or max_bag_duration is not None):
+        raise InputError("--max-bag-size and --max-bag-duration split what --record writes; give --record DIR")
     replaced = _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
@@ -138,6 +158,8 @@ def run(
                 notify=lambda text: console.print(f"  {text}", markup=False, soft_wrap=True),
                 on_start=keys.begin,
                 record_to=record,
+                max_bag_size=round(max_bag_size or 0.0),
+                max_bag_duration=max_bag_duration or 0.0,
                 replaced=replaced,
                 stop=stop,
             )
@@ -151,6 +173,8 @@ def run(
             warn(warning)
     if rrd is not None:
         tell_of_rrd(rrd, ("the live run",))
+    if result.unrecorded:
+        raise InputError(f"{record}: the recording is not whole: {result.unrecorded}")
     if loop or recording is None or stop.is_set():  # it lasts until it is ended
         return
     if result.interrupted:
@@ -227,6 +251,8 @@ def _late(result: LiveResult, rate: float) -> str:
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> list[Path]:
     """Refuse what may not be replaced, before anything starts; returns the files of the bag that ``force`` replaces."""
+    from ema_bench_replay.bags.bag_parts import named_after
+
     if rrd is not None and rrd.exists():
         if not rrd.is_file():
             raise InputError(f"{rrd}: is no file; name the file to write for --rrd")
@@ -236,9 +262,9 @@ def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> list[P
         return []
     if not record.is_dir():
         raise InputError(f"{record}: is no folder; name the folder to make for --record")
-    bag, index = record / f"{record.name}.mcap", record / "metadata.yaml"
     held = sorted(record.iterdir())
-    own = [bag, index] if bag.is_file() else []
+    bags = [file for file in named_after(record) if file.is_file()]
+    own = [*bags, record / "metadata.yaml"] if bags else []
     others = [path.name for path in held if path not in own or not path.is_file()]
     if others:
         more = f" and {len(others) - 3} more" if len(others) > 3 else ""

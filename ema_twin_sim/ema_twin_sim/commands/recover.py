@@ -12,6 +12,8 @@ from .output import console, warn
 
 EXAMPLES = """Examples:
 
+ema-twin recover live/live.mcap     (writes live/live_recovered.mcap)
+
 ema-twin recover live/live.mcap -o live_whole.mcap
 
 A recorder that was killed, or whose disk was full, leaves a bag without an index, which most tools refuse. The original
@@ -20,7 +22,12 @@ is never changed."""
 
 def run(
     bag: Annotated[Path, typer.Argument(metavar="FILE.mcap", help="The bag that was cut, or is damaged.")],
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.mcap", help="The whole bag to write.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE.mcap", help="The whole bag to write; FILE_recovered.mcap unless told."
+        ),
+    ] = None,
     force: options.Force = False,
 ) -> None:
     """Write what can be read of a damaged bag as one that every tool opens."""
@@ -29,11 +36,13 @@ def run(
 
     if not bag.is_file():
         raise InputError(f"{bag}: is no file; name the .mcap that is damaged")
+    output = output or bag.with_name(f"{bag.stem}_recovered.mcap")
     found = recover(bag, output, force=force)
     if found.damage:
-        warn(f"{bag.name}: {found.damage}; recovered up to the last whole part")
+        torn = f"{found.torn} bytes behind it are torn off"
+        warn(f"{bag.name}: {found.damage}; recovered up to the last whole part, {torn}")
     count = sum(found.messages.values())
     whole = "" if found.damage else f" ({bag.name} was whole)"
     console.print(f"{output}: {count} messages over {found.seconds:.3f} s{whole}", soft_wrap=True)
-    for topic, messages in found.messages.items():
-        console.print(f"  {topic}: {messages}", soft_wrap=True)
+    for name, topic in found.topics.items():
+        console.print(f"  {name}: {topic.messages} messages over {topic.seconds:.3f} s", soft_wrap=True)

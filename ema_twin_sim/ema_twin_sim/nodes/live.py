@@ -67,7 +67,8 @@ class LiveResult:
     `signals` is the monitor's, per compared signal, as in `RunningComparison.result`. `complete` tells whether every
     sample of the run was compared: only then is it what `compare` gives. `counts`: sent, compared, missing, expected.
     `pace` is the time that the twin simulated over the time that it computed; `elapsed` [s] from the first pair to the
-    last. `twin` is the model that the twin ended with, the effects that were switched on among its own.
+    last. `twin` is the model that the twin ended with, the effects that were switched on among its own. `unrecorded`
+    says in words why the recording of the topics is not whole; it is empty where it is, or none was asked for.
     """
 
     name: str
@@ -83,6 +84,7 @@ class LiveResult:
     pace: float | None = None
     elapsed: float = 0.0
     twin: Model | None = None
+    unrecorded: str = ""
 
 
 @dataclass
@@ -156,8 +158,8 @@ class _Session:
         pairing = self.monitor.pairing
         return pairing.bench.received, pairing.twin.received, pairing.compared
 
-    def result(self, recording: Recording | None) -> LiveResult:
-        """What the nodes ended with."""
+    def result(self, recording: Recording | None, unrecorded: str = "") -> LiveResult:
+        """What the nodes ended with, and what became of the recording of them."""
         pairing = self.monitor.pairing
         announced = self.monitor.announced
         expected = self.monitor.expected or pairing.seen
@@ -182,6 +184,7 @@ class _Session:
             pace=self.twin.mode.pace.overall,
             elapsed=self.ended - self.began,
             twin=self.twin.model_as_it_stands(self.monitor.model),
+            unrecorded=unrecorded,
         )
 
 
@@ -197,6 +200,8 @@ def run_live(
     notify: Callable[[str], None] = lambda text: None,
     on_start: Callable[[MonitorNode], None] = lambda monitor: None,
     record_to: Path | None = None,
+    max_bag_size: int = 0,
+    max_bag_duration: float = 0.0,
     replaced: Sequence[Path] = (),
     stop: threading.Event | None = None,
 ) -> LiveResult:
@@ -213,6 +218,8 @@ def run_live(
         notify: called with one line of text when something happens.
         on_start: called once with the monitor, whose diagnosis_services may be asked from another thread.
         record_to: a folder that is made, with an MCAP of all topics.
+        max_bag_size: bytes at which the recording's next file begins; 0: it is one file.
+        max_bag_duration: s that a file of the recording spans at most; 0: it is one file.
         replaced: files of an earlier bag, which go when all is ready for the new one.
         stop: set it to end early, from another thread or from a callback.
 
@@ -246,18 +253,24 @@ def run_live(
             session = _Session(twin, monitor, replay, sorted(changes), on_pairs, notify, stop)
             monitor.on_pair = session.take_pair
             steady_timer(monitor, _TICK, session.tick)
+            recorder = None
             if record_to is not None:  # last, since it replaces what was recorded before
                 for path in replaced:
                     path.unlink()
-                nodes.append(RecordNode(parameters=[Parameter("output", value=str(record_to))], context=context))
+                limits = {"max_bagfile_size": max_bag_size, "max_bagfile_duration": max_bag_duration}
+                asked = {"output": str(record_to), **limits}
+                recorder = RecordNode(parameters=[Parameter(k, value=v) for k, v in asked.items()], context=context)
+                nodes.append(recorder)
             executor = make_executor(nodes, context)
             on_start(monitor)
             spin(executor, session.over, context)
             session.tick()
-            if record_to is not None:  # the recorder may be a few messages behind the monitor
+            if recorder is not None:  # the recorder may be a few messages behind the monitor
                 lag = IdleTime(2.0 * _TICK)
                 spin(executor, lambda: all_received(nodes) or lag.look(None, time.monotonic()) > _PATIENCE, context)
             executor.shutdown()
-            return session.result(recording)
+            if recorder is not None:
+                recorder.close()
+            return session.result(recording, recorder.faults if recorder is not None else "")
         finally:
             leave_graph(reversed(nodes), context)  # the recorder first
