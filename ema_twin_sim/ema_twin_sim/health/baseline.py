@@ -1,0 +1,188 @@
+"""State: what a healthy unit's runs look like, learnt from runs that were declared healthy, and how far off another is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.criteria import FALSE_ALARM
+from ema_twin_sim.health.acquisition import judge_acquisition
+from ema_twin_sim.health.between_tests import Prediction, predict
+from ema_twin_sim.health.features import Features, features_of, stroke_efforts
+from ema_twin_sim.health.motion_record import MotionRecord
+from ema_twin_sim.health.phases import phases_of
+from ema_twin_sim.health.wave import found_wavelength
+
+BLOCKS: tuple[tuple[str, ...], ...] = (
+    (
+        *("friction", "fast_roughness", "slow_roughness", "rest_hunting"),
+        *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
+    ),
+    ("load",),
+    ("lag", "breakaway", "settling"),
+    ("bump",),
+    ("lost_motion",),
+)
+"""Features that are judged together: how the unit runs; what loads it; how it starts and settles; local damage; play
+between two encoders. The first has half of the false alarms, the rest share the other half."""
+_FEWEST_TESTS = 3
+_VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
+
+
+@dataclass(frozen=True)
+class BlockLimit:
+    """One block of features and the tail probability from which on it is called off."""
+
+    features: tuple[str, ...]
+    limit: float  # natural logarithm
+    farthest_healthy: float  # the same of the farthest healthy run, judged by the other tests
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """A unit's healthy state."""
+
+    features: tuple[str, ...]
+    prediction: Prediction  # of the features, those that are no logarithms in times the unit's own effort
+    scale: float  # the healthy effort against the motion, A or N m
+    sides: tuple[float, float]  # the same, forward and backward
+    wavelength: float  # m or rad, of what repeats with the position; NaN where nothing does
+    blocks: tuple[BlockLimit, ...]
+    false_alarm: float
+    false_alarms_left_out: float  # share of the healthy runs that the other tests' baseline calls off at that rate
+    tests: int
+    runs: int
+    unsigned: bool
+    motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
+    warnings: tuple[str, ...]
+
+    def vector(self, features: Features) -> np.ndarray:
+        """The numbers of a run (p,), NaN where it has none."""
+        return _vector(features, self.features, self.scale)
+
+
+def learn(
+    records: Sequence[MotionRecord], *, wavelength: float | None = None, false_alarm: float = FALSE_ALARM
+) -> Baseline:
+    """The healthy state from healthy runs of three tests or more.
+
+    The wavelength, in the position's unit, is the lead of a screw or 2π of a turning shaft; unless it is given it is
+    found. Raises InputError where the runs do not suffice.
+    """
+    kept, warnings = [], []
+    for record in records:
+        acquisition = judge_acquisition(record)
+        if acquisition.usable and acquisition.effort_usable:
+            kept.append((record, acquisition.unsigned))
+        else:
+            warnings.append(f"{record.name}: not learnt from. {' '.join(acquisition.findings)}")
+    tests = [record.test for record, _ in kept]
+    number = len(set(tests))
+    if number < _FEWEST_TESTS:
+        raise InputError(f"healthy recordings of {number} tests do not tell how tests differ; give {_FEWEST_TESTS}")
+    unsigned = sum(flag for _, flag in kept) > 0.5 * len(kept)
+    if wavelength is None:
+        wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
+    all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
+    names = tuple(
+        name for block in BLOCKS for name in block if all(name in features.values for features in all_features)
+    )
+    sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
+    scale = float(np.nanmax(np.abs(sides)))
+    values = np.array([_vector(features, names, scale) for features in all_features])
+    moving = [name for name, spread in zip(names, values.std(axis=0), strict=True) if spread > _VANISHING]
+    values = values[:, [names.index(name) for name in moving]]
+    blocks, left_out = _limits(moving, values, tests, false_alarm)
+    motions = np.array([_motion(record) for record, _ in kept])
+    return Baseline(
+        features=tuple(moving),
+        prediction=predict(values, tests),
+        scale=scale,
+        sides=(sides[0], sides[1]),
+        wavelength=wavelength,
+        blocks=blocks,
+        false_alarm=false_alarm,
+        false_alarms_left_out=left_out,
+        tests=number,
+        runs=len(kept),
+        unsigned=unsigned,
+        motion=tuple(np.median(motions, axis=0)),
+        warnings=tuple(warnings),
+    )
+
+
+def tails(prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequence[str]], values: np.ndarray) -> list[float]:
+    """Log tail probability of each block, of those of its features that a run has; NaN where it has none."""
+    found = []
+    for block in blocks:
+        rows = [i for i, name in enumerate(names) if name in block and np.isfinite(values[i])]
+        found.append(prediction.part(rows).tail(values[rows]) if rows else np.nan)
+    return found
+
+
+def _limits(
+    names: Sequence[str], values: np.ndarray, tests: Sequence[str], false_alarm: float
+) -> tuple[tuple[BlockLimit, ...], float]:
+    """The blocks with their limits: of the rate that was asked for, and no nearer than any healthy run was.
+
+    A run that was declared healthy is healthy: where one, judged by the baseline of the other tests, is farther off
+    than a normal distribution has it, the limit goes there.
+    """
+    freedom = predict(values, tests).degrees_of_freedom
+    blocks = _blocks(names, freedom)
+    rates = _rates(blocks, false_alarm)
+    labels = np.asarray(tests)
+    left_out = np.zeros((len(values), len(blocks)))
+    if len(set(tests)) > _FEWEST_TESTS - 1:
+        for test in dict.fromkeys(tests):
+            others = labels != test
+            prediction = predict(values[others], [name for name in tests if name != test])
+            for row in np.flatnonzero(~others):
+                left_out[row] = tails(prediction, names, blocks, values[row])
+    beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
+    farthest = left_out.min(axis=0)
+    limits = tuple(
+        BlockLimit(tuple(block), min(rate, float(far)), float(far))
+        for block, rate, far in zip(blocks, rates, farthest, strict=True)
+    )
+    return limits, beyond
+
+
+def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
+    """The blocks of the features that there are; each by itself where too few tests tell how they go together."""
+    found = [tuple(name for name in block if name in names) for block in BLOCKS]
+    found = [block for block in found if block]
+    if freedom < 2 * max(map(len, found)):
+        return [(name,) for block in found for name in block]
+    return found
+
+
+def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
+    """Log of each block's share of the false alarms."""
+    first = [block for block in blocks if block[0] in BLOCKS[0]]
+    rest = len(blocks) - len(first)
+    share = 0.5 if rest else 1.0
+    return [
+        math.log(false_alarm * (share / len(first) if block in first else (1.0 - share) / rest)) for block in blocks
+    ]
+
+
+def _motion(record: MotionRecord) -> tuple[float, float, float]:
+    phases = phases_of(record)
+    return float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+
+
+def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarray:
+    values = features.values
+    return np.array(
+        [
+            np.nan
+            if name not in values
+            else values[name].value / (1.0 if values[name].logarithm or not values[name].of_effort else scale)
+            for name in names
+        ]
+    )
