@@ -17,18 +17,15 @@ from ema_twin_sim.health.motion_record import MotionRecord
 from ema_twin_sim.health.phases import phases_of
 from ema_twin_sim.health.wave import found_wavelength
 
-BLOCKS: tuple[tuple[str, ...], ...] = (
-    (
-        *("friction", "fast_roughness", "slow_roughness", "rest_hunting"),
-        *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
-    ),
-    ("load",),
-    ("lag", "breakaway", "settling"),
-    ("bump",),
-    ("lost_motion",),
+RUNNING = (
+    *("friction", "fast_roughness", "slow_roughness", "rest_hunting"),
+    *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
 )
-"""Features that are judged together: how the unit runs; what loads it; how it starts and settles; local damage; play
-between two encoders. The first has half of the false alarms, the rest share the other half."""
+"""How the unit runs: judged together, with the degrees of freedom of tests and runs by their variances."""
+ALONE = ("load", "lag", "breakaway", "settling", "bump", "lost_motion")
+"""What loads it, how it starts and settles, local damage and play between two encoders: each by itself, with the number
+of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
+_SHARE = 0.75  # of the false alarms that how the unit runs may make
 _FEWEST_TESTS = 3
 _VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
 
@@ -88,9 +85,8 @@ def learn(
     if wavelength is None:
         wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
     all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
-    names = tuple(
-        name for block in BLOCKS for name in block if all(name in features.values for features in all_features)
-    )
+    possible = [name for name in RUNNING + ALONE if not (unsigned and name == "load")]  # no magnitude tells a load
+    names = tuple(name for name in possible if all(name in features.values for features in all_features))
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(features, names, scale) for features in all_features])
@@ -120,7 +116,8 @@ def tails(prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequenc
     found = []
     for block in blocks:
         rows = [i for i, name in enumerate(names) if name in block and np.isfinite(values[i])]
-        found.append(prediction.part(rows).tail(values[rows]) if rows else np.nan)
+        freedom = None if len(block) > 1 else prediction.tests - 1.0
+        found.append(prediction.part(rows).tail(values[rows], freedom) if rows else np.nan)
     return found
 
 
@@ -132,7 +129,8 @@ def _limits(
     A run that was declared healthy is healthy: where one, judged by the baseline of the other tests, is farther off
     than a normal distribution has it, the limit goes there.
     """
-    freedom = predict(values, tests).degrees_of_freedom
+    together = [i for i, name in enumerate(names) if name in RUNNING]
+    freedom = predict(values, tests).part(together).degrees_of_freedom if len(values) > 2 * len(together) else 0.0
     blocks = _blocks(names, freedom)
     rates = _rates(blocks, false_alarm)
     labels = np.asarray(tests)
@@ -153,21 +151,19 @@ def _limits(
 
 
 def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
-    """The blocks of the features that there are; each by itself where too few tests tell how they go together."""
-    found = [tuple(name for name in block if name in names) for block in BLOCKS]
-    found = [block for block in found if block]
-    if freedom < 2 * max(map(len, found)):
-        return [(name,) for block in found for name in block]
-    return found
+    """The features that are judged together; all by themselves where too few tests tell how they go together."""
+    together = tuple(name for name in RUNNING if name in names)
+    alone = [(name,) for name in ALONE if name in names]
+    return ([(name,) for name in together] if freedom < 2 * len(together) else [together]) + alone
 
 
 def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
     """Log of each block's share of the false alarms."""
-    first = [block for block in blocks if block[0] in BLOCKS[0]]
-    rest = len(blocks) - len(first)
-    share = 0.5 if rest else 1.0
+    running = sum(block[0] in RUNNING for block in blocks)
+    alone = len(blocks) - running
+    share = _SHARE if alone else 1.0
     return [
-        math.log(false_alarm * (share / len(first) if block in first else (1.0 - share) / rest)) for block in blocks
+        math.log(false_alarm * (share / running if block[0] in RUNNING else (1.0 - share) / alone)) for block in blocks
     ]
 
 

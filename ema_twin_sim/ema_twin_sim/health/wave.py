@@ -12,14 +12,15 @@ _NEIGHBOURS = 10.0  # line widths on either side against which a line must stand
 
 
 def split_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> tuple[complex, np.ndarray]:
-    """Phasor of a wave over the position and what is left (n,) beside it and a parabola over the stroke.
+    """Phasor of a wave over the position and what is left (n,) beside it, its second harmonic and a parabola.
 
     The phasor is exp(i 2π position / wavelength)'s, so that the same wave has the same phasor in every run that counts
     its position from the same place. Units are those of the values.
     """
     angle = 2.0 * np.pi * position / wavelength
     place = 2.0 * (position - position.mean()) / max(float(np.ptp(position)), 1e-12)
-    columns = np.column_stack([np.ones_like(place), place, place**2, np.cos(angle), np.sin(angle)])
+    waves = [function(order * angle) for order in (1, 2) for function in (np.cos, np.sin)]
+    columns = np.column_stack([np.ones_like(place), place, place**2, *waves])
     found = np.linalg.lstsq(columns, values, rcond=None)[0]
     return complex(found[3], found[4]), values - columns @ found
 
