@@ -18,12 +18,12 @@ from ema_twin_sim.health.phases import phases_of
 from ema_twin_sim.health.wave import found_wavelength
 
 RUNNING = (
-    *("friction", "fast_roughness", "slow_roughness", "rest_hunting"),
+    *("friction", "roughness", "rest_hunting", "settling"),
     *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
 )
 """How the unit runs: judged together, with the degrees of freedom of tests and runs by their variances."""
-ALONE = ("load", "lag", "breakaway", "settling", "bump", "lost_motion")
-"""What loads it, how it starts and settles, local damage and play between two encoders: each by itself, with the number
+ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
+"""What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
 _SHARE = 0.75  # of the false alarms that how the unit runs may make
 _FEWEST_TESTS = 3
@@ -178,7 +178,7 @@ def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarra
         [
             np.nan
             if name not in values
-            else values[name].value / (1.0 if values[name].logarithm or not values[name].of_effort else scale)
+            else values[name].value / (scale if values[name].scales else 1.0)
             for name in names
         ]
     )

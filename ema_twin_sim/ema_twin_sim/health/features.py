@@ -6,10 +6,11 @@ feature             what it is
 friction            mean effort against the motion, over both directions, while moving steadily
 load                half the difference of the effort between the directions
 rest_effort         mean effort at rest: what holds the load, and the offset of a supply's current
-fast_roughness      scatter from sample to sample in steady motion, of effort and position (geometric mean)
+roughness           scatter in steady motion beside waves, of effort and position (geometric mean)
+fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
-wave_*              phasor of the wave that repeats with the position, in the effort, per direction
+wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
 bump                largest local excess of the effort over a stroke, in its own scatter
 lag                 error of the position while starting and settling
 breakaway           largest effort while starting, less the steady one
@@ -45,6 +46,11 @@ class Feature(NamedTuple):
     unit: str
     logarithm: bool = False
     of_effort: bool = True  # whether it needs the effort
+
+    @property
+    def scales(self) -> bool:
+        """Whether it is told in times the unit's own effort."""
+        return self.of_effort and not self.logarithm and self.unit != "1"
 
 
 @dataclass(frozen=True)
@@ -116,7 +122,7 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
     """Roughness, waves and bumps of the steady strokes, and what hunts at rest."""
     found: dict[str, Feature] = {}
     where = _place(record)
-    fast, slow, bumps = [], [], []
+    whole, fast, slow, bumps = [], [], [], []
     error = record.position if record.command is None else record.command - record.position
     effort_floor, place_floor = _TINY * float(np.abs(record.effort).max()), _TINY * phases.travel
     for direction, name in ((1, "forward"), (-1, "backward")):
@@ -126,16 +132,18 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
         efforts = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
         errors = [_residual(error[p.steady], where[p.steady], wavelength)[1] for p in pieces]
         if np.isfinite(wavelength):
-            phasor = complex(np.mean([wave for wave, _ in efforts]))
-            found[f"wave_{name}_cos"] = Feature(phasor.real, record.effort_unit)
-            found[f"wave_{name}_sin"] = Feature(phasor.imag, record.effort_unit)
+            size = abs(level(record, phases, direction, unsigned))
+            phasor = complex(np.mean([wave for wave, _ in efforts])) / max(size, effort_floor)
+            found[f"wave_{name}_cos"] = Feature(phasor.real, "1")
+            found[f"wave_{name}_sin"] = Feature(phasor.imag, "1")
         left = [rest for _, rest in efforts]
+        whole += [float(np.concatenate(left).std()) + effort_floor, float(np.concatenate(errors).std()) + place_floor]
         fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
         slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
         bumps.append(np.mean([_bump(rest) for rest in left]))
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
-    found["fast_roughness"] = Feature(float(np.mean(np.log(fast))), unit, logarithm=True)
-    found["slow_roughness"] = Feature(float(np.mean(np.log(slow))), unit, logarithm=True)
+    for name, sizes in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
+        found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
     found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
     if rests := phases.strokes(0):
         hunting = [np.concatenate([x[p.steady] - x[p.steady].mean() for p in rests]).std() for x in (record.effort, error)]
