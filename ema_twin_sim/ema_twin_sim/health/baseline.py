@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import FALSE_ALARM
+from ema_twin_sim.criteria import FALSE_ALARM, NEARLY_ALL
 from ema_twin_sim.health.acquisition import judge_acquisition
 from ema_twin_sim.health.between_tests import Prediction, predict
 from ema_twin_sim.health.features import Features, features_of, stroke_efforts
@@ -25,6 +26,8 @@ RUNNING = (
 ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
 """What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
+SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
+"""What helps to name a change and calls none off: parts of what is judged already."""
 _SHARE = 0.75  # of the false alarms that how the unit runs may make
 _FEWEST_TESTS = 3
 _VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
@@ -85,7 +88,7 @@ def learn(
     if wavelength is None:
         wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
     all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
-    possible = [name for name in RUNNING + ALONE if not (unsigned and name == "load")]  # no magnitude tells a load
+    possible = [name for name in RUNNING + ALONE + SHOWN if not (unsigned and name == "load")]  # no magnitude tells a load
     names = tuple(name for name in possible if all(name in features.values for features in all_features))
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
@@ -124,10 +127,10 @@ def tails(prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequenc
 def _limits(
     names: Sequence[str], values: np.ndarray, tests: Sequence[str], false_alarm: float
 ) -> tuple[tuple[BlockLimit, ...], float]:
-    """The blocks with their limits: of the rate that was asked for, and no nearer than any healthy run was.
+    """The blocks with their limits: of the rate that was asked for, where healthy runs are distributed as supposed.
 
-    A run that was declared healthy is healthy: where one, judged by the baseline of the other tests, is farther off
-    than a normal distribution has it, the limit goes there.
+    Each healthy run is judged by the baseline of the other tests. Where more of them than chance allows are beyond a
+    block's limit, runs of this unit are no normal distribution, and the limit goes to the farthest.
     """
     together = [i for i, name in enumerate(names) if name in RUNNING]
     freedom = predict(values, tests).part(together).degrees_of_freedom if len(values) > 2 * len(together) else 0.0
@@ -143,9 +146,11 @@ def _limits(
                 left_out[row] = tails(prediction, names, blocks, values[row])
     beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
     farthest = left_out.min(axis=0)
+    counts = (left_out < np.array(rates)).sum(axis=0)
+    unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
-        BlockLimit(tuple(block), min(rate, float(far)), float(far))
-        for block, rate, far in zip(blocks, rates, farthest, strict=True)
+        BlockLimit(block, min(rate, float(far)) if odd else rate, float(far))
+        for block, rate, far, odd in zip(blocks, rates, farthest, unlikely, strict=True)
     )
     return limits, beyond
 

@@ -11,6 +11,7 @@ fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
 wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
+wave_depth          size of that wave in both directions (root of the mean square)
 bump                largest local excess of the effort over a stroke, in its own scatter
 lag                 error of the position while starting and settling
 breakaway           largest effort while starting, less the steady one
@@ -141,6 +142,10 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
         fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
         slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
         bumps.append(np.mean([_bump(rest) for rest in left]))
+    waves = [found[f"wave_{name}_{part}"].value for name in ("forward", "backward") for part in ("cos", "sin")
+             if f"wave_{name}_{part}" in found]  # fmt: skip
+    if waves:
+        found["wave_depth"] = Feature(float(np.sqrt(2.0 * np.mean(np.square(waves)))), "1")
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
     for name, sizes in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
         found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
