@@ -107,6 +107,16 @@ def judge_all(records: Sequence[MotionRecord], baseline: Baseline) -> list[Healt
     return [judge(record, baseline) for record in records]
 
 
+def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
+    """The families by the mean change of those of several runs that were called off, as of one test or stage.
+
+    What the runs do not have in common averages out; what tests differ by does not, so this names and detects nothing.
+    """
+    off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
+    names = sorted({name for changes in off for name in changes})
+    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
+
+
 def another_motion(record: MotionRecord, baseline: Baseline) -> str:
     """How a run's motion differs from the healthy ones', so that its features do not compare; nothing where it fits."""
     phases = phases_of(record)
@@ -160,7 +170,8 @@ def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> t
 def _by(change: Change) -> str:
     if not change.healthy > 0.0:
         return f"is {change.value:.3g} {change.unit}, was {change.healthy:.3g} {change.unit}"
-    return f"is {change.value / change.healthy - 1.0:+.0%} of the healthy"
+    share = change.value / change.healthy - 1.0
+    return f"is {abs(share):.0%} {'above' if share > 0.0 else 'below'} the healthy"
 
 
 def _change(name: str, features: Features, baseline: Baseline, off: float) -> Change:
