@@ -88,14 +88,15 @@ def learn(
     if wavelength is None:
         wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
     all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
-    possible = [name for name in RUNNING + ALONE + SHOWN if not (unsigned and name == "load")]  # no magnitude tells a load
-    names = tuple(name for name in possible if all(name in features.values for features in all_features))
+    names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in features.values for features in all_features))
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(features, names, scale) for features in all_features])
     moving = [name for name, spread in zip(names, values.std(axis=0), strict=True) if spread > _VANISHING]
     values = values[:, [names.index(name) for name in moving]]
-    blocks, left_out = _limits(moving, values, tests, false_alarm)
+    judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
+    columns = [moving.index(name) for name in judged]
+    blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
     motions = np.array([_motion(record) for record, _ in kept])
     return Baseline(
         features=tuple(moving),
@@ -114,7 +115,9 @@ def learn(
     )
 
 
-def tails(prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequence[str]], values: np.ndarray) -> list[float]:
+def tails(
+    prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequence[str]], values: np.ndarray
+) -> list[float]:
     """Log tail probability of each block, of those of its features that a run has; NaN where it has none."""
     found = []
     for block in blocks:
@@ -181,9 +184,7 @@ def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarra
     values = features.values
     return np.array(
         [
-            np.nan
-            if name not in values
-            else values[name].value / (scale if values[name].scales else 1.0)
+            np.nan if name not in values else values[name].value / (scale if values[name].scales else 1.0)
             for name in names
         ]
     )

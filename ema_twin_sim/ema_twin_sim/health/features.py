@@ -80,7 +80,9 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
     if record.command is not None:
         moved = np.concatenate([np.abs(error[p.beginning]) for p in strokes])
         found["lag"] = _log(float(moved.mean()), phases.travel, place, of_effort=False)
-    starts = [_peak(_along(record.effort, p, unsigned)[p.beginning]) for p in strokes if p.beginning.stop > p.beginning.start]
+    starts = [
+        _peak(_along(record.effort, p, unsigned)[p.beginning]) for p in strokes if p.beginning.stop > p.beginning.start
+    ]
     steady = [float(_along(record.effort, p, unsigned)[p.steady].mean()) for p in strokes]
     if len(starts) == len(steady):
         found["breakaway"] = Feature(float(np.mean(np.subtract(starts, steady))), unit)
@@ -151,7 +153,9 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
         found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
     found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
     if rests := phases.strokes(0):
-        hunting = [np.concatenate([x[p.steady] - x[p.steady].mean() for p in rests]).std() for x in (record.effort, error)]
+        hunting = [
+            np.concatenate([x[p.steady] - x[p.steady].mean() for p in rests]).std() for x in (record.effort, error)
+        ]
         sizes = np.log([hunting[0] + effort_floor, hunting[1] + place_floor])
         found["rest_hunting"] = Feature(float(sizes.mean()), unit, logarithm=True)
     return found

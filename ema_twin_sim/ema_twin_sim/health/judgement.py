@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_twin_sim.criteria import CONTRADICTED, LIKELY, PART
+from ema_twin_sim.criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT
 from ema_twin_sim.health.acquisition import Acquisition, judge_acquisition
 from ema_twin_sim.health.baseline import Baseline, tails
 from ema_twin_sim.health.families import Family, Ranked, rank
@@ -92,7 +92,7 @@ def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
     offs = (values - baseline.prediction.mean) / baseline.prediction.spread
     changes = tuple(_change(name, features, baseline, off) for name, off in zip(baseline.features, offs, strict=True)
                     if name in features.values and math.isfinite(off))  # fmt: skip
-    ranked = rank(dict(zip(baseline.features, offs, strict=True)))
+    ranked = rank({c.name: c.standard_deviations for c in changes if not (acquisition.unsigned and c.name == "load")})
     family, why = _named(ranked, offs, features, baseline, acquisition) if detected else (None, ())
     return HealthJudgement(
         record.name, record.test, acquisition, features.values, changes, detected, baseline.false_alarm,
@@ -113,7 +113,8 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     What the runs do not have in common averages out; what tests differ by does not, so this names and detects nothing.
     """
     off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
-    names = sorted({name for changes in off for name in changes})
+    magnitude = any(one.acquisition.unsigned for one in judgements)
+    names = sorted({name for changes in off for name in changes if not (magnitude and name == "load")})
     return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
 
 
@@ -141,13 +142,16 @@ def _named(
         return Family.UNKNOWN, (f"No family of damage moves the features like that. {_ADVICE[Family.UNKNOWN]}",)
     best = ranked[0]
     apart = np.subtract(features.sides, baseline.sides)
-    if acquisition.unsigned and best.because[:1] == ("friction",) and apart[0] * apart[1] < 0.0:
+    uneven = "load" in baseline.features and abs(offs[baseline.features.index("load")]) > SIGNIFICANT
+    if acquisition.unsigned and uneven and apart[0] * apart[1] < 0.0:
         return Family.UNKNOWN, (
             "The effort rises in one direction and falls in the other; a magnitude does not tell whether load or "
             "friction changed. Record a current with a sign.",
         )
     reasons = " and ".join(_WORDS[name] for name in best.because[:2])
-    sentence = f"This is {best.family.value} (probability {best.probability:.0%} among the known families), by {reasons}."
+    sentence = (
+        f"This is {best.family.value} (probability {best.probability:.0%} among the known families), by {reasons}."
+    )
     rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
     if rivals:
         sentence += f" It may be {rivals[0].family.value} ({rivals[0].probability:.0%})."
