@@ -1,6 +1,5 @@
-"""The health of a unit, told from its healthy runs alone: made-up units whose damage is known, and a real ball screw."""
+"""The health of a unit, told from its healthy runs alone: made-up units of known damage, and a real ball screw."""
 
-import csv
 import itertools
 import os
 import re
@@ -9,6 +8,8 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.many_runs import read_runs
 from ema_twin_sim.health import Family, MotionRecord, judge, learn, named_together
 from ema_twin_sim.health.between_tests import predict
 from ema_twin_sim.health.wave import found_wavelength
@@ -167,16 +168,8 @@ def test_a_baseline_of_too_few_tests_is_refused():
 
 def ball_screw(folder, condition):
     """The recordings of a condition at Cranfield's ball screw."""
-    with open(folder / f"{condition}.csv", newline="") as file:
-        rows = list(csv.reader(file))
-    table = np.array(rows[1:], dtype=float)
-    found = []
-    for sequence in np.unique(table[:, 0]):
-        own = table[table[:, 0] == sequence]
-        command = own[:, 3] * 1e-3
-        name, position = f"{condition} {sequence:.0f}", command - own[:, 4] * 1e-3
-        found.append(MotionRecord(name, f"{own[0, 1]:.0f}", own[:, 2], position, own[:, 5], command, unsigned=True))
-    return found
+    read = read_runs(folder / f"{condition}.csv", load_map("cranfield_ball_screw"))
+    return [MotionRecord.from_recording(one, one.metadata["test"]) for one in read]
 
 
 def test_faults_of_a_real_ball_screw_are_detected_and_named(real):

@@ -1,4 +1,4 @@
-"""State: what a healthy unit's runs look like, learnt from runs that were declared healthy, and how far off another is."""
+"""State: what a healthy unit's runs look like, learnt from runs declared healthy, and how far off another is."""
 
 from __future__ import annotations
 
@@ -161,8 +161,9 @@ def _limits(
 def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
     """The features that are judged together; all by themselves where too few tests tell how they go together."""
     together = tuple(name for name in RUNNING if name in names)
-    alone = [(name,) for name in ALONE if name in names]
-    return ([(name,) for name in together] if freedom < 2 * len(together) else [together]) + alone
+    alone: list[tuple[str, ...]] = [(name,) for name in ALONE if name in names]
+    each: list[tuple[str, ...]] = [(name,) for name in together]
+    return (each if freedom < 2 * len(together) else [together]) + alone
 
 
 def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:

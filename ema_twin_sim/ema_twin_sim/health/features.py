@@ -149,8 +149,8 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
     if waves:
         found["wave_depth"] = Feature(float(np.sqrt(2.0 * np.mean(np.square(waves)))), "1")
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
-    for name, sizes in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
-        found[name] = Feature(float(np.mean(np.log(sizes))), unit, logarithm=True)
+    for name, scatters in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
+        found[name] = Feature(float(np.mean(np.log(scatters))), unit, logarithm=True)
     found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
     if rests := phases.strokes(0):
         hunting = [

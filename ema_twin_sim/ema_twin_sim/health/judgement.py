@@ -1,5 +1,6 @@
 """The health of a unit, run by run, in the order of ISO 13374: acquisition, manipulation, state, health; prognosis over
-many runs is in ``change_point``, ``drift`` and ``remaining_life``; the last sentence is the advice."""
+many runs is in ``change_point``, ``drift`` and ``remaining_life``; the last sentence is the advice.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ _WORDS = {
 }
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
-    Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings, alignment; more friction alone would shake more.",
+    Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
     Family.FRICTION_DOWN: "Look at the preload of nut and bearings, and at the temperature.",
     Family.PLAY: "Measure the play by hand; look at nut, coupling and bearings.",
     Family.LOCAL_DAMAGE: "Look at tracks, balls and teeth for pits.",

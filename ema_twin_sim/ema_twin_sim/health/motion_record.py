@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import KIND, Recording
 from ema_bench_replay.units import signal_unit
 
 POSITIONS = ("output_position", "motor_position")
@@ -56,15 +56,20 @@ class MotionRecord:
             raise InputError(f"{recording.name}: holds no {lacks}; record it, since health is judged by both")
         signals = recording.signals
         both = place == "output_position" and recording.has("motor_position")
+        origin = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}[
+            place
+        ]
+        shift = 0.0 if np.isnan(origin) else origin  # what repeats with the position does so from the encoder's zero
+        command = signals.get("output_command")
         return cls(
             name=recording.name,
             test=test,
             time=recording.time,
-            position=signals[place],
+            position=signals[place] + shift,
             effort=signals[effort],
-            command=signals.get("output_command"),
+            command=None if command is None else command + shift,
             motor_position=signals["motor_position"] if both else None,
             position_unit=signal_unit(place, recording.motion),
             effort_unit=signal_unit(effort, recording.motion),
-            unsigned=True if recording.metadata.get(f"{effort}_kind") == "magnitude" else None,
+            unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
         )

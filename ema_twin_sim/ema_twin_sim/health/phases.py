@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ def phases_of(record: MotionRecord) -> Phases:
     rests = np.abs(speed) < top / _RESTING
     pieces = []
     edges = [0, *(np.flatnonzero(np.diff(kind) != 0) + 1), len(kind)]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         direction = int(kind[first])
         if not direction:
             still = np.flatnonzero(rests[first:last])
