@@ -117,7 +117,7 @@ def test_the_lead_of_the_screw_is_found():
 def test_a_magnitude_is_told_and_names_no_load():
     rng = np.random.default_rng(8)
     learnt = learn(runs(rng, 8, magnitude=True))
-    assert learnt.unsigned and "load" not in learnt.features
+    assert learnt.unsigned and all("load" not in block.features for block in learnt.blocks)
     told = judge(run(rng, "another", load=1.2, magnitude=True), learnt)
     assert told.acquisition.unsigned and "taken for a magnitude" in told.words[0]
     assert told.detected and told.family is Family.UNKNOWN and "Record a current with a sign" in told.words[-1]

@@ -21,7 +21,7 @@ ROOMS = (
     ),
     *("measured", "identification", "comparison", "fitting"),
     *("discovery/criteria", "discovery/search", "discovery/experiment"),
-    *("discovery", "new_machine", "nodes", "commands", "report", "views", "start"),
+    *("health", "discovery", "new_machine", "nodes", "commands", "report", "views", "start"),
 )
 """From the ground up: each imports from those before it."""
 UPWARDS = {("commands", "report"), ("commands", "views")}

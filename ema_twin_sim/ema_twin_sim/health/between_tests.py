@@ -3,8 +3,9 @@
 A run is mean + what its test has in common + what is its own. Runs of one test are no independent witnesses of what
 another test will bring, so the degrees of freedom are those of both variances together: with a variance all between
 tests, the number of tests less one, however many runs there are. They are those of Nel and van der Merwe
-(Communications in Statistics 15, 1986), which do not depend on the numbers' units (Krishnamoorthy and Yu, Statistics & Probability
-Letters 66, 2004); of a single number they are Satterthwaite's. The limit is Hotelling's T² for one further observation.
+(Communications in Statistics 15, 1986), which do not depend on the numbers' units (Krishnamoorthy and Yu, Statistics
+& Probability Letters 66, 2004); of a single number they are Satterthwaite's. The limit is Hotelling's T² for one
+further observation.
 """
 
 from __future__ import annotations

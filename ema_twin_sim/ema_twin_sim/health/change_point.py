@@ -81,7 +81,7 @@ def alarm_limit(false_alarm: float) -> float:
 
 def _overshoot(x: float) -> float:
     """Siegmund's function ν, by his rational approximation (2.8 in that paper's notation)."""
-    if x < 1e-3:
+    if x < 1e-4:
         return 1.0
     half = 0.5 * x
     normal = stats.norm

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_twin_sim.criteria import CONTRADICTED, LIKELY, PART, SIGNIFICANT
+from ema_twin_sim.criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
 from ema_twin_sim.health.acquisition import Acquisition, judge_acquisition
 from ema_twin_sim.health.baseline import Baseline, tails
 from ema_twin_sim.health.families import Family, Ranked, rank
@@ -173,7 +173,7 @@ def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> t
 
 
 def _by(change: Change) -> str:
-    if not change.healthy > 0.0:
+    if not change.healthy > NEGLIGIBLE * abs(change.value):
         return f"is {change.value:.3g} {change.unit}, was {change.healthy:.3g} {change.unit}"
     share = change.value / change.healthy - 1.0
     return f"is {abs(share):.0%} {'above' if share > 0.0 else 'below'} the healthy"

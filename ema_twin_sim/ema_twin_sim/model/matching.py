@@ -40,8 +40,8 @@ def matched(recording: Recording, model: Model) -> Recording:
         if metadata.pop(f"{name}{KIND}", None) is not None and signals.pop(name, None) is not None:
             warnings = (
                 *warnings,
-                f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell which way it acts: "
-                "left out",
+                f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell "
+                "which way it acts: left out",
             )
     for name in AT_EITHER_SHAFT:
         if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
