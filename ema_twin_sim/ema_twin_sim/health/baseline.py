@@ -10,7 +10,7 @@ import numpy as np
 from scipy import stats
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import FALSE_ALARM, NEARLY_ALL
+from ema_twin_sim.criteria import FALSE_ALARM, MOSTLY, NEARLY_ALL
 from ema_twin_sim.health.acquisition import judge_acquisition
 from ema_twin_sim.health.between_tests import Prediction, predict
 from ema_twin_sim.health.features import Features, features_of, stroke_efforts
@@ -28,7 +28,6 @@ ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
 SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
 """What helps to name a change and calls none off: parts of what is judged already."""
-_SHARE = 0.75  # of the false alarms that how the unit runs may make
 _FEWEST_TESTS = 3
 _VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
 
@@ -167,10 +166,10 @@ def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
 
 
 def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
-    """Log of each block's share of the false alarms."""
+    """Log of each block's share of the false alarms, most of which how the unit runs may make."""
     running = sum(block[0] in RUNNING for block in blocks)
     alone = len(blocks) - running
-    share = _SHARE if alone else 1.0
+    share = MOSTLY if alone else 1.0
     return [
         math.log(false_alarm * (share / running if block[0] in RUNNING else (1.0 - share) / alone)) for block in blocks
     ]
