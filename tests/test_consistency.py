@@ -181,6 +181,17 @@ def test_an_output_that_swings_on_its_shaft_is_no_wrong_gear_ratio(driven, stock
     assert not list(inconsistencies(swung, stock, [swung, ramp]))
 
 
+def test_an_output_that_rings_goes_as_far_from_end_to_end(driven, stock):
+    """A soft shaft's output swings about where the motor takes it: it goes farther way by way, not from end to end."""
+    ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
+    output = ramp.signals["output_position"]
+    ringing = output + 0.05 * np.ptp(output) * np.sin(60.0 * ramp.time)
+    rings = replace(ramp, signals={**ramp.signals, "output_position": ringing})
+    swung = scaled(driven, output_position=1.6)
+    assert not list(inconsistencies(swung, stock, [swung, rings]))
+    assert list(inconsistencies(swung, stock, [swung, scaled(rings, output_position=1.6)]))
+
+
 def test_counts_taken_twice_are_told_beside_another_recording_that_fits(driven, stock):
     ramp = virtual_bench(stock, parse_command("ramp:0.1"), 5.0, name="ramp", seed=2)
     (found,) = inconsistencies(scaled(driven, output_position=2.0), stock, [driven, ramp])

@@ -23,7 +23,7 @@ ROOMS = (
     ),
     *("measured", "identification", "comparison", "fitting"),
     *("discovery/criteria", "discovery/search", "discovery/experiment"),
-    *("discovery", "campaign", "new_machine", "nodes", "commands", "report", "views", "start"),
+    *("health", "discovery", "campaign", "new_machine", "nodes", "commands", "report", "views", "start"),
 )
 """From the ground up: each imports from those before it."""
 UPWARDS = {("commands", "report"), ("commands", "views")}

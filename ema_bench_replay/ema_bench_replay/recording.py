@@ -39,6 +39,14 @@ SIGNALS: tuple[str, ...] = (
 AT_EITHER_SHAFT = ("motor_position", "speed", "speed_setpoint", "motor_torque", "load_torque")
 AT = "_at"
 
+#: Signals that may be known as a magnitude only: how large, not which way. Then the recording's metadata hold
+#: "magnitude" under the signal's name and KIND.
+MAY_BE_MAGNITUDES = ("current", "motor_torque")
+KIND = "_kind"
+
+#: Key of a recording's metadata: the test (a day, a mounting) that it is a run of.
+TEST = "test"
+
 #: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary); and, where its samples
 #: are operating points, "yes".
 MOTION = "motion"

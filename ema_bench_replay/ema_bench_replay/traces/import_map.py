@@ -11,7 +11,7 @@ from typing import Any
 
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.configuration import find_configuration
-from ema_bench_replay.recording import AT_EITHER_SHAFT, SIGNALS
+from ema_bench_replay.recording import AT_EITHER_SHAFT, MAY_BE_MAGNITUDES, SIGNALS
 from ema_bench_replay.units import ALL_UNITS, MOTIONS, units_of
 
 #: Nanoseconds in one of each unit of time.
@@ -61,6 +61,8 @@ class SignalMap:
     maximum_acceleration: float = math.inf  # rad/s²
     at_output: bool = False  # whether it is told at the output's shaft; the gear ratio is the model's
     write_as: str = ""  # the column's name when a trace is written
+    magnitude: bool = False  # whether it tells how large it is and not which way it acts
+    less_than: Column | None = None  # the column tells how much less the signal is than that one, in the same unit
     decimals: int | None = None  # of the column when a trace is written; None: as many as its values need
 
 
@@ -74,6 +76,8 @@ class ImportMap:
     time_unit: str
     signals: tuple[SignalMap, ...]
     motion: str = "rotary"  # or linear: then positions are m, speeds m/s, torques forces in N
+    run: Column | None = None  # tells which run a row is of, where a file holds several
+    test: Column | None = None  # tells which test a row is of
     of_points: bool = False  # each row is an operating point: at rest there, or at constant speed
     delimiter: str | None = None  # None: found out
     number_format: str | None = None  # "german" or "english"; None: found out
@@ -84,7 +88,8 @@ class ImportMap:
         """Which of the columns in a header may be read."""
         columns = [column for signal in self.signals for column in signal.columns]
         columns += [Column(column.follows) for column in columns if column.follows]
-        columns += [] if self.time is None else [self.time]
+        columns += [signal.less_than for signal in self.signals if signal.less_than]
+        columns += [column for column in (self.time, self.run, self.test) if column]
         return {place for column in columns for place in column.find(header)}
 
 
@@ -98,7 +103,7 @@ def load_map(name_or_path: str | Path) -> ImportMap:
         "",
         (
             *("version", "description", "motion", "operating_points", "delimiter", "number_format", "time", "signals"),
-            "column_name",
+            *("column_name", "run", "test"),
         ),
         required=("version", "signals"),
     )
@@ -122,6 +127,8 @@ def load_map(name_or_path: str | Path) -> ImportMap:
         time_unit=check.choice(time.get("unit", "s"), "time.unit", TIME_UNITS),
         signals=tuple(_signal(check, name, value, motion) for name, value in signals.items()),
         motion=motion,
+        run=_column(check, top["run"], "run") if "run" in top else None,
+        test=_column(check, top["test"], "test") if "test" in top else None,
         of_points=of_points,
         delimiter={"auto": None, "tab": "\t"}.get(delimiter, delimiter),
         number_format=None if number_format == "auto" else number_format,
@@ -134,7 +141,10 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     place = f"signals.{name}"
     counter_keys = _COUNTER_KEYS if name in _POSITIONS else ()
     shaft_key = ("shaft",) if name in AT_EITHER_SHAFT else ()
-    keys = ("columns", "unit", "factor", "gain", "write_as", "decimals", *shaft_key, *counter_keys)
+    magnitude_key = ("magnitude",) if name in MAY_BE_MAGNITUDES else ()
+    less_key = ("less_than",) if name in _POSITIONS else ()
+    keys = ("columns", "unit", "factor", "gain", "write_as", "decimals")
+    keys = (*keys, *shaft_key, *magnitude_key, *less_key, *counter_keys)
     value = check.mapping(content, place, keys, required=("columns",))
     if not isinstance(value["columns"], list) or not value["columns"]:
         raise check.error(f"{place}.columns", "is no list of columns", "write for instance `columns: [r4821]`")
@@ -143,7 +153,7 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
     if factor == 0.0:
         raise check.error(f"{place}.factor", "is 0", "give another one, or remove the signal")
     is_counter = "counts_per_revolution" in value
-    for key in ("unit", "gain") if is_counter else counter_keys:
+    for key in ("unit", "gain", "less_than") if is_counter else counter_keys:
         if key in value:
             if is_counter:
                 raise check.error(f"{place}.{key}", "does not go with counts_per_revolution", "remove one of them")
@@ -169,6 +179,8 @@ def _signal(check: Checker, name: str, content: Any, motion: str) -> SignalMap:
         bits=check.choice(value.get("bits", 32), f"{place}.bits", (16, 24, 32)),
         write_as=check.text(value.get("write_as", columns[0].plain), f"{place}.write_as"),
         at_output=check.choice(value.get("shaft", "motor"), f"{place}.shaft", ("motor", "output")) == "output",
+        magnitude=check.boolean(value.get("magnitude", False), f"{place}.magnitude"),
+        less_than=_column(check, value["less_than"], f"{place}.less_than") if "less_than" in value else None,
         decimals=_decimals(check, value.get("decimals", 0 if is_counter else None), f"{place}.decimals"),
         **positive,
     )

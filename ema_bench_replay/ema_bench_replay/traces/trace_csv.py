@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT, MOTION, POINTS, Recording
+from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
 from ema_bench_replay.traces.trace_table import TraceTable, read_table
@@ -35,6 +35,11 @@ def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
     """
     path = Path(path)
     table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
+    return recording_of(table, import_map)
+
+
+def recording_of(table: TraceTable, import_map: ImportMap) -> Recording:
+    """The recording that a table is, or a part of one."""
     return _Trace(table, import_map).recording()
 
 
@@ -176,6 +181,8 @@ class _Trace:
         """A signal in SI units; positions from zero on."""
         place = self.columns[signal.signal]
         values = self.table.columns[place]
+        if signal.less_than:
+            values = self._whole(signal.less_than, signal.signal) - values
         if signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
             values = self._counted_on(values, 2.0 * np.pi / abs(signal.factor), self.table.header[place])
         if signal.counts_per_revolution:
@@ -184,6 +191,16 @@ class _Trace:
             return values * signal.factor
         self.origins[signal.signal] = float(values[0] * signal.factor)
         return (values - values[0]) * signal.factor
+
+    def _whole(self, column: Column, signal: str) -> np.ndarray:
+        """What a signal's column is told against (n,)."""
+        places = column.find(self.table.header)
+        if not places:
+            raise InputError(
+                f"{self.table.path}: line {self.table.header_line}: no column {column.plain!r}, which the "
+                f"{signal.replace('_', ' ')} is less than; name the right one in the import map"
+            )
+        return self.table.columns[places[0]]
 
     def _counted_on(self, values: np.ndarray, turn: float, name: str) -> np.ndarray:
         """An angle (n,) that begins again after each ``turn`` of its own unit, as the shaft went."""
@@ -231,6 +248,7 @@ class _Trace:
         at_output = [signal.signal for signal in self.map.signals if signal.at_output and signal.signal in self.columns]
         return {
             **{f"{signal}{AT}": "output" for signal in at_output},
+            **{f"{s.signal}{KIND}": "magnitude" for s in self.map.signals if s.magnitude and s.signal in self.columns},
             **({MOTION: self.map.motion} if self.map.motion != "rotary" else {}),
             **({POINTS: "yes"} if self.map.of_points else {}),
             "source": self.table.path.name,

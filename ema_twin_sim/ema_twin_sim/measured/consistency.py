@@ -95,19 +95,22 @@ def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
 def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recording] = ()) -> Iterator[Inconsistency]:
     """What does not fit, the plainest first. The recording and the model are in the machine's own units.
 
-    ``beside`` are recordings of the same machine. Where both shafts go the same way in one of these, the gear ratio is
-    right: an output that swings wider here does so on a shaft that winds up.
+    ``beside`` are recordings of the same machine. Where both shafts go the same way in one of these, or as far from end
+    to end in any, the gear ratio is right: an output that swings wider here does so on a shaft that winds up.
     """
     if recording.of_points:
         return
 
     def swings(factor: _Factor) -> bool:
-        return factor.relation is TWO_SHAFTS and any(
-            abs(other.value - 1.0) <= SMALL
-            for another in beside
-            if another is not recording
-            for other in _factors(another, model)
-            if other.relation is TWO_SHAFTS
+        return factor.relation is TWO_SHAFTS and (
+            any(_goes_as_far(another, model) for another in (recording, *beside))
+            or any(
+                abs(other.value - 1.0) <= SMALL
+                for another in beside
+                if another is not recording
+                for other in _factors(another, model)
+                if other.relation is TWO_SHAFTS
+            )
         )
 
     off = [
@@ -179,6 +182,17 @@ def is_usual_mistake(times: float) -> bool:
     """Whether a factor between way and speed is one that units make."""
     sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
     return any(abs(abs(times) - size) <= WAY_AND_SPEED.named * size for size in sizes)
+
+
+def _goes_as_far(recording: Recording, model: Model) -> bool:
+    """Whether the output goes as far, from end to end, as the motor takes it."""
+    if not recording.has("output_position", "motor_position") or recording.of_points:
+        return False
+    spans = []
+    for name in ("output_position", "motor_position"):
+        low, high = np.nanquantile(recording.signals[name], (1.0 - ALL_BUT_SPIKES, ALL_BUT_SPIKES))
+        spans.append(float(high - low))
+    return abs(spans[0] * model.value("machine.gear_ratio") - spans[1]) <= SMALL * spans[1]
 
 
 def _lag(recording: Recording) -> int:

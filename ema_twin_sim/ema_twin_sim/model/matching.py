@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, Recording
+from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAY_BE_MAGNITUDES, Recording
 
 from .model import Model
 
@@ -35,6 +35,14 @@ def matched(recording: Recording, model: Model) -> Recording:
     signals: dict[str, np.ndarray] = dict(recording.signals)
     origin = recording.motor_angle_origin
     metadata = dict(recording.metadata)
+    warnings = recording.warnings
+    for name in MAY_BE_MAGNITUDES:
+        if metadata.pop(f"{name}{KIND}", None) is not None and signals.pop(name, None) is not None:
+            warnings = (
+                *warnings,
+                f"{recording.name}: the {name.replace('_', ' ')} is a magnitude, which does not tell "
+                "which way it acts: left out",
+            )
     for name in AT_EITHER_SHAFT:
         if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
             ratio = model.value("machine.gear_ratio")
@@ -44,7 +52,6 @@ def matched(recording: Recording, model: Model) -> Recording:
     if "current" not in signals and "motor_torque" in signals:
         signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
         metadata[BY_TORQUE] = "torque"
-    warnings = recording.warnings
     if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
         signals["motor_position"] = _way(signals["speed"], recording.time)
         metadata[BY_SPEED] = "speed"

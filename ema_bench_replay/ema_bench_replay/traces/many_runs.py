@@ -1,0 +1,52 @@
+"""Many recordings from one text trace, whose rows tell which run and which test they are of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import TEST, Recording
+from ema_bench_replay.traces.import_map import Column, ImportMap
+from ema_bench_replay.traces.trace_csv import recording_of
+from ema_bench_replay.traces.trace_table import TraceTable, read_table
+
+
+def read_runs(path: str | Path, import_map: ImportMap) -> list[Recording]:
+    """Read all runs of a trace, in the order of their first rows; one where the map names no column of runs.
+
+    A run is named by its file and its number, and holds its test in the metadata. Raises InputError.
+    """
+    path = Path(path)
+    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
+    if import_map.run is None:
+        return [recording_of(table, import_map)]
+    numbers = _column(table, import_map.run, "run")
+    tests = None if import_map.test is None else _column(table, import_map.test, "test")
+    found = []
+    for number in dict.fromkeys(numbers.tolist()):
+        of_run = numbers == number
+        recording = recording_of(table.without(np.flatnonzero(~of_run)), import_map)
+        metadata = dict(recording.metadata)
+        if tests is not None:
+            labels = np.unique(tests[of_run])
+            if len(labels) > 1:
+                raise InputError(
+                    f"{path}: run {number:g} is of tests {labels[0]:g} and {labels[1]:g}; number runs on from test to "
+                    "test"
+                )
+            metadata[TEST] = f"{labels[0]:g}"
+        found.append(replace(recording, name=f"{recording.name}_{number:g}", metadata=metadata))
+    return found
+
+
+def _column(table: TraceTable, column: Column, what: str) -> np.ndarray:
+    places = column.find(table.header)
+    if not places:
+        raise InputError(
+            f"{table.path}: line {table.header_line}: no column {column.plain!r} tells the {what} of a row; name the "
+            "right one in the import map"
+        )
+    return table.columns[places[0]]

@@ -1,0 +1,91 @@
+"""Acquisition: is a run fit to be judged, and by which of its signals? Asked before anything is told of the unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_twin_sim.criteria import NEGLIGIBLE, PART, SMALL
+from ema_twin_sim.health.motion_record import MotionRecord
+from ema_twin_sim.health.phases import Phases, phases_of
+
+
+@dataclass(frozen=True)
+class Acquisition:
+    """What is wrong with a run's signals, and what may be judged all the same."""
+
+    usable: bool  # whether anything may be said of the unit
+    effort_usable: bool  # whether its effort may be asked how large it is
+    unsigned: bool  # whether the effort is a magnitude
+    findings: tuple[str, ...]
+
+
+def judge_acquisition(record: MotionRecord) -> Acquisition:
+    """Look at the clock, at samples that are no numbers, at clipping and at the sign of the effort."""
+    wrong = clock_fault(record.time)
+    for name in ("position", "effort", "command", "motor_position"):
+        values = getattr(record, name)
+        missing = 0.0 if values is None else float(np.mean(~np.isfinite(values)))
+        if missing:
+            wrong = wrong or f"{missing:.1%} of the samples of the {name.replace('_', ' ')} are no numbers"
+    if wrong:
+        return Acquisition(False, False, bool(record.unsigned), (f"The {wrong}; record again.",))
+    phases = phases_of(record)
+    if not (phases.strokes(1) or phases.strokes(-1)):
+        return Acquisition(False, False, bool(record.unsigned), ("The machine makes no stroke; record motion.",))
+    findings = []
+    unsigned = is_unsigned(record, phases)
+    if unsigned:
+        how = "is" if record.unsigned else "never changes its sign in motion both ways, so it is taken for"
+        findings.append(
+            f"The effort {how} a magnitude: it tells how large it is and not which way it acts, so a changed load is "
+            "not told from friction that differs between the directions."
+        )
+    clipped = clipped_share(record.effort)
+    if clipped > NEGLIGIBLE:
+        findings.append(
+            f"The effort is clipped in {clipped:.0%} of the samples; it is not judged. Widen the sensor's range."
+        )
+    usable = clipped <= NEGLIGIBLE and np.ptp(record.effort) > 0.0
+    if not np.ptp(record.effort) > 0.0:
+        findings.append("The effort never changes; it is not judged. Look at its sensor.")
+    return Acquisition(True, bool(usable), unsigned, tuple(findings))
+
+
+def clock_fault(time: np.ndarray) -> str:
+    """What is wrong with a clock (n,) [s]: stamps that do not rise, or steps of any length; nothing where it is well.
+
+    Single lost samples do no harm to means and spectra over positions; many do.
+    """
+    steps = np.diff(time)
+    if not len(steps) or not np.isfinite(time).all() or (steps <= 0.0).any():
+        return "clock does not rise from sample to sample"
+    period = float(np.median(steps))
+    uneven = float(np.mean(np.abs(steps - period) > PART * period))
+    if uneven > SMALL:
+        return f"clock is uneven: {uneven:.0%} of its steps are off their median of {period:.3g} s by over a quarter"
+    lost = float(steps[steps > (1.0 + PART) * period].sum()) / float(time[-1] - time[0])
+    if lost > SMALL:
+        return f"clock has gaps of {lost:.0%} of the run"
+    return ""
+
+
+def clipped_share(values: np.ndarray) -> float:
+    """Share of the samples (n,) that lie at a limit: at an end of the range, and far more than just inside it.
+
+    Of a signal that is only coarse, the last reading is no more frequent than the one before it.
+    """
+    found, counts = np.unique(values, return_counts=True)
+    if len(found) < 4:
+        return 0.0
+    ends = ((counts[-1], counts[-2]), (counts[0], counts[1]))
+    return float(sum(end for end, inside in ends if end > 3 * inside)) / len(values)
+
+
+def is_unsigned(record: MotionRecord, phases: Phases) -> bool:
+    """Whether an effort is a magnitude: as it was declared; else where it keeps its sign in motion both ways."""
+    if record.unsigned is not None:
+        return record.unsigned
+    both = phases.strokes(1) and phases.strokes(-1)
+    return bool(both) and bool(np.min(record.effort) >= 0.0)

@@ -1,0 +1,190 @@
+"""State: what a healthy unit's runs look like, learnt from runs declared healthy, and how far off another is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.criteria import FALSE_ALARM, MOSTLY, NEARLY_ALL
+from ema_twin_sim.health.acquisition import judge_acquisition
+from ema_twin_sim.health.between_tests import Prediction, predict
+from ema_twin_sim.health.features import Features, features_of, stroke_efforts
+from ema_twin_sim.health.motion_record import MotionRecord
+from ema_twin_sim.health.phases import phases_of
+from ema_twin_sim.health.wave import found_wavelength
+
+RUNNING = (
+    *("friction", "roughness", "rest_hunting", "settling"),
+    *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
+)
+"""How the unit runs: judged together, with the degrees of freedom of tests and runs by their variances."""
+ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
+"""What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
+of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
+SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
+"""What helps to name a change and calls none off: parts of what is judged already."""
+_FEWEST_TESTS = 3
+_VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
+
+
+@dataclass(frozen=True)
+class BlockLimit:
+    """One block of features and the tail probability from which on it is called off."""
+
+    features: tuple[str, ...]
+    limit: float  # natural logarithm
+    farthest_healthy: float  # the same of the farthest healthy run, judged by the other tests
+
+
+@dataclass(frozen=True, eq=False)
+class Baseline:
+    """A unit's healthy state."""
+
+    features: tuple[str, ...]
+    prediction: Prediction  # of the features, those that are no logarithms in times the unit's own effort
+    scale: float  # the healthy effort against the motion, A or N m
+    sides: tuple[float, float]  # the same, forward and backward
+    wavelength: float  # m or rad, of what repeats with the position; NaN where nothing does
+    blocks: tuple[BlockLimit, ...]
+    false_alarm: float
+    false_alarms_left_out: float  # share of the healthy runs that the other tests' baseline calls off at that rate
+    tests: int
+    runs: int
+    unsigned: bool
+    motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
+    warnings: tuple[str, ...]
+
+    def vector(self, features: Features) -> np.ndarray:
+        """The numbers of a run (p,), NaN where it has none."""
+        return _vector(features, self.features, self.scale)
+
+
+def learn(
+    records: Sequence[MotionRecord], *, wavelength: float | None = None, false_alarm: float = FALSE_ALARM
+) -> Baseline:
+    """The healthy state from healthy runs of three tests or more.
+
+    The wavelength, in the position's unit, is the lead of a screw or 2π of a turning shaft; unless it is given it is
+    found. Raises InputError where the runs do not suffice.
+    """
+    kept, warnings = [], []
+    for record in records:
+        acquisition = judge_acquisition(record)
+        if acquisition.usable and acquisition.effort_usable:
+            kept.append((record, acquisition.unsigned))
+        else:
+            warnings.append(f"{record.name}: not learnt from. {' '.join(acquisition.findings)}")
+    tests = [record.test for record, _ in kept]
+    number = len(set(tests))
+    if number < _FEWEST_TESTS:
+        raise InputError(f"healthy recordings of {number} tests do not tell how tests differ; give {_FEWEST_TESTS}")
+    unsigned = sum(flag for _, flag in kept) > 0.5 * len(kept)
+    if wavelength is None:
+        wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
+    all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
+    names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in features.values for features in all_features))
+    sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
+    scale = float(np.nanmax(np.abs(sides)))
+    values = np.array([_vector(features, names, scale) for features in all_features])
+    moving = [name for name, spread in zip(names, values.std(axis=0), strict=True) if spread > _VANISHING]
+    values = values[:, [names.index(name) for name in moving]]
+    judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
+    columns = [moving.index(name) for name in judged]
+    blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
+    motions = np.array([_motion(record) for record, _ in kept])
+    return Baseline(
+        features=tuple(moving),
+        prediction=predict(values, tests),
+        scale=scale,
+        sides=(sides[0], sides[1]),
+        wavelength=wavelength,
+        blocks=blocks,
+        false_alarm=false_alarm,
+        false_alarms_left_out=left_out,
+        tests=number,
+        runs=len(kept),
+        unsigned=unsigned,
+        motion=tuple(np.median(motions, axis=0)),
+        warnings=tuple(warnings),
+    )
+
+
+def tails(
+    prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequence[str]], values: np.ndarray
+) -> list[float]:
+    """Log tail probability of each block, of those of its features that a run has; NaN where it has none."""
+    found = []
+    for block in blocks:
+        rows = [i for i, name in enumerate(names) if name in block and np.isfinite(values[i])]
+        freedom = None if len(block) > 1 else prediction.tests - 1.0
+        found.append(prediction.part(rows).tail(values[rows], freedom) if rows else np.nan)
+    return found
+
+
+def _limits(
+    names: Sequence[str], values: np.ndarray, tests: Sequence[str], false_alarm: float
+) -> tuple[tuple[BlockLimit, ...], float]:
+    """The blocks with their limits: of the rate that was asked for, where healthy runs are distributed as supposed.
+
+    Each healthy run is judged by the baseline of the other tests. Where more of them than chance allows are beyond a
+    block's limit, runs of this unit are no normal distribution, and the limit goes to the farthest.
+    """
+    together = [i for i, name in enumerate(names) if name in RUNNING]
+    freedom = predict(values, tests).part(together).degrees_of_freedom if len(values) > 2 * len(together) else 0.0
+    blocks = _blocks(names, freedom)
+    rates = _rates(blocks, false_alarm)
+    labels = np.asarray(tests)
+    left_out = np.zeros((len(values), len(blocks)))
+    if len(set(tests)) > _FEWEST_TESTS - 1:
+        for test in dict.fromkeys(tests):
+            others = labels != test
+            prediction = predict(values[others], [name for name in tests if name != test])
+            for row in np.flatnonzero(~others):
+                left_out[row] = tails(prediction, names, blocks, values[row])
+    beyond = float(np.mean((left_out < np.array(rates)).any(axis=1)))
+    farthest = left_out.min(axis=0)
+    counts = (left_out < np.array(rates)).sum(axis=0)
+    unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
+    limits = tuple(
+        BlockLimit(block, min(rate, float(far)) if odd else rate, float(far))
+        for block, rate, far, odd in zip(blocks, rates, farthest, unlikely, strict=True)
+    )
+    return limits, beyond
+
+
+def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
+    """The features that are judged together; all by themselves where too few tests tell how they go together."""
+    together = tuple(name for name in RUNNING if name in names)
+    alone: list[tuple[str, ...]] = [(name,) for name in ALONE if name in names]
+    each: list[tuple[str, ...]] = [(name,) for name in together]
+    return (each if freedom < 2 * len(together) else [together]) + alone
+
+
+def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
+    """Log of each block's share of the false alarms, most of which how the unit runs may make."""
+    running = sum(block[0] in RUNNING for block in blocks)
+    alone = len(blocks) - running
+    share = MOSTLY if alone else 1.0
+    return [
+        math.log(false_alarm * (share / running if block[0] in RUNNING else (1.0 - share) / alone)) for block in blocks
+    ]
+
+
+def _motion(record: MotionRecord) -> tuple[float, float, float]:
+    phases = phases_of(record)
+    return float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+
+
+def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarray:
+    values = features.values
+    return np.array(
+        [
+            np.nan if name not in values else values[name].value / (scale if values[name].scales else 1.0)
+            for name in names
+        ]
+    )

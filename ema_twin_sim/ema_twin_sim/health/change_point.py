@@ -1,0 +1,126 @@
+"""Change points of a feature or a parameter over time, at a stated rate of false alarms.
+
+The first values are the baseline; each later value asks whether the mean of the last 1, 2, 4, … values still is the
+baseline's (a generalised likelihood ratio over windows). Its error holds the baseline's own, whose scatter, where it
+exceeds the standard errors that were given, widens them; few baseline values make Student's tail. The limit is the
+one whose mean time to a false alarm is the reciprocal of the rate, by Siegmund and Venkatraman, The Annals of
+Statistics 23, 1995, equation 2.4, for all windows: those that are left out here alarm less.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import integrate, optimize, stats
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.criteria import FALSE_ALARM_OF_HISTORY, LIKELY, NEARLY_ALL
+
+_FEWEST = 4  # baseline values
+_LARGEST = 12.0  # standard errors: no rate asks for more
+
+
+@dataclass(frozen=True)
+class ChangePoint:
+    """A lasting change of a level."""
+
+    alarm: int  # index of the value at which it was told
+    begin: int  # likeliest index of the first value after it
+    earliest: int  # begins between these explain the values nearly as well: log-likelihoods are within 2
+    latest: int
+    size: float  # of the values since its begin less the baseline, in their unit
+    standard_error: float
+    distance: float  # standard errors, at the alarm
+    limit: float  # standard errors
+
+
+def change_point(
+    values: np.ndarray, errors: np.ndarray, baseline: int, false_alarm: float = FALSE_ALARM_OF_HISTORY
+) -> ChangePoint | None:
+    """The first change of the values (n,), with standard errors (n,), beyond the `baseline` first ones; or none.
+
+    The rate is that of false alarms per value. Raises InputError where the baseline is too short.
+    """
+    values, errors = np.asarray(values, dtype=np.float64), np.asarray(errors, dtype=np.float64)
+    if baseline < _FEWEST:
+        raise InputError(f"a baseline of {baseline} values tells no scatter; give {_FEWEST}")
+    weights = 1.0 / errors[:baseline] ** 2
+    mean = float(np.sum(weights * values[:baseline]) / weights.sum())
+    scatter = float(np.sum(weights * (values[:baseline] - mean) ** 2))
+    widened, freedom = inflation(scatter, baseline - 1)
+    limit = alarm_limit(false_alarm)
+    for last in range(baseline, len(values)):
+        for length in _windows(last - baseline + 1):
+            rows = slice(last - length + 1, last + 1)
+            distance = _distance(values[rows], errors[rows], mean, 1.0 / weights.sum(), widened, freedom)[0]
+            if abs(distance) > limit:
+                return _located(values, errors, baseline, last, mean, 1.0 / weights.sum(), widened, distance, limit)
+    return None
+
+
+def inflation(scatter: float, freedom: int) -> tuple[float, float]:
+    """By what errors are to be multiplied, and the degrees of freedom then, from a sum of squares in those errors.
+
+    Errors that were given are believed, unless their scatter is larger than chance allows.
+    """
+    if freedom > 0 and scatter > stats.chi2.ppf(NEARLY_ALL, freedom):
+        return float(np.sqrt(scatter / freedom)), float(freedom)
+    return 1.0, np.inf
+
+
+def alarm_limit(false_alarm: float) -> float:
+    """Standard errors beyond which a window, in either direction, is an alarm: one in 1 / rate values by chance."""
+
+    def rate(limit: float) -> float:
+        overshoot = integrate.quad(lambda x: x * _overshoot(x) ** 2, 0.0, limit)[0]
+        return float(np.exp(-0.5 * limit**2) * limit * overshoot * np.sqrt(2.0 / np.pi))
+
+    return float(optimize.brentq(lambda limit: np.log(rate(limit) / false_alarm), 2.0, _LARGEST))
+
+
+def _overshoot(x: float) -> float:
+    """Siegmund's function ν, by his rational approximation (2.8 in that paper's notation)."""
+    if x < 1e-4:
+        return 1.0
+    half = 0.5 * x
+    normal = stats.norm
+    return float((2.0 / x) * (normal.cdf(half) - 0.5) / (half * normal.cdf(half) + normal.pdf(half)))
+
+
+def _windows(most: int) -> list[int]:
+    """Lengths 1, 2, 4, … up to all values beyond the baseline."""
+    return sorted({min(2**power, most) for power in range(most.bit_length() + 1)})
+
+
+def _distance(
+    values: np.ndarray, errors: np.ndarray, mean: float, variance: float, widened: float, freedom: float
+) -> tuple[float, float, float]:
+    """(distance in equivalent normal standard errors, size, its error) of a window's mean from the baseline's."""
+    weights = 1.0 / errors**2
+    size = float(np.sum(weights * values) / weights.sum()) - mean
+    error = widened * float(np.sqrt(1.0 / weights.sum() + variance))
+    distance = size / error
+    if np.isfinite(freedom):
+        distance = float(np.sign(distance) * stats.norm.isf(stats.t.sf(abs(distance), freedom)))
+    return distance, size, error
+
+
+def _located(
+    values: np.ndarray, errors: np.ndarray, baseline: int, last: int, mean: float, variance: float, widened: float,
+    distance: float, limit: float,
+) -> ChangePoint:  # fmt: skip
+    """The change of an alarm, with the begin that explains the values best."""
+    begins = np.arange(baseline, last + 1)
+    gains = []
+    for begin in begins:
+        weights = 1.0 / (widened * errors[begin : last + 1]) ** 2
+        off = values[begin : last + 1] - mean
+        gains.append(0.5 * float(np.sum(weights * off)) ** 2 / float(weights.sum()))
+    best = int(np.argmax(gains))
+    likely = begins[np.array(gains) >= gains[best] - LIKELY]
+    rows = slice(int(begins[best]), last + 1)
+    _, size, error = _distance(values[rows], errors[rows], mean, variance, widened, np.inf)
+    return ChangePoint(
+        last, int(begins[best]), int(likely.min()), int(likely.max()), size, error, float(abs(distance)), limit
+    )

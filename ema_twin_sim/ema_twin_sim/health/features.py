@@ -1,0 +1,207 @@
+"""Manipulation: from the samples of a run to a few numbers with a unit, each of which one kind of damage moves.
+
+==================  =================================================================================================
+feature             what it is
+==================  =================================================================================================
+friction            mean effort against the motion, over both directions, while moving steadily
+load                half the difference of the effort between the directions
+rest_effort         mean effort at rest: what holds the load, and the offset of a supply's current
+roughness           scatter in steady motion beside waves, of effort and position (geometric mean)
+fast_roughness      the same from sample to sample
+slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
+rest_hunting        scatter at rest: a control loop that hunts across play
+wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
+wave_depth          size of that wave in both directions (root of the mean square)
+bump                largest local excess of the effort over a stroke, in its own scatter
+lag                 error of the position while starting and settling
+breakaway           largest effort while starting, less the steady one
+settling            mean effort while the motion settles after a stroke
+lost_motion         how far two encoders are further apart in one direction than in the other
+==================  =================================================================================================
+
+Scatters and lags are logarithms of their size in the unit that is told: a ratio to the healthy unit is then a
+difference.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ema_twin_sim.health.motion_record import MotionRecord
+from ema_twin_sim.health.phases import Phases, Piece, phases_of
+from ema_twin_sim.health.wave import split_wave
+
+_FEW = 5  # samples of the means that show what is slow
+_PEAK = 3  # samples that make a peak
+_LOCAL = 3  # samples of a local excess
+_TINY = 1e-9  # of the travel or of the effort: no scatter is less
+
+
+class Feature(NamedTuple):
+    """One number of a run."""
+
+    value: float  # in the unit; of logarithms, of the size in that unit
+    unit: str
+    logarithm: bool = False
+    of_effort: bool = True  # whether it needs the effort
+
+    @property
+    def scales(self) -> bool:
+        """Whether it is told in times the unit's own effort."""
+        return self.of_effort and not self.logarithm and self.unit != "1"
+
+
+@dataclass(frozen=True)
+class Features:
+    """All numbers of a run, by name."""
+
+    values: dict[str, Feature]
+    sides: tuple[float, float]  # effort against the motion, forward and backward, in the effort's unit
+
+
+def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Features:
+    """The features of a run. The wavelength, in the position's unit, may be NaN: then no wave is looked for."""
+    phases = phases_of(record)
+    found: dict[str, Feature] = {}
+    forward, backward = (level(record, phases, side, unsigned) for side in (1, -1))
+    unit, place = record.effort_unit, record.position_unit
+    known = [side for side in (forward, backward) if np.isfinite(side)]
+    found["friction"] = Feature(float(np.mean(known)), unit)
+    if len(known) == 2:
+        found["load"] = Feature(0.5 * (forward - backward), unit)
+    if phases.strokes(0):
+        found["rest_effort"] = Feature(_mean(record.effort, phases.strokes(0)), unit)
+    found |= _scatter(record, phases, wavelength, unsigned)
+    error = record.position if record.command is None else record.command - record.position
+    strokes = phases.strokes(1) + phases.strokes(-1)
+    if record.command is not None:
+        moved = np.concatenate([np.abs(error[p.beginning]) for p in strokes])
+        found["lag"] = _log(float(moved.mean()), phases.travel, place, of_effort=False)
+    starts = [
+        _peak(_along(record.effort, p, unsigned)[p.beginning]) for p in strokes if p.beginning.stop > p.beginning.start
+    ]
+    steady = [float(_along(record.effort, p, unsigned)[p.steady].mean()) for p in strokes]
+    if len(starts) == len(steady):
+        found["breakaway"] = Feature(float(np.mean(np.subtract(starts, steady))), unit)
+    if rests := phases.strokes(0):
+        found["settling"] = Feature(float(np.mean([np.abs(record.effort[p.beginning]).mean() for p in rests])), unit)
+    if record.motor_position is not None and len(known) == 2:
+        found["lost_motion"] = Feature(lost_motion(record, phases), place, of_effort=False)
+    return Features(found, (forward, backward))
+
+
+def level(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) -> float:
+    """Mean effort against the motion while moving steadily one way; NaN where the run never does."""
+    pieces = phases.strokes(direction)
+    return _mean(_along(record.effort, pieces[0], unsigned), pieces) if pieces else np.nan
+
+
+def lost_motion(record: MotionRecord, phases: Phases) -> float:
+    """Play and wind-up: half the way by which the motor's encoder, at the output's scale, is ahead in either direction.
+
+    The scale is fitted over the run, so that no gear ratio need be known.
+    """
+    assert record.motor_position is not None
+    rows = [np.r_[p.steady] for p in phases.strokes(1)], [np.r_[p.steady] for p in phases.strokes(-1)]
+    forward, backward = (np.concatenate(side) for side in rows)
+    both = np.concatenate([forward, backward])
+    side = np.concatenate([np.ones(len(forward)), -np.ones(len(backward))])
+    columns = np.column_stack([record.motor_position[both], np.ones(len(both)), side])
+    return float(-np.linalg.lstsq(columns, record.position[both], rcond=None)[0][2])
+
+
+def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarray, np.ndarray]]:
+    """(effort against the motion (n,), position (n,)) of each steady stroke."""
+    phases = phases_of(record)
+    where = _place(record)
+    strokes = phases.strokes(1) + phases.strokes(-1)
+    return [(_along(record.effort, p, unsigned)[p.steady], where[p.steady]) for p in strokes]
+
+
+def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> dict[str, Feature]:
+    """Roughness, waves and bumps of the steady strokes, and what hunts at rest."""
+    found: dict[str, Feature] = {}
+    where = _place(record)
+    whole, fast, slow, bumps = [], [], [], []
+    error = record.position if record.command is None else record.command - record.position
+    effort_floor, place_floor = _TINY * float(np.abs(record.effort).max()), _TINY * phases.travel
+    for direction, name in ((1, "forward"), (-1, "backward")):
+        pieces = phases.strokes(direction)
+        if not pieces:
+            continue
+        efforts = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
+        errors = [_residual(error[p.steady], where[p.steady], wavelength)[1] for p in pieces]
+        if np.isfinite(wavelength):
+            size = abs(level(record, phases, direction, unsigned))
+            phasor = complex(np.mean([wave for wave, _ in efforts])) / max(size, effort_floor)
+            found[f"wave_{name}_cos"] = Feature(phasor.real, "1")
+            found[f"wave_{name}_sin"] = Feature(phasor.imag, "1")
+        left = [rest for _, rest in efforts]
+        whole += [float(np.concatenate(left).std()) + effort_floor, float(np.concatenate(errors).std()) + place_floor]
+        fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
+        slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
+        bumps.append(np.mean([_bump(rest) for rest in left]))
+    waves = [found[f"wave_{name}_{part}"].value for name in ("forward", "backward") for part in ("cos", "sin")
+             if f"wave_{name}_{part}" in found]  # fmt: skip
+    if waves:
+        found["wave_depth"] = Feature(float(np.sqrt(2.0 * np.mean(np.square(waves)))), "1")
+    unit = f"({record.effort_unit} {record.position_unit})^0.5"
+    for name, scatters in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
+        found[name] = Feature(float(np.mean(np.log(scatters))), unit, logarithm=True)
+    found["bump"] = Feature(float(np.log(np.mean(bumps) + _TINY)), "1", logarithm=True)
+    if rests := phases.strokes(0):
+        hunting = [
+            np.concatenate([x[p.steady] - x[p.steady].mean() for p in rests]).std() for x in (record.effort, error)
+        ]
+        sizes = np.log([hunting[0] + effort_floor, hunting[1] + place_floor])
+        found["rest_hunting"] = Feature(float(sizes.mean()), unit, logarithm=True)
+    return found
+
+
+def _place(record: MotionRecord) -> np.ndarray:
+    """Position that a wave is counted over: the commanded one, which is without noise, where there is one."""
+    return record.position if record.command is None else record.command
+
+
+def _along(effort: np.ndarray, piece: Piece, unsigned: bool) -> np.ndarray:
+    """The effort against the motion of a piece."""
+    return np.abs(effort) if unsigned else piece.direction * effort
+
+
+def _mean(values: np.ndarray, pieces: tuple[Piece, ...]) -> float:
+    return float(np.concatenate([values[piece.steady] for piece in pieces]).mean())
+
+
+def _residual(values: np.ndarray, position: np.ndarray, wavelength: float) -> tuple[complex, np.ndarray]:
+    if np.isfinite(wavelength):
+        return split_wave(values, position, wavelength)
+    steps = np.linspace(-1.0, 1.0, len(values))
+    return 0j, values - np.polyval(np.polyfit(steps, values, 2), steps)
+
+
+def _fast(parts: list[np.ndarray]) -> float:
+    """Root of half the mean square of the steps from sample to sample."""
+    steps = np.concatenate([np.diff(part) for part in parts])
+    return float(np.sqrt(0.5 * np.mean(steps**2)))
+
+
+def _slow(parts: list[np.ndarray]) -> float:
+    means = [np.convolve(part, np.full(_FEW, 1.0 / _FEW), "valid") for part in parts if len(part) >= _FEW]
+    return float(np.concatenate(means).std())
+
+
+def _bump(left: np.ndarray) -> float:
+    """Largest mean of a few neighbours over the scatter of all."""
+    local = np.convolve(left, np.full(_LOCAL, 1.0 / _LOCAL), "valid")
+    return float(np.abs(local).max() / max(float(left.std()), 1e-30))
+
+
+def _peak(values: np.ndarray) -> float:
+    return float(np.sort(values)[-_PEAK:].mean())
+
+
+def _log(size: float, scale: float, unit: str, of_effort: bool) -> Feature:
+    return Feature(float(np.log(size + _TINY * scale)), unit, logarithm=True, of_effort=of_effort)

@@ -1,0 +1,195 @@
+"""The health of a unit, run by run, in the order of ISO 13374: acquisition, manipulation, state, health; prognosis over
+many runs is in ``change_point``, ``drift`` and ``remaining_life``; the last sentence is the advice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_twin_sim.criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
+from ema_twin_sim.health.acquisition import Acquisition, judge_acquisition
+from ema_twin_sim.health.baseline import Baseline, tails
+from ema_twin_sim.health.families import Family, Ranked, rank
+from ema_twin_sim.health.features import Feature, Features, features_of
+from ema_twin_sim.health.motion_record import MotionRecord
+from ema_twin_sim.health.phases import phases_of
+
+_WORDS = {
+    "friction": "effort in steady motion",
+    "load": "effort that does not turn round with the motion",
+    "rest_effort": "effort at rest",
+    "roughness": "roughness of steady motion",
+    "fast_roughness": "fast roughness",
+    "slow_roughness": "slow roughness",
+    "rest_hunting": "hunting at rest",
+    "wave_depth": "wave that repeats with the position",
+    "bump": "largest local bump",
+    "lag": "lag of the position while starting",
+    "breakaway": "effort to break away",
+    "settling": "effort while settling after a stroke",
+    "lost_motion": "lost motion between the encoders",
+}
+_ADVICE = {
+    Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
+    Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
+    Family.FRICTION_DOWN: "Look at the preload of nut and bearings, and at the temperature.",
+    Family.PLAY: "Measure the play by hand; look at nut, coupling and bearings.",
+    Family.LOCAL_DAMAGE: "Look at tracks, balls and teeth for pits.",
+    Family.LOAD: "Look at what hangs on the output.",
+    Family.UNKNOWN: "Look at what was changed about the unit and its test.",
+}
+
+
+@dataclass(frozen=True)
+class Change:
+    """A feature of a run beside the healthy ones."""
+
+    name: str
+    value: float
+    unit: str
+    healthy: float  # in the same unit
+    standard_deviations: float  # of a further healthy run of a further test
+
+
+@dataclass(frozen=True)
+class HealthJudgement:
+    """All that is told of a run."""
+
+    name: str
+    test: str
+    acquisition: Acquisition
+    features: dict[str, Feature]
+    changes: tuple[Change, ...]
+    detected: bool | None  # None: not judged
+    false_alarm: float  # share of healthy runs that would be called off
+    distance: float  # from the baseline, in times of the limit's; 1 is the limit, NaN where it was not judged
+    family: Family | None  # None: nothing was detected
+    sureness: float  # probability among the families
+    ranked: tuple[Ranked, ...]
+    words: tuple[str, ...]
+
+
+def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
+    """Judge one run of the unit that a baseline was learnt from."""
+    acquisition = judge_acquisition(record)
+    if not acquisition.usable:
+        return _not_judged(record, baseline, acquisition, acquisition.findings)
+    if other := another_motion(record, baseline):
+        return _not_judged(record, baseline, acquisition, (*acquisition.findings, other))
+    features = features_of(record, baseline.wavelength, baseline.unsigned)
+    values = baseline.vector(features)
+    if not acquisition.effort_usable:
+        of_effort = [features.values[name].of_effort if name in features.values else True for name in baseline.features]
+        values[of_effort] = np.nan
+    limits = np.array([block.limit for block in baseline.blocks])
+    found = np.array(tails(baseline.prediction, baseline.features, [b.features for b in baseline.blocks], values))
+    if not np.isfinite(found).any():
+        return _not_judged(record, baseline, acquisition, acquisition.findings)
+    detected = bool((found[np.isfinite(found)] < limits[np.isfinite(found)]).any())
+    offs = (values - baseline.prediction.mean) / baseline.prediction.spread
+    changes = tuple(_change(name, features, baseline, off) for name, off in zip(baseline.features, offs, strict=True)
+                    if name in features.values and math.isfinite(off))  # fmt: skip
+    ranked = rank({c.name: c.standard_deviations for c in changes if not (acquisition.unsigned and c.name == "load")})
+    family, why = _named(ranked, offs, features, baseline, acquisition) if detected else (None, ())
+    return HealthJudgement(
+        record.name, record.test, acquisition, features.values, changes, detected, baseline.false_alarm,
+        float(np.nanmax(found / limits)), family,
+        ranked[0].probability if ranked and family not in (None, Family.UNKNOWN) else 0.0,
+        ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why),
+    )  # fmt: skip
+
+
+def judge_all(records: Sequence[MotionRecord], baseline: Baseline) -> list[HealthJudgement]:
+    """Judge runs of the unit, each by itself."""
+    return [judge(record, baseline) for record in records]
+
+
+def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
+    """The families by the mean change of those of several runs that were called off, as of one test or stage.
+
+    What the runs do not have in common averages out; what tests differ by does not, so this names and detects nothing.
+    """
+    off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
+    magnitude = any(one.acquisition.unsigned for one in judgements)
+    names = sorted({name for changes in off for name in changes if not (magnitude and name == "load")})
+    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
+
+
+def another_motion(record: MotionRecord, baseline: Baseline) -> str:
+    """How a run's motion differs from the healthy ones', so that its features do not compare; nothing where it fits."""
+    phases = phases_of(record)
+    own = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+    units = "s", record.position_unit, f"{record.position_unit}/s"
+    for what, unit, mine, theirs in zip(("sample period", "travel", "speed"), units, own, baseline.motion, strict=True):
+        if abs(mine - theirs) > PART * theirs:
+            return (
+                f"The {what} is {mine:.3g} {unit} and that of the healthy recordings {theirs:.3g} {unit}; repeat their "
+                "test, or learn another baseline."
+            )
+    return ""
+
+
+def _named(
+    ranked: tuple[Ranked, ...], offs: np.ndarray, features: Features, baseline: Baseline, acquisition: Acquisition
+) -> tuple[Family, tuple[str, ...]]:
+    """The family of a change that was detected, and why, in words."""
+    if not acquisition.effort_usable:
+        return Family.UNKNOWN, ("No fault is named, since the effort is not known.",)
+    if not ranked or ranked[0].explained <= 0.0:
+        return Family.UNKNOWN, (f"No family of damage moves the features like that. {_ADVICE[Family.UNKNOWN]}",)
+    best = ranked[0]
+    apart = np.subtract(features.sides, baseline.sides)
+    uneven = "load" in baseline.features and abs(offs[baseline.features.index("load")]) > SIGNIFICANT
+    if acquisition.unsigned and uneven and apart[0] * apart[1] < 0.0:
+        return Family.UNKNOWN, (
+            "The effort rises in one direction and falls in the other; a magnitude does not tell whether load or "
+            "friction changed. Record a current with a sign.",
+        )
+    reasons = " and ".join(_WORDS[name] for name in best.because[:2])
+    sentence = (
+        f"This is {best.family.value} (probability {best.probability:.0%} among the known families), by {reasons}."
+    )
+    rivals = [other for other in ranked[1:] if other.probability > 1.0 - best.probability or other.probability > PART]
+    if rivals:
+        sentence += f" It may be {rivals[0].family.value} ({rivals[0].probability:.0%})."
+    return best.family, (f"{sentence} {_ADVICE[best.family]}",)
+
+
+def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> tuple[str, ...]:
+    """What changed, the most first."""
+    told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
+    if not detected:
+        return (f"Healthy: as the {baseline.runs} recordings of {baseline.tests} tests it is compared with.",)
+    shown = [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
+    if not shown:
+        return ("Not as the healthy recordings: the wave that repeats with the position has moved.",)
+    parts = [f"{_WORDS[c.name]} {_by(c)} ({c.standard_deviations:+.1f} standard deviations)" for c in shown]
+    sure = "clearly" if abs(shown[0].standard_deviations) > CONTRADICTED else "as a whole"
+    return (f"Not as the healthy recordings, {sure}: {'; '.join(parts)}.",)
+
+
+def _by(change: Change) -> str:
+    if not change.healthy > NEGLIGIBLE * abs(change.value):
+        return f"is {change.value:.3g} {change.unit}, was {change.healthy:.3g} {change.unit}"
+    share = change.value / change.healthy - 1.0
+    return f"is {abs(share):.0%} {'above' if share > 0.0 else 'below'} the healthy"
+
+
+def _change(name: str, features: Features, baseline: Baseline, off: float) -> Change:
+    feature = features.values[name]
+    mean = float(baseline.prediction.mean[baseline.features.index(name)])
+    healthy = math.exp(mean) if feature.logarithm else mean * (baseline.scale if feature.scales else 1.0)
+    value = math.exp(feature.value) if feature.logarithm else feature.value
+    return Change(name, value, feature.unit, healthy, float(off))
+
+
+def _not_judged(
+    record: MotionRecord, baseline: Baseline, acquisition: Acquisition, words: tuple[str, ...]
+) -> HealthJudgement:
+    return HealthJudgement(
+        record.name, record.test, acquisition, {}, (), None, baseline.false_alarm, np.nan, None, 0.0, (), words
+    )

@@ -1,0 +1,75 @@
+"""What the health judgement asks of one run: where a machine was, what effort moved it, and where it was told to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import KIND, Recording
+from ema_bench_replay.units import signal_unit
+
+POSITIONS = ("output_position", "motor_position")
+EFFORTS = ("current", "motor_torque")
+
+
+@dataclass(frozen=True, eq=False)
+class MotionRecord:
+    """One run of a unit, in SI units: positions in m (rad on rotary machines), the effort in A or N m.
+
+    The test is what was set up once: a day, a mounting, a series of repeats. Recordings of one test have more in common
+    than recordings of two. An unsigned effort is a magnitude: how large it is, not which way it acts.
+    """
+
+    name: str
+    test: str
+    time: np.ndarray  # s (n,), from the first sample on
+    position: np.ndarray  # m or rad (n,)
+    effort: np.ndarray  # A or N m (n,)
+    command: np.ndarray | None = None  # m or rad (n,), as position
+    motor_position: np.ndarray | None = None  # rad (n,), where the position is another encoder's
+    position_unit: str = "m"
+    effort_unit: str = "A"
+    unsigned: bool | None = None  # None: not told; a magnitude is then one that never changes its sign
+
+    def __post_init__(self) -> None:
+        for name in ("time", "position", "effort", "command", "motor_position"):
+            values = getattr(self, name)
+            if values is None:
+                continue
+            values = np.asarray(values, dtype=np.float64)
+            if values.shape != np.shape(self.time) or values.ndim != 1:
+                raise ValueError(f"{self.name}: {name} has shape {values.shape}, time has {np.shape(self.time)}")
+            object.__setattr__(self, name, values)
+
+    @classmethod
+    def from_recording(cls, recording: Recording, test: str) -> MotionRecord:
+        """The position nearest the load, the current or else the torque, and the commanded position where it is known.
+
+        Raises InputError where a position or an effort is missing.
+        """
+        place = next((name for name in POSITIONS if recording.has(name)), None)
+        effort = next((name for name in EFFORTS if recording.has(name)), None)
+        if place is None or effort is None:
+            lacks = "position" if place is None else "current and no motor_torque"
+            raise InputError(f"{recording.name}: holds no {lacks}; record it, since health is judged by both")
+        signals = recording.signals
+        both = place == "output_position" and recording.has("motor_position")
+        origin = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}[
+            place
+        ]
+        shift = 0.0 if np.isnan(origin) else origin  # what repeats with the position does so from the encoder's zero
+        command = signals.get("output_command")
+        return cls(
+            name=recording.name,
+            test=test,
+            time=recording.time,
+            position=signals[place] + shift,
+            effort=signals[effort],
+            command=None if command is None else command + shift,
+            motor_position=signals["motor_position"] if both else None,
+            position_unit=signal_unit(place, recording.motion),
+            effort_unit=signal_unit(effort, recording.motion),
+            unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
+        )

@@ -1,0 +1,45 @@
+"""What repeats with the position: the wave of one wavelength, as a phasor, and the wavelength that a unit shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+_FEWEST_CYCLES = 4  # in a stroke, or a wave is no wave
+_FINER = 4  # wavelengths tried within the width of a line
+_NEIGHBOURS = 10.0  # line widths on either side against which a line must stand out
+
+
+def split_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> tuple[complex, np.ndarray]:
+    """Phasor of a wave over the position and what is left (n,) beside it, its second harmonic and a parabola.
+
+    The phasor is exp(i 2π position / wavelength)'s, so that the same wave has the same phasor in every run that counts
+    its position from the same place. Units are those of the values.
+    """
+    angle = 2.0 * np.pi * position / wavelength
+    place = 2.0 * (position - position.mean()) / max(float(np.ptp(position)), 1e-12)
+    waves = [function(order * angle) for order in (1, 2) for function in (np.cos, np.sin)]
+    columns = np.column_stack([np.ones_like(place), place, place**2, *waves])
+    found = np.linalg.lstsq(columns, values, rcond=None)[0]
+    return complex(found[3], found[4]), values - columns @ found
+
+
+def found_wavelength(strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
+    """The wavelength that stands out most over its neighbours, from strokes of (values (n,), position (n,)); else NaN.
+
+    Powers of all strokes are added, so positions may begin anywhere. Searched between four cycles a stroke and the
+    shortest wave that the samples resolve.
+    """
+    travel = float(np.median([np.ptp(position) for _, position in strokes]))
+    samples = float(np.median([len(position) for _, position in strokes]))
+    if not travel > 0.0 or samples < 4 * _FEWEST_CYCLES:
+        return np.nan
+    cycles = np.arange(_FEWEST_CYCLES, 0.5 * samples, 1.0 / _FINER)
+    power = np.zeros(len(cycles))
+    for values, position in strokes:
+        rest = values - np.polyval(np.polyfit(position, values, 2), position)
+        power += np.abs(np.exp(-2j * np.pi * np.outer(cycles / travel, position)) @ rest) ** 2 / max(rest @ rest, 1e-30)
+    near = np.abs(cycles[:, None] - cycles[None, :])
+    level = [float(np.median(power[(row > 2.0) & (row < _NEIGHBOURS)])) for row in near]
+    return travel / float(cycles[int(np.argmax(power / np.maximum(level, 1e-30)))])
