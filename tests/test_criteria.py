@@ -1,4 +1,4 @@
-"""The numbers that decide: in one table, dimensionless, 62 at most, and none anywhere else."""
+"""The numbers that decide: in one table, dimensionless, sixty at most, and none anywhere else."""
 
 import ast
 from pathlib import Path
@@ -10,7 +10,7 @@ from ema_twin_sim import criteria
 
 PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
 ROOMS = ("measured", "identification", "comparison", "fitting", "discovery", "health")
-MOST = 62
+MOST = 60
 PLAIN = {-1, 0, 0.5, 1, 2, 3, 4}  # no, all, half; a few: counts of things that are there
 ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic from failing
 METHOD = {
@@ -75,6 +75,7 @@ METHOD = {
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",
     "health/baseline.py": "_FEWEST_TESTS _VANISHING",
     "health/change_point.py": "_FEWEST _LARGEST",
+    "health/false_alarms.py": "FALSE_ALARM FALSE_ALARM_OF_HISTORY",
     "health/drift.py": "_FEWEST",
     "health/families.py": "_AKAIKE",
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
@@ -114,7 +115,7 @@ def table():
             yield node.targets[0].id, ast.literal_eval(node.value), text
 
 
-def test_few_numbers_decide_each_with_its_reason():
+def test_sixty_numbers_decide_each_with_its_reason():
     found = list(table())
     assert 40 < len(found) <= MOST
     for name, value, text in found:

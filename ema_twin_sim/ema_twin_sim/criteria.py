@@ -37,11 +37,6 @@ STRAINED_BESIDE = 12.0
 DECIDED = 5.0
 """By which rivals must come apart in a planned recording: one more than significant, since a simulation is not the
 bench."""
-FALSE_ALARM = 0.01
-"""Share of a healthy unit's recordings that its health judgement may call off. One in fifty was asked of the ball screw
-of Cranfield; half of that leaves room for what is not normally distributed."""
-FALSE_ALARM_OF_HISTORY = 0.001
-"""The same of a recording in a history: with some hundred recordings a unit, one alarm in ten healthy units."""
 
 # Prices, in twice a log-likelihood ratio of the correlated rows: what is not there gains a few by chance
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_twin_sim.criteria import NEGLIGIBLE, PART, SMALL
-from ema_twin_sim.health.motion_record import MotionRecord
-from ema_twin_sim.health.phases import Phases, phases_of
+from ..criteria import NEGLIGIBLE, PART, SMALL
+from .motion_record import MotionRecord
+from .phases import Phases, phases_of
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,15 @@ import numpy as np
 from scipy import stats
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import FALSE_ALARM, MOSTLY, NEARLY_ALL
-from ema_twin_sim.health.acquisition import judge_acquisition
-from ema_twin_sim.health.between_tests import Prediction, predict
-from ema_twin_sim.health.features import Features, features_of, stroke_efforts
-from ema_twin_sim.health.motion_record import MotionRecord
-from ema_twin_sim.health.phases import phases_of
-from ema_twin_sim.health.wave import found_wavelength
+
+from ..criteria import MOSTLY, NEARLY_ALL
+from .acquisition import judge_acquisition
+from .between_tests import Prediction, predict
+from .false_alarms import FALSE_ALARM
+from .features import Features, features_of, stroke_efforts
+from .motion_record import MotionRecord
+from .phases import phases_of
+from .wave import found_wavelength
 
 RUNNING = (
     *("friction", "roughness", "rest_hunting", "settling"),

@@ -15,7 +15,9 @@ import numpy as np
 from scipy import integrate, optimize, stats
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import FALSE_ALARM_OF_HISTORY, LIKELY, NEARLY_ALL
+
+from ..criteria import LIKELY, NEARLY_ALL
+from .false_alarms import FALSE_ALARM_OF_HISTORY
 
 _FEWEST = 4  # baseline values
 _LARGEST = 12.0  # standard errors: no rate asks for more

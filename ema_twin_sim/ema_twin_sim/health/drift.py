@@ -13,8 +13,9 @@ import numpy as np
 from scipy import stats
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.criteria import CONTRADICTED
-from ema_twin_sim.health.change_point import inflation
+
+from ..criteria import CONTRADICTED
+from .change_point import inflation
 
 _FEWEST = 5  # values
 

@@ -26,7 +26,7 @@ from enum import Enum
 import numpy as np
 from scipy.optimize import nnls
 
-from ema_twin_sim.criteria import SUREST
+from ..criteria import SUREST
 
 
 class Family(Enum):

@@ -30,9 +30,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ema_twin_sim.health.motion_record import MotionRecord
-from ema_twin_sim.health.phases import Phases, Piece, phases_of
-from ema_twin_sim.health.wave import split_wave
+from .motion_record import MotionRecord
+from .phases import Phases, Piece, phases_of
+from .wave import split_wave
 
 _FEW = 5  # samples of the means that show what is slow
 _PEAK = 3  # samples that make a peak

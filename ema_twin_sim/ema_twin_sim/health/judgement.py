@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_twin_sim.criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
-from ema_twin_sim.health.acquisition import Acquisition, judge_acquisition
-from ema_twin_sim.health.baseline import Baseline, tails
-from ema_twin_sim.health.families import Family, Ranked, rank
-from ema_twin_sim.health.features import Feature, Features, features_of
-from ema_twin_sim.health.motion_record import MotionRecord
-from ema_twin_sim.health.phases import phases_of
+from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
+from .acquisition import Acquisition, judge_acquisition
+from .baseline import Baseline, tails
+from .families import Family, Ranked, rank
+from .features import Feature, Features, features_of
+from .motion_record import MotionRecord
+from .phases import phases_of
 
 _WORDS = {
     "friction": "effort in steady motion",

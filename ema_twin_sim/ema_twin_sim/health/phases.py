@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_twin_sim.health.motion_record import MotionRecord
+from .motion_record import MotionRecord
 
 _SMOOTHED = 5  # samples over which a measured position is averaged before it is differentiated
 _FEWEST = 8  # samples of a piece that tell anything

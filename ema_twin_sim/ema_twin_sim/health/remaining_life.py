@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from ema_twin_sim.health.drift import Drift
+from .drift import Drift
 
 _BEYOND = 1e4  # times the history's length: longer is for ever
 _HALVINGS = 60
