@@ -12,12 +12,14 @@ from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
 from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store
@@ -283,3 +285,50 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     files = [row for file in tmp_path.rglob("*.parquet") for row in pq.read_table(file)["key"].to_pylist()]
     assert len(files) == len({*files}) == 40
     assert not [*tmp_path.rglob("*.part")]
+
+
+class TestHistories:
+    @staticmethod
+    def a_unit(values, std=1.0, dated=True):
+        at = partial(datetime.fromtimestamp, tz=timezone.utc)
+        rows = [
+            a_row(
+                name=f"week {k}",
+                key=str(k),
+                duration=20.0,
+                time=at(k * 7 * 86400.0) if dated else None,
+                parameters=[{"owner": "backlash", "name": "width", "value": value, "std": std, "unit": "rad"}],
+            )
+            for k, value in enumerate(values)
+        ]
+        return units_of(rows)[0]
+
+    def test_a_number_that_stays_has_no_change_and_no_trend(self):
+        values = 100.0 + np.random.default_rng(3).normal(size=30)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 120.0})
+        assert (look.change, look.trend, look.life) == (None, None, None)
+        assert look.margin.share == pytest.approx(1.0, abs=0.05)
+
+    def test_wear_is_told_with_its_begin_and_when_it_reaches_its_limit(self):
+        wear = np.maximum(0.0, np.arange(40) - 20.0)  # one a week from week 20 on
+        values = 100.0 + wear + np.random.default_rng(4).normal(size=40)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=15)
+        assert 19 <= look.change.begin <= 26
+        assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
+        assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
+
+    def test_without_dates_the_results_are_counted(self):
+        (look,) = outlooks(self.a_unit(np.arange(20.0), dated=False), {})
+        assert not look.history.dated
+        assert look.trend.slope == pytest.approx(1.0, rel=0.05)
+
+    def test_numbers_that_were_held_or_are_few_are_not_followed(self):
+        assert outlooks(self.a_unit(np.arange(4.0)), {}) == []
+        assert outlooks(self.a_unit(np.arange(9.0), std=None), {}) == []
+
+    @pytest.mark.parametrize("text", ["", "backlash.width: wide", "- 1"])
+    def test_limits_that_are_none_are_refused(self, tmp_path, text):
+        file = tmp_path / "limits.yaml"
+        file.write_text(text)
+        with pytest.raises(InputError, match=r"limits\.yaml"):
+            read_limits(file)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
 
+from ..quantities import estimate, quantity
 from . import options
 from .inputs import write_json
 from .output import console, say, warn
@@ -15,6 +18,7 @@ from .tables import ReportTable
 from .wording import effect_words
 
 if TYPE_CHECKING:
+    from ..campaign.histories import Outlook
     from ..campaign.units import Unit
 
 EXAMPLES = """Examples:
@@ -23,8 +27,11 @@ ema-twin units results
 
 ema-twin units results --json units.json
 
-ema-twin units results --unit EMA-007     (its recordings, one by one)"""
+ema-twin units results --unit EMA-007     (its recordings, one by one, and how its numbers change)
 
+ema-twin units results --limits limits.yaml --healthy 10     (limits.yaml: backlash.width: 0.004)"""
+
+_MONTH = 30.0  # days
 _SHOWN = 3
 """Effects of a unit that are named in its row."""
 
@@ -32,34 +39,59 @@ _SHOWN = 3
 def run(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The folder that campaign wrote.")],
     unit: Annotated[str | None, typer.Option("--unit", metavar="NAME", help="Only this unit, each recording.")] = None,
+    limits: Annotated[
+        Path | None,
+        typer.Option("--limits", metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004"),
+    ] = None,
+    healthy: Annotated[
+        int | None,
+        typer.Option(
+            "--healthy",
+            metavar="N",
+            min=4,
+            help="The first N results of each unit are healthy; by default a third of them, four at least.",
+        ),
+    ] = None,
     json: options.JsonFile = None,
 ) -> None:
-    """Show which unit misses which effect, how far its recordings are off, and what of them could not be judged."""
+    """Show which unit misses which effect, how far its recordings are off, and which of its numbers change.
+
+    A number that has left the band of its first, healthy values is told with the recording from which on it has; where
+    it goes on that way and has a limit, with when it gets there.
+    """
     from ema_bench_replay.errors import InputError
 
+    from ..campaign.histories import outlooks, read_limits
     from ..campaign.store import Store
     from ..campaign.units import units_of
 
+    of_numbers = read_limits(limits)
     found = units_of(Store.opened(results).rows())
     if unit is not None:
         found = [one for one in found if one.name == unit]
         if not found:
             raise InputError(f"{results}: holds no unit '{unit}'; ema-twin units {results} lists them")
+    ahead = {one.name: outlooks(one, of_numbers, healthy) for one in found}
+    for path in of_numbers.keys() - {look.history.path for looks in ahead.values() for look in looks}:
+        warn(f"{limits}: {path} is no number that was followed in any of these units")
+    if unit is not None:
         _show_recordings(found[0])
+        _show_numbers(ahead[unit])
     else:
-        _show(found)
+        _show(found, ahead)
     for one in found:
         for remark in one.remarks:
             warn(f"{one.name}: {remark}")
-    write_json(json, [one.as_json() for one in found])
+    write_json(json, [{**one.as_json(), "numbers": [look.as_json() for look in ahead[one.name]]} for one in found])
 
 
-def _show(units: list[Unit]) -> None:
+def _show(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> None:
     table = ReportTable(f"{len(units)} units, the ones with most beyond the sensors' noise first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing in")
     table.numbers("beyond noise")
+    table.words("changed", widest=40)
     for one in units:
         table.add_row(
             escape(one.name),
@@ -69,9 +101,31 @@ def _show(units: list[Unit]) -> None:
             f"{one.last:%Y-%m-%d}" if one.last else "",
             _missing(one),
             "" if one.beyond_noise is None else f"{one.beyond_noise:.1f} ×",
+            _changed(ahead[one.name]),
         )
     console.print(table)
     say("Beyond noise: the largest error of a signal in its last recording, in times the sensors' noise.")
+
+
+def _changed(looks: Sequence[Outlook]) -> str:
+    """The number of a unit that changed most, and how many others did."""
+    changed = [look for look in looks if look.change is not None]
+    if not changed:
+        return ""
+    others = f", {len(changed) - 1} more" if len(changed) > 1 else ""
+    return escape(f"{_name(changed[0])} {_change(changed[0])}{others}")
+
+
+def _name(look: Outlook) -> str:
+    return f"{effect_words(look.history.owner)} {look.history.name.replace('_', ' ')}"
+
+
+def _change(look: Outlook) -> str:
+    if look.change is None:
+        return ""
+    if look.share is None:
+        return f"by {quantity(look.change.size, look.history.unit)}"
+    return f"{100.0 * look.share:+.3g} %".replace("-", "−")
 
 
 def _missing(one: Unit) -> str:
@@ -99,3 +153,36 @@ def _show_recordings(one: Unit) -> None:
             escape(row["message"] or ""),
         )
     console.print(table)
+
+
+def _show_numbers(looks: Sequence[Outlook]) -> None:
+    """How the numbers of a unit change, those that changed most first."""
+    if not looks:
+        return
+    dated = looks[0].history.dated
+    table = ReportTable("\nIts numbers over time: the healthy ones, the last, and what has changed since when")
+    table.words("number")
+    table.numbers("healthy", "last", "change")
+    table.words("since")
+    table.numbers("a month" if dated else "a result", "to the limit", "reaches it in")
+    for look in looks:
+        of = look.history
+        slope = None if look.trend is None else look.trend.slope * (_MONTH if dated else 1.0)
+        table.add_row(
+            escape(_name(look)),
+            quantity(look.healthy, of.unit),
+            estimate(float(of.values[-1]), float(of.errors[-1]), of.unit),
+            escape(_change(look)),
+            escape(of.names[look.change.begin]) if look.change else "",
+            "no trend" if slope is None else quantity(slope, of.unit),
+            "" if look.margin is None else f"{100.0 * look.margin.share:.0f} %",
+            _life(look, "days" if dated else "results"),
+        )
+    console.print(table)
+
+
+def _life(look: Outlook, unit: str) -> str:
+    if look.life is None:
+        return ""
+    latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
+    return f"{look.life.earliest:.0f} to {latest} {unit}"
