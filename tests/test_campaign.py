@@ -317,6 +317,19 @@ class TestHistories:
         assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
         assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
 
+    def test_what_all_recordings_share_hides_no_change(self):
+        """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""
+        values = 100.0 + np.random.default_rng(5).normal(size=40)
+        values[25:] += 8.0
+        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=20)
+        assert look.change.begin == 25
+        assert look.share == pytest.approx(0.08, abs=0.015)
+
+    def test_healthy_units_seldom_seem_to_change(self):
+        drawn = np.random.default_rng(6)
+        units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]
+        assert sum(outlooks(unit, {})[0].change is not None for unit in units) <= 4
+
     def test_without_dates_the_results_are_counted(self):
         (look,) = outlooks(self.a_unit(np.arange(20.0), dated=False), {})
         assert not look.history.dated

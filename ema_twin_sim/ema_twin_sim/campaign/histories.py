@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy import stats
 
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
+from ..criteria import NEARLY_ALL
 from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
@@ -116,8 +118,9 @@ def outlook(of: History, limit: float | None = None, healthy: int | None = None)
         raise InputError(f"{count} healthy results tell no scatter; give {FEWEST_HEALTHY} or more")
     weights = of.errors[:count] ** -2.0
     level = float(weights @ of.values[:count] / weights.sum())
-    change = change_point(of.values, of.errors, count) if len(of.values) > count else None
-    trend = drift(of.times, of.values, of.errors)
+    errors = of.errors * _share_that_differs(of.values[:count], of.errors[:count], level)
+    change = change_point(of.values, errors, count) if len(of.values) > count else None
+    trend = drift(of.times, of.values, errors)
     return Outlook(
         of,
         level,
@@ -126,6 +129,16 @@ def outlook(of: History, limit: float | None = None, healthy: int | None = None)
         None if limit is None or limit == level else margin(trend, level, limit),
         None if limit is None else remaining_life(trend, limit),
     )
+
+
+def _share_that_differs(values: np.ndarray, errors: np.ndarray, level: float) -> float:
+    """What of standard errors (n,) tells two healthy values apart, at the most: one, or less.
+
+    What recordings of a unit share, a constant's tolerance above all, is in the standard error of each and in no
+    difference of two. By how much values scatter about their ``level`` bounds what is left.
+    """
+    scatter = float(np.sum(((values - level) / errors) ** 2))
+    return min(1.0, float(np.sqrt(scatter / stats.chi2.ppf(1.0 - NEARLY_ALL, len(values) - 1))))
 
 
 def outlooks(unit: Unit, limits: Mapping[str, float], healthy: int | None = None) -> list[Outlook]:
