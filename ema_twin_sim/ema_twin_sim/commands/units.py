@@ -12,7 +12,6 @@ from rich.markup import escape
 
 from ..quantities import estimate, quantity
 from . import options
-from .inputs import write_json
 from .output import console, say, warn
 from .tables import ReportTable
 from .wording import effect_words
@@ -64,6 +63,7 @@ def run(
     from ..campaign.histories import outlooks, read_limits
     from ..campaign.store import Store
     from ..campaign.units import units_of
+    from .inputs import write_json
 
     of_numbers = read_limits(limits)
     found = units_of(Store.opened(results).rows())
