@@ -54,6 +54,8 @@ class Outlook:
 
     history: History
     healthy: float  # the mean of the first values
+    now: float  # what all values say of the last
+    limit: float | None
     change: ChangePoint | None
     trend: Drift | None
     margin: Margin | None
@@ -61,8 +63,8 @@ class Outlook:
 
     @property
     def share(self) -> float | None:
-        """By what share of its healthy value the number has changed."""
-        return None if self.change is None or self.healthy == 0.0 else self.change.size / abs(self.healthy)
+        """By what share of its healthy value the number has changed, now."""
+        return None if self.change is None or self.healthy == 0.0 else (self.now - self.healthy) / abs(self.healthy)
 
     def as_json(self) -> dict[str, object]:
         """SI units; times in days, or in results where not all are dated; absent numbers are null."""
@@ -75,6 +77,7 @@ class Outlook:
             "values": of.values.tolist(),
             "std": of.errors.tolist(),
             "healthy": self.healthy,
+            "now": self.now,
             "change": None
             if change is None
             else {"size": change.size, "std": change.standard_error, "since": of.names[change.begin]},
@@ -124,6 +127,8 @@ def outlook(of: History, limit: float | None = None, healthy: int | None = None)
     return Outlook(
         of,
         level,
+        trend.now()[0],
+        limit,
         change,
         trend if trend.is_trend else None,
         None if limit is None or limit == level else margin(trend, level, limit),

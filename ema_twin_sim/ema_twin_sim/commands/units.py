@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,6 +13,7 @@ from ..quantities import estimate, quantity
 from . import options
 from .output import console, say, warn
 from .tables import ReportTable
+from .unit_words import change_of, life_words, missing_words, number_words
 from .wording import effect_words
 
 if TYPE_CHECKING:
@@ -28,11 +28,11 @@ ema-twin units results --json units.json
 
 ema-twin units results --unit EMA-007     (its recordings, one by one, and how its numbers change)
 
+ema-twin units results --page fleet     (then open fleet/index.html)
+
 ema-twin units results --limits limits.yaml --healthy 10     (limits.yaml: backlash.width: 0.004)"""
 
 _MONTH = 30.0  # days
-_SHOWN = 3
-"""Effects of a unit that are named in its row."""
 
 
 def run(
@@ -51,6 +51,11 @@ def run(
             help="The first N results of each unit are healthy; by default a third of them, four at least.",
         ),
     ] = None,
+    page: Annotated[
+        Path | None,
+        typer.Option("--page", metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit."),
+    ] = None,
+    force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
     """Show which unit misses which effect, how far its recordings are off, and which of its numbers change.
@@ -82,6 +87,11 @@ def run(
     for one in found:
         for remark in one.remarks:
             warn(f"{one.name}: {remark}")
+    if page is not None:
+        from ..report.fleet import write_fleet
+
+        overview = write_fleet(page, found, ahead, force=force)
+        say(f"{overview}: open it in any browser")
     write_json(json, [{**one.as_json(), "numbers": [look.as_json() for look in ahead[one.name]]} for one in found])
 
 
@@ -99,7 +109,7 @@ def _show(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> None
             str(one.refused or ""),
             str(one.failed or ""),
             f"{one.last:%Y-%m-%d}" if one.last else "",
-            _missing(one),
+            missing_words(one),
             "" if one.beyond_noise is None else f"{one.beyond_noise:.1f} ×",
             _changed(ahead[one.name]),
         )
@@ -113,27 +123,7 @@ def _changed(looks: Sequence[Outlook]) -> str:
     if not changed:
         return ""
     others = f", {len(changed) - 1} more" if len(changed) > 1 else ""
-    return escape(f"{_name(changed[0])} {_change(changed[0])}{others}")
-
-
-def _name(look: Outlook) -> str:
-    return f"{effect_words(look.history.owner)} {look.history.name.replace('_', ' ')}"
-
-
-def _change(look: Outlook) -> str:
-    if look.change is None:
-        return ""
-    if look.share is None:
-        return f"by {quantity(look.change.size, look.history.unit)}"
-    return f"{100.0 * look.share:+.3g} %".replace("-", "−")
-
-
-def _missing(one: Unit) -> str:
-    if not one.searched:
-        return ""
-    told = [f"{effect_words(effect)} {count}/{one.searched}" for effect, count in one.missing[:_SHOWN]]
-    more = len(one.missing) - _SHOWN
-    return ", ".join([*told, *([f"{more} more"] if more > 0 else [])]) or "nothing"
+    return escape(f"{number_words(changed[0])} {change_of(changed[0])}{others}")
 
 
 def _show_recordings(one: Unit) -> None:
@@ -169,20 +159,13 @@ def _show_numbers(looks: Sequence[Outlook]) -> None:
         of = look.history
         slope = None if look.trend is None else look.trend.slope * (_MONTH if dated else 1.0)
         table.add_row(
-            escape(_name(look)),
+            escape(number_words(look)),
             quantity(look.healthy, of.unit),
             estimate(float(of.values[-1]), float(of.errors[-1]), of.unit),
-            escape(_change(look)),
+            escape(change_of(look)),
             escape(of.names[look.change.begin]) if look.change else "",
             "no trend" if slope is None else quantity(slope, of.unit),
             "" if look.margin is None else f"{100.0 * look.margin.share:.0f} %",
-            _life(look, "days" if dated else "results"),
+            life_words(look),
         )
     console.print(table)
-
-
-def _life(look: Outlook, unit: str) -> str:
-    if look.life is None:
-        return ""
-    latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
-    return f"{look.life.earliest:.0f} to {latest} {unit}"

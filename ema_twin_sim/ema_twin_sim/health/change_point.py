@@ -10,6 +10,7 @@ Statistics 23, 1995, equation 2.4, for all windows: those that are left out here
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy import integrate, optimize, stats
@@ -71,6 +72,7 @@ def inflation(scatter: float, freedom: int) -> tuple[float, float]:
     return 1.0, np.inf
 
 
+@cache
 def alarm_limit(false_alarm: float) -> float:
     """Standard errors beyond which a window, in either direction, is an alarm: one in 1 / rate values by chance."""
 

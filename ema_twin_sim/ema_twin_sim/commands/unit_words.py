@@ -1,0 +1,48 @@
+"""What is said of a unit's numbers and of what it lacks, alike in the terminal and on its page."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..quantities import quantity
+from .wording import effect_words
+
+if TYPE_CHECKING:
+    from ..campaign.histories import Outlook
+    from ..campaign.units import Unit
+
+_SHOWN = 3
+"""Effects of a unit that are named."""
+
+
+def number_words(look: Outlook) -> str:
+    """A number's name: *backlash width*."""
+    return f"{effect_words(look.history.owner)} {look.history.name.replace('_', ' ')}"
+
+
+def change_of(look: Outlook) -> str:
+    """By how much a number has changed: *+34 %*; empty where it has not."""
+    if look.change is None:
+        return ""
+    if look.share is None:
+        return f"by {quantity(look.now - look.healthy, look.history.unit)}"
+    return f"{100.0 * look.share:+.3g} %".replace("-", "−")
+
+
+def life_words(look: Outlook) -> str:
+    """When a limit is reached: *40 to 90 days*; empty where no trend leads there."""
+    if look.life is None:
+        return ""
+    unit = "days" if look.history.dated else "results"
+    latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
+    return f"{look.life.earliest:.0f} to {latest} {unit}"
+
+
+def missing_words(unit: Unit) -> str:
+    """Which effects were missing in how many of a unit's results: *backlash 3/4*; empty where none was looked for."""
+    if not unit.searched:
+        return ""
+    told = [f"{effect_words(effect)} {count}/{unit.searched}" for effect, count in unit.missing[:_SHOWN]]
+    more = len(unit.missing) - _SHOWN
+    return ", ".join([*told, *([f"{more} more"] if more > 0 else [])]) or "nothing"

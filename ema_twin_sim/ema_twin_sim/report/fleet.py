@@ -1,0 +1,185 @@
+"""The fleet: a folder of pages, one of all units and one for each, which load nothing from anywhere.
+
+A unit's page goes the way of ISO 13374: what was acquired, the unit's state, its health, where that leads, what to do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from pathlib import Path
+from urllib.parse import quote
+
+from ema_bench_replay.outputs import new_file
+
+from ..campaign.histories import Outlook
+from ..campaign.units import Unit
+from ..commands.unit_words import change_of, life_words, missing_words, number_words
+from ..commands.wording import effect_words
+from ..quantities import estimate, quantity
+from .history_chart import history_chart
+from .markup import Markup, items, joined, section, table, tag
+
+_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'"
+_UNITS = "units"
+_FILTER = (
+    "const box=document.querySelector('input');"
+    "box.addEventListener('input',()=>{for(const row of document.querySelectorAll('tbody tr'))"
+    "row.hidden=!row.textContent.toLowerCase().includes(box.value.toLowerCase())})"
+)
+
+
+def write_fleet(
+    folder: Path, units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], *, force: bool = False
+) -> Path:
+    """Write the pages; the one of all units is returned.
+
+    Raises InputError where it exists (without ``force``) or cannot be written.
+    """
+    overview = folder / "index.html"
+    _write(overview, _overview(units, ahead), force)
+    for unit in units:
+        _write(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name]), force=True)
+    return overview
+
+
+def _write(path: Path, text: str, force: bool) -> None:
+    with new_file(path, force=force) as file:
+        file.write(text.encode())
+
+
+def _file(unit: Unit) -> str:
+    return quote(unit.name, safe=" ").replace(".", "%2E") + ".html"
+
+
+def _page(title: str, *body: str, script: str = "") -> str:
+    style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
+    return (
+        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark"><meta name="generator" content="ema-twin">'
+        f"{tag('title', title)}<style>{style}</style></head><body><main>{tag('h1', title)}{joined(body)}</main>"
+        f"<script>{script}</script></body></html>\n"
+    )
+
+
+def _overview(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> str:
+    changed = sum(any(look.change for look in ahead[unit.name]) for unit in units)
+    lacking = sum(bool(unit.missing) for unit in units)
+    refused = sum(unit.refused + unit.failed for unit in units)
+    lead = (
+        f"{lacking} with something missing in their model, {changed} with a number that has changed. "
+        f"{sum(unit.judged for unit in units)} results; {refused} inputs could not be judged."
+    )
+    rows = [
+        (
+            tag("a", unit.name, href=quote(f"{_UNITS}/{_file(unit)}")),
+            str(unit.judged),
+            str(unit.refused + unit.failed or ""),
+            f"{unit.last:%Y-%m-%d}" if unit.last else "",
+            missing_words(unit),
+            "" if unit.beyond_noise is None else f"{unit.beyond_noise:.1f} ×",
+            ", ".join(f"{number_words(look)} {change_of(look)}" for look in ahead[unit.name] if look.change),
+        )
+        for unit in units
+    ]
+    head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed")
+    found = table(head, rows, words=(0, 3, 4, 6))
+    box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
+    return _page(f"{len(units)} units", tag("p", lead, class_="lead"), box, found, script=_FILTER)
+
+
+def _unit(unit: Unit, looks: Sequence[Outlook]) -> str:
+    changed = [look for look in looks if look.change is not None]
+    leading = [look for look in looks if look.life is not None or look.trend is not None]
+    return _page(
+        unit.name,
+        tag("p", tag("a", "all units", href="../index.html")),
+        section(
+            "acquisition",
+            "Acquisition",
+            tag("p", f"{unit.judged} results, {unit.refused} refused, {unit.failed} failed."),
+            items(*unit.remarks) if unit.remarks else tag("p", "Nothing speaks against taking them together."),
+        ),
+        section("state", "State", tag("p", _state(unit))),
+        section(
+            "health",
+            "Health",
+            tag("p", f"Missing in its model: {missing_words(unit) or 'not looked for'}."),
+            items(*(_changed(look) for look in changed)) if changed else tag("p", _unchanged(looks)),
+            tag("div", *(_figure(look) for look in looks), class_="grid"),
+        ),
+        section(
+            "prognosis",
+            "Prognosis",
+            items(*(_leads(look) for look in leading)) if leading else tag("p", "No number shows a trend."),
+        ),
+        section("advice", "Advice", items(*_advice(unit, changed, leading))),
+        section("results", "Results", _results(unit)),
+    )
+
+
+def _state(unit: Unit) -> str:
+    if unit.beyond_noise is None:
+        return "No error is known."
+    if unit.beyond_noise <= 1.0:
+        return "In its last result, nothing stands out of the sensors' noise."
+    return f"In its last result, an error stands out of the sensors' noise by {unit.beyond_noise:.1f} times."
+
+
+def _unchanged(looks: Sequence[Outlook]) -> str:
+    return "No number has changed." if looks else "Too few results have numbers with standard errors to follow any."
+
+
+def _changed(look: Outlook) -> str:
+    assert look.change is not None  # the caller's choice
+    levels = f"{quantity(look.healthy, look.history.unit)} to {quantity(look.now, look.history.unit)}"
+    since = look.history.names[look.change.begin]
+    return f"{number_words(look)} went from {levels} ({change_of(look)}); it has changed since {since}."
+
+
+def _leads(look: Outlook) -> str:
+    of, by = look.history, "day" if look.history.dated else "result"
+    assert look.trend is not None  # the caller's choice
+    slope = estimate(look.trend.slope, look.trend.slope_error, of.unit)
+    text = f"{number_words(look)} goes by {slope} a {by}."
+    return f"{text} It reaches its limit in {life_words(look)} (90 %)." if look.life else text
+
+
+def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook]) -> list[str]:
+    ending = [look for look in leading if look.life is not None and math.isfinite(look.life.median)]
+    told = [f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}." for look in ending]
+    told += [
+        f"Look at what makes {number_words(look)} change: {effect_words(look.history.owner)}." for look in changed[:3]
+    ]
+    if unit.missing:
+        told.append("Add what is missing to its model, and follow its numbers: campaign --do fit.")
+    if unit.refused + unit.failed:
+        told.append("See below why inputs could not be judged.")
+    return told or ["Nothing to do."]
+
+
+def _figure(look: Outlook) -> Markup:
+    of = look.history
+    last = estimate(float(of.values[-1]), float(of.errors[-1]), of.unit)
+    words = f"{number_words(look)}: healthy {quantity(look.healthy, of.unit)}, last {last}"
+    return tag("figure", tag("figcaption", words), history_chart(look))
+
+
+def _results(unit: Unit) -> Markup:
+    rows = [
+        (
+            row["name"],
+            f"{row['time']:%Y-%m-%d %H:%M}" if row["time"] else "",
+            row["task"],
+            row["verdict"] or row["status"],
+            ", ".join(effect_words(effect) for effect in row["missing"] or ()),
+            "" if (beyond := unit.beyond(row)) is None else f"{beyond:.1f} ×",
+            row["message"] or "",
+        )
+        for row in unit.rows
+    ]
+    head = ("recording", "recorded", "task", "verdict", "missing", "beyond noise", "why not")
+    return table(head, rows, words=(0, 1, 2, 3, 4, 6))

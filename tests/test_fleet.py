@@ -1,0 +1,93 @@
+"""The pages of a fleet: one of all units, one of each, that say what the results say and load nothing."""
+
+import re
+from datetime import datetime, timezone
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.histories import outlooks
+from ema_twin_sim.campaign.results import DONE, REFUSED, SCHEMA
+from ema_twin_sim.campaign.units import units_of
+from ema_twin_sim.report.fleet import write_fleet
+
+WEEK = 7 * 86400.0
+
+
+def results(unit, wear, drawn):
+    for week in range(24):
+        width = 2.3e-3 + 1e-5 * drawn.normal() + wear * max(0, week - 10)
+        yield {
+            **dict.fromkeys(SCHEMA.names),
+            "key": f"{unit} {week}",
+            "unit": unit,
+            "name": f"week {week}",
+            "task": "fit",
+            "status": DONE,
+            "time": datetime.fromtimestamp(1.7e9 + week * WEEK, timezone.utc),
+            "duration": 20.0,
+            "errors": [],
+            "parameters": [{"owner": "backlash", "name": "width", "value": width, "std": 1e-5, "unit": "rad"}],
+        }
+
+
+@pytest.fixture(scope="module")
+def units():
+    drawn = np.random.default_rng(2)
+    rows = [*results("A/worn <b>", 4e-5, drawn), *results("B", 0.0, drawn)]
+    rows.append(
+        {
+            **dict.fromkeys(SCHEMA.names),
+            "unit": "C",
+            "name": "torn",
+            "task": "fit",
+            "status": REFUSED,
+            "message": "no rows",
+        }
+    )
+    return units_of(rows)
+
+
+@pytest.fixture
+def pages(units, tmp_path):
+    ahead = {unit.name: outlooks(unit, {"backlash.width": 4e-3}) for unit in units}
+    overview = write_fleet(tmp_path / "fleet", units, ahead)
+    links = re.findall(r'href="(units/[^"]+)"', overview.read_text())
+    return overview, {unquote(unquote(link)): overview.parent / unquote(link) for link in links}
+
+
+def test_every_unit_has_a_page_that_the_overview_leads_to(pages):
+    overview, of_units = pages
+    assert len(of_units) == 3
+    assert all(page.is_file() for page in of_units.values())
+    assert "3 units" in overview.read_text()
+    assert "<b>" not in overview.read_text()  # names are text
+
+
+def test_what_has_changed_is_told_with_where_it_leads(pages):
+    overview, of_units = pages
+    assert len(re.findall(r"backlash width \+\d+", overview.read_text())) == 1
+    worn = next(page.read_text() for name, page in of_units.items() if "worn" in name)
+    assert re.search(r"it has changed since week 1[0-4]", worn)
+    assert re.search(r"reaches its limit in \d+ to \d+ days", worn)
+    assert worn.count("<circle") == 24
+    well = next(page.read_text() for name, page in of_units.items() if "/B" in name)
+    assert "No number has changed." in well and "No number shows a trend." in well and "Nothing to do." in well
+    torn = next(page.read_text() for name, page in of_units.items() if "/C" in name)
+    assert "no rows" in torn and "1 refused" in torn
+
+
+def test_the_pages_load_nothing(pages):
+    overview, of_units = pages
+    for page in (overview, *of_units.values()):
+        text = page.read_text()
+        assert "default-src 'none'" in text
+        assert not re.search(r'(src|href)="(https?:|//)', text)
+
+
+def test_an_overview_that_exists_is_not_replaced(pages, units):
+    overview, _ = pages
+    with pytest.raises(InputError, match="exists already"):
+        write_fleet(overview.parent, units, {unit.name: [] for unit in units})
