@@ -54,7 +54,7 @@ class Outlook:
 
     history: History
     healthy: float  # the mean of the first values
-    now: float  # what all values say of the last
+    now: float  # that of the last few
     limit: float | None
     change: ChangePoint | None
     trend: Drift | None
@@ -119,21 +119,25 @@ def outlook(of: History, limit: float | None = None, healthy: int | None = None)
     count = min(count, len(of.values))
     if count < FEWEST_HEALTHY:
         raise InputError(f"{count} healthy results tell no scatter; give {FEWEST_HEALTHY} or more")
-    weights = of.errors[:count] ** -2.0
-    level = float(weights @ of.values[:count] / weights.sum())
+    level = _mean(of.values[:count], of.errors[:count])
     errors = of.errors * _share_that_differs(of.values[:count], of.errors[:count], level)
     change = change_point(of.values, errors, count) if len(of.values) > count else None
     trend = drift(of.times, of.values, errors)
     return Outlook(
         of,
         level,
-        trend.now()[0],
+        _mean(of.values[-FEWEST_HEALTHY:], of.errors[-FEWEST_HEALTHY:]),
         limit,
         change,
         trend if trend.is_trend else None,
         None if limit is None or limit == level else margin(trend, level, limit),
         None if limit is None else remaining_life(trend, limit),
     )
+
+
+def _mean(values: np.ndarray, errors: np.ndarray) -> float:
+    """Of values (n,), each counted by its standard error (n,)."""
+    return float(np.average(values, weights=errors**-2.0))
 
 
 def _share_that_differs(values: np.ndarray, errors: np.ndarray, level: float) -> float:
