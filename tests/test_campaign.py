@@ -22,7 +22,7 @@ from ema_twin_sim.campaign.engine import Outcome, cluster, run
 from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
-from ema_twin_sim.campaign.store import Store
+from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
 
@@ -112,6 +112,19 @@ class TestStore:
         store = Store.made(tmp_path / "r")
         store.write([a_row(key="1"), a_row(key="2", status=REFUSED), a_row(key="3", status=FAILED)])
         assert store.settled() == {"1", "2"}
+
+    def test_what_a_killed_writer_had_begun_goes_and_what_a_living_one_writes_stays(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row()])
+        (file,) = tmp_path.rglob("*.parquet")
+        ended = subprocess.Popen([sys.executable, "-c", ""])
+        ended.wait()
+        parts = [file.parent / f".x.{writer_host()}.{process}.part" for process in (ended.pid, os.getpid())]
+        parts.append(file.parent / f".x.elsewhere.{ended.pid}.part")
+        for part in parts:
+            part.touch()
+        store.merge_files()
+        assert [part.exists() for part in parts] == [False, True, True]
 
     def test_units_are_told_as_they_are_written(self, tmp_path):
         store = Store.made(tmp_path / "r")

@@ -7,6 +7,7 @@ counts once: its latest row. pandas, polars, DuckDB and pyarrow read the folder 
 from __future__ import annotations
 
 import os
+import platform
 import uuid
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
 FOLDER = "results"
 _MANY_FILES = 8  # of a unit, from which on they are made one
+_PART = ".part"
 _TRIES = 5  # at reading files while somebody else makes one of several
 
 
@@ -80,9 +82,13 @@ class Store:
         return keys
 
     def merge_files(self) -> None:
-        """Make one file of a unit's many. What another campaign has merged meanwhile is left as it is."""
-        for folder in sorted(self._files.iterdir()) if self._files.is_dir() else []:
-            files = sorted(folder.glob("*.parquet"))
+        """Make one file of a unit's many, and remove what writers that were killed had begun.
+
+        What another campaign has merged meanwhile is left as it is.
+        """
+        for folder in _listed(self._files):
+            _clear_left_overs(folder)
+            files = [file for file in _listed(folder) if file.suffix == ".parquet"]
             if len(files) < _MANY_FILES:
                 continue
             try:
@@ -126,7 +132,7 @@ class Store:
         folder = self._files / quote(unit, safe=" ").replace(".", "%2E")  # no unit is hidden, nor the folder above
         folder.mkdir(parents=True, exist_ok=True)
         name = uuid.uuid4().hex
-        part = folder / f".{name}.part"
+        part = folder / f".{name}.{writer_host()}.{os.getpid()}{_PART}"
         try:
             with part.open("wb") as file:
                 pq.write_table(table, file, compression="zstd")
@@ -161,6 +167,25 @@ class Store:
                 f"{file}: has results of {said}, this ema-twin writes version {SCHEMA_VERSION}; "
                 "give another folder with -o"
             )
+
+
+def writer_host() -> str:
+    """This machine's name, as a part of a file's name."""
+    return quote(platform.node(), safe="").replace(".", "-")
+
+
+def _clear_left_overs(folder: Path) -> None:
+    """Remove files half written by processes of this machine that are no more."""
+    for part in _listed(folder):
+        *_, host, process, suffix = ("", "", *part.name.split("."))
+        if f".{suffix}" != _PART or host != writer_host() or not process.isdecimal():
+            continue
+        try:
+            os.kill(int(process), 0)
+        except ProcessLookupError:
+            part.unlink(missing_ok=True)
+        except OSError:  # somebody else's, and alive
+            continue
 
 
 def _listed(folder: Path) -> list[Path]:
