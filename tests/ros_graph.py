@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import rclpy
 from rclpy.context import Context
@@ -77,6 +78,22 @@ def start_process(module, *parameters, **options):
     given = [word for parameter in parameters for word in ("-p", parameter)]
     command = [sys.executable, "-m", module, "--ros-args", *given]
     return subprocess.Popen(command, env=os.environ.copy(), stderr=subprocess.PIPE, text=True, **options)
+
+
+@contextmanager
+def starter():
+    """What starts nodes as ``start_process`` does; those that a failed test leaves are ended."""
+    processes = []
+
+    def start(*arguments):
+        processes.append(start_process(*arguments))
+        return processes[-1]
+
+    yield start
+    for process in processes:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
 
 
 def ended_well(process, errors):

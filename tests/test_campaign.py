@@ -13,9 +13,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pyarrow.parquet as pq
 import pytest
 
+from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
 from ema_twin_sim.campaign.engine import Outcome, cluster, run
@@ -75,6 +77,17 @@ class TestJobs:
         after = {job.name: job.key for job in find_jobs(grouping, COMPARE)}
         assert {name for name in before if before[name] != after[name]} == {"B/torn.CSV"}
         assert not {*after.values()} & {job.key for job in find_jobs(grouping, Task("fit", "polito_bench"))}
+
+    def test_a_recording_that_was_split_is_one(self, tmp_path):
+        writer = StreamWriter(tmp_path / "A" / "run", max_size=1)
+        writer.add_topic("/t", "std_msgs/msg/Empty", "")
+        for moment in (1, 2):
+            writer.write("/t", b"", moment, moment)
+            writer.flush()
+        writer.finish()
+        (tmp_path / "A" / "run" / "metadata.yaml").unlink()  # as where it was killed
+        (job,) = find_jobs(Grouping.of(tmp_path, None, "recording"), COMPARE)
+        assert [Path(part).name for part in job.recordings[0]] == ["run.mcap", "run_1.mcap"]
 
     def test_results_beneath_the_folder_are_no_recordings(self, folder):
         (folder / "results").mkdir()
@@ -163,7 +176,7 @@ class TestWork:
 
         job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
         row = judged(job, COMPARE)
-        overall = compare([load(job.files[0])], load_model("polito_bench")).overall
+        overall = compare([load(job.recordings[0][0])], load_model("polito_bench")).overall
         assert {e["signal"]: e["rmse"] for e in row["errors"]} == {
             name: error["rmse"] for name, error in overall.items() if not error["driven"]
         }
@@ -244,6 +257,9 @@ class TestEngine:
     def test_it_listens_to_this_campaign_only(self, client):
         assert client.scheduler.address.startswith("tls://127.0.0.1:")
         assert all(address.startswith("tls://127.0.0.1:") for address in client.nthreads())
+        here = psutil.Process()
+        doors = [c.laddr.ip for p in (here, *here.children(recursive=True)) for c in p.net_connections("inet")]
+        assert {*doors} == {"127.0.0.1"}
 
     def test_a_campaign_fills_a_store(self, client, folder, tmp_path):
         store = Store.made(tmp_path / "r")

@@ -7,7 +7,7 @@ import threading
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
-from ros_graph import Graph, ended_well, start_process
+from ros_graph import Graph, ended_well, starter
 
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
@@ -35,18 +35,8 @@ def graph():
 
 @pytest.fixture
 def start():
-    """Starts nodes, and ends those that a failed test leaves."""
-    processes = []
-
-    def start(*arguments):
-        processes.append(start_process(*arguments))
-        return processes[-1]
-
-    yield start
-    for process in processes:
-        if process.poll() is None:
-            process.kill()
-            process.communicate()
+    with starter() as start:
+        yield start
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.qos import QoSProfile
-from ros_graph import Graph, start_process
+from ros_graph import Graph, starter
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
@@ -67,17 +67,8 @@ def bench():
 
 @pytest.fixture
 def start():
-    processes = []
-
-    def start(*parameters):
-        processes.append(start_process(RECORD, f"topics:=[{TOPIC}]", *parameters))
-        return processes[-1]
-
-    yield start
-    for process in processes:
-        if process.poll() is None:
-            process.kill()
-            process.communicate()
+    with starter() as start_node:
+        yield lambda *parameters: start_node(RECORD, f"topics:=[{TOPIC}]", *parameters)
 
 
 def ended(record):

@@ -7,12 +7,13 @@ from collections.abc import Hashable, Sequence
 from io import BytesIO
 from pathlib import Path
 
-import yaml
 from mcap.exceptions import McapError
 from mcap.records import Chunk, Metadata
 from mcap.stream_reader import StreamReader
 
 from ema_bench_replay.bags.mcap_file import MAGIC
+from ema_bench_replay.checked_yaml import read_yaml
+from ema_bench_replay.errors import InputError
 
 PART_NAME = "ema_twin_part"
 """Name of the MCAP metadata record that says which recording a file is of, and which of its parts, from 0 on."""
@@ -83,9 +84,9 @@ def _own_words(file: Path) -> tuple[Hashable, int] | None:
 
 def _listed(file: Path) -> tuple[Hashable, int] | None:
     try:
-        content = yaml.safe_load((file.parent / "metadata.yaml").read_text())
+        content, _ = read_yaml(file.parent / "metadata.yaml")
         names = [Path(path).name for path in content["rosbag2_bagfile_information"]["relative_file_paths"]]
-    except (OSError, ValueError, yaml.YAMLError, KeyError, TypeError):
+    except (InputError, KeyError, TypeError):
         return None
     return (file.parent, names.index(file.name)) if file.name in names else None
 

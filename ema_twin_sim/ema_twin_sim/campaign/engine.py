@@ -59,9 +59,9 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
 
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS,
-        "distributed.worker.daemon": True,
         "distributed.comm.timeouts.connect": _CONNECTING,
-        "distributed.admin.log-format": "%(message)s",
+        "distributed.scheduler.http.routes": [],  # no pages of its own, which would be open to the whole machine
+        "distributed.worker.http.routes": [],
         "logging": {"distributed": "critical", "asyncio": "critical", "tornado": "critical"},
     }
     with dask.config.set(settings):
@@ -83,7 +83,7 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
                 threads_per_worker=1,
                 host=_LISTENING,
                 dashboard_address=None,
-                worker_dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": f"{_LISTENING}:0"},  # a free port, beside other campaigns
                 security=Security.temporary(),
                 protocol="tls",
             ) as local,

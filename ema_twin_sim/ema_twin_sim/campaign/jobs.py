@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
+from ema_bench_replay.bags.bag_parts import recordings_in
 from ema_bench_replay.errors import InputError
 
 from ..model.model_file import model_files
 
 VERBS = ("compare", "fit", "diagnose", "discover")
 TOGETHER = ("recording", "folder", "unit")
-SUFFIXES = (".mcap", ".csv")
 GROUPS = {"unit", "time"}
 """The groups that a pattern of names may have."""
 _KEY_BYTES = 16
@@ -45,7 +45,7 @@ class Job:
     key: str  # the same for the same recordings, as they are, judged by the same task
     unit: str
     name: str  # of the recording, of its folder, or of the unit
-    files: tuple[str, ...]
+    recordings: tuple[tuple[str, ...], ...]  # the path of each, or the files of one that a recorder has split
     time: datetime | None = None  # that the name tells; None where only the recording may
 
 
@@ -102,8 +102,9 @@ class Grouping:
         return (path if self.together == "recording" else path.parent).as_posix()
 
 
-def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[Path]:
-    """The recordings beneath a folder, in the order of their names: CSVs, .mcap files, and bags of several of these.
+def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[tuple[Path, ...]]:
+    """The recordings beneath a folder, in the order of their names: CSVs, .mcap files, bags, and the files of one that
+    a recorder has split.
 
     Hidden files and folders, and those ``skipped``, are left out.
     """
@@ -113,11 +114,11 @@ def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[Path
         folders[:] = sorted(f for f in folders if not f.startswith(".") and (here / f).resolve() not in left_out)
         if "metadata.yaml" in files and any(file.endswith(".mcap") for file in files):
             folders.clear()
-            yield here
+            yield (here,)
             continue
-        yield from (
-            here / file for file in sorted(files) if not file.startswith(".") and file.lower().endswith(SUFFIXES)
-        )
+        shown = [here / file for file in sorted(files) if not file.startswith(".")]
+        bags = recordings_in([file for file in shown if file.suffix == ".mcap"])
+        yield from sorted([*bags, *((file,) for file in shown if file.suffix.lower() == ".csv")])
 
 
 def find_jobs(
@@ -127,17 +128,17 @@ def find_jobs(
 
     Raises InputError where there is none.
     """
-    of: dict[tuple[str, str], list[tuple[Path, datetime | None]]] = {}
+    of: dict[tuple[str, str], list[tuple[tuple[Path, ...], datetime | None]]] = {}
     strays: list[Path] = []
     count = 0
-    for file in find_recordings(grouping.folder, skipped):
+    for parts in find_recordings(grouping.folder, skipped):
         count += 1
-        place = grouping.place(file)
+        place = grouping.place(parts[0])
         if place is None:
-            strays.append(file)
+            strays.append(parts[0])
             continue
         unit, when = place
-        of.setdefault((unit, grouping.group(file, unit)), []).append((file, when))
+        of.setdefault((unit, grouping.group(parts[0], unit)), []).append((parts, when))
     if not count:
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if strays:
@@ -145,13 +146,13 @@ def find_jobs(
     identity = task.identity()
     return [
         Job(
-            _key(identity, grouping.folder, [file for file, _ in files]),
+            _key(identity, grouping.folder, [file for parts, _ in recordings for file in parts]),
             unit,
             name,
-            tuple(str(file) for file, _ in files),
-            min((when for _, when in files if when is not None), default=None),
+            tuple(tuple(map(str, parts)) for parts, _ in recordings),
+            min((when for _, when in recordings if when is not None), default=None),
         )
-        for (unit, name), files in of.items()
+        for (unit, name), recordings in of.items()
     ]
 
 

@@ -106,7 +106,7 @@ class Store:
         """A database with the view ``results``: the latest row of every job."""
         import duckdb
 
-        with duckdb.connect(config={"enable_external_access": "true"}) as database:
+        with duckdb.connect() as database:
             database.execute("SET autoinstall_known_extensions = false; SET autoload_known_extensions = false")
             database.execute("SET TimeZone = 'UTC'")
             pattern = f"{self._files}/*/*.parquet".replace("'", "''")
@@ -118,18 +118,20 @@ class Store:
 
     def rows(self) -> list[dict[str, Any]]:
         """The latest row of every job, by unit, time and name."""
+        import duckdb
+
         for attempt in range(_TRIES):
             try:
                 with self.query() as database:
                     found = database.sql("SELECT * FROM results ORDER BY unit, time NULLS LAST, name")
                     return list(found.to_arrow_table().cast(SCHEMA).to_pylist())
-            except OSError:
+            except duckdb.IOException:  # a file that was listed has been made one with others
                 if attempt == _TRIES - 1:
                     raise
         return []
 
     def _write(self, table: pa.Table, unit: str) -> None:
-        folder = self._files / quote(unit, safe=" ").replace(".", "%2E")  # no unit is hidden, nor the folder above
+        folder = self._files / file_name(unit)
         folder.mkdir(parents=True, exist_ok=True)
         name = uuid.uuid4().hex
         part = folder / f".{name}.{writer_host()}.{os.getpid()}{_PART}"
@@ -169,9 +171,14 @@ class Store:
             )
 
 
+def file_name(unit: str) -> str:
+    """A unit's name as that of a file or folder: none is hidden, and none is the folder above."""
+    return quote(unit, safe=" ").replace(".", "%2E")
+
+
 def writer_host() -> str:
     """This machine's name, as a part of a file's name."""
-    return quote(platform.node(), safe="").replace(".", "-")
+    return file_name(platform.node())
 
 
 def _clear_left_overs(folder: Path) -> None:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ def judged(job: Job, task: Task) -> Row:
     begun = time.perf_counter()
     row = blank(job, task)
     try:
-        recordings = [load(file, import_map=task.import_map) for file in job.files]
+        recordings = [load([*map(Path, parts)], import_map=task.import_map) for parts in job.recordings]
         row |= _of_recordings(recordings)
         row["warnings"] = [warning for recording in recordings for warning in recording.warnings]
         if job.time is not None:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import options
-from .output import counted_down, say, status, warn
+from .output import counted, say, status, warn
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -40,6 +40,18 @@ _SHOWN = 5
 _EVERY = 10.0  # s, between two looks for new recordings
 
 
+def _verbs(incomplete: str) -> list[str]:
+    from ..campaign.jobs import VERBS
+
+    return [verb for verb in VERBS if verb.startswith(incomplete)]
+
+
+def _together(incomplete: str) -> list[str]:
+    from ..campaign.jobs import TOGETHER
+
+    return [what for what in TOGETHER if what.startswith(incomplete)]
+
+
 def run(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that holds the units' recordings.")],
     model: options.ModelName,
@@ -52,9 +64,7 @@ def run(
             "--do",
             metavar="VERB",
             help="What is done: compare, fit, diagnose or discover.",
-            autocompletion=lambda incomplete: [
-                verb for verb in ("compare", "fit", "diagnose", "discover") if verb.startswith(incomplete)
-            ],
+            autocompletion=_verbs,
         ),
     ] = "discover",
     unit: Annotated[
@@ -72,9 +82,7 @@ def run(
             "--together",
             metavar="WHAT",
             help="What is judged together: each recording by itself, those of a folder, or those of a unit.",
-            autocompletion=lambda incomplete: [
-                what for what in ("recording", "folder", "unit") if what.startswith(incomplete)
-            ],
+            autocompletion=_together,
         ),
     ] = "recording",
     import_map: options.ImportMap = "siemens",
@@ -167,7 +175,7 @@ def _judge(client: Client, jobs: Sequence[Job], task: Task, store: Store) -> Cou
     from ..campaign.campaign import campaign
 
     counts: Counter[str] = Counter()
-    with counted_down(len(jobs), "judging") as done:
+    with counted(len(jobs), "judging") as done:
         outcomes: Iterator[Outcome] = campaign(client, jobs, task, store.folder.resolve())
         for outcome in outcomes:
             counts[outcome.status] += 1

@@ -12,7 +12,15 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 from rich.text import Text
 
 _WIDTH_WITHOUT_TERMINAL = 120
@@ -124,7 +132,7 @@ def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
     """What takes a line of what is being done, and shows it on the error output; in a log, now and then."""
-    if not _watched():
+    if not sys.stderr.isatty():
         yield _now_and_then()
         return
     with messages.status("starting") as shown:
@@ -133,32 +141,14 @@ def status() -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def counted(total: int, what: str) -> Iterator[Callable[[str], None]]:
-    """What takes the name of each of ``total`` pieces of work when it is done: a bar; in a log, now and then a line."""
-    done = 0
-    show = _now_and_then()
-    with progress_bar() as progress:
-        task = progress.add_task(what, total=total)
+    """What takes the name of each of ``total`` pieces of work when it is done: a bar; in a log, now and then a line.
 
-        def advance(name: str) -> None:
-            nonlocal done
-            done += 1
-            progress.advance(task)
-            if progress.disable and done < total:
-                show(f"{what}: {done} of {total} done ({name})")
-
-        yield advance
-
-
-@contextmanager
-def counted_down(total: int, what: str) -> Iterator[Callable[[str], None]]:
-    """As ``counted``, with the time that is left by how fast the last ones went."""
+    Both tell the time that is left, by how fast the last ones went.
+    """
     done = 0
     begun = time.monotonic()
     show = _now_and_then()
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    left = TimeRemainingColumn(elapsed_when_finished=True)
-    bar = Progress(*columns, TextColumn("left:"), left, console=messages, transient=True, disable=not _watched())
-    with bar as progress:
+    with progress_bar(TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True)) as progress:
         task = progress.add_task(what, total=total)
 
         def advance(name: str) -> None:
@@ -166,8 +156,8 @@ def counted_down(total: int, what: str) -> Iterator[Callable[[str], None]]:
             done += 1
             progress.advance(task)
             if progress.disable and done < total:
-                seconds = (time.monotonic() - begun) / done * (total - done)
-                show(f"{what}: {done} of {total} done ({name}), about {duration(seconds)} left")
+                left = (time.monotonic() - begun) / done * (total - done)
+                show(f"{what}: {done} of {total} done ({name}), about {duration(left)} left")
 
         yield advance
 
@@ -178,10 +168,6 @@ def duration(seconds: float) -> str:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
-
-
-def _watched() -> bool:
-    return sys.stderr.isatty()
 
 
 def tell_of_compiling() -> None:
@@ -206,9 +192,9 @@ def _now_and_then() -> Callable[[str], None]:
     return show
 
 
-def progress_bar() -> Progress:
+def progress_bar(*more: ProgressColumn) -> Progress:
     """A progress bar on the error output, where somebody watches, that leaves no trace when done."""
     return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-        console=messages, transient=True, disable=not _watched(),
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), *more,
+        console=messages, transient=True, disable=not sys.stderr.isatty(),
     )  # fmt: skip

@@ -1,9 +1,8 @@
 """Prognosis: the distance to a limit, and when a trend gets there.
 
 The chance that the limit is passed at a time is that of the line at that time to lie beyond it, with the errors of
-level and slope and the doubt about the onset; its quantiles are the interval (of one onset, they are
-Fieller's). Where the
-values show no trend towards the limit there is no remaining life to be told.
+level and slope and the doubt about the onset; its quantiles are the interval (of one onset, they are Fieller's). Where
+the values show no trend towards the limit there is no remaining life to be told.
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ from urllib.parse import quote
 from ema_bench_replay.outputs import new_file
 
 from ..campaign.histories import Outlook
+from ..campaign.store import file_name
 from ..campaign.units import Unit
 from ..commands.unit_words import change_of, life_words, missing_words, number_words
 from ..commands.wording import effect_words
@@ -50,7 +51,7 @@ def _write(path: Path, text: str, force: bool) -> None:
 
 
 def _file(unit: Unit) -> str:
-    return quote(unit.name, safe=" ").replace(".", "%2E") + ".html"
+    return f"{file_name(unit.name)}.html"
 
 
 def _page(title: str, *body: str, script: str = "") -> str:
