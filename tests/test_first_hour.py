@@ -96,6 +96,16 @@ def test_columns_that_only_some_traces_have_are_told(tmp_path, capsys, servo):
 
 
 @pytest.mark.parametrize(
+    ("seed", "told"),
+    [("x", "x is no whole number; give 0 to 1000000000"), ("-3", "-3 is out of range; give 0 to 1000000000")],
+)
+def test_a_seed_that_is_none_is_refused_in_our_words(seed, told):
+    with pytest.raises(Exception) as refused:
+        app(["simulate", "-m", "polito_bench", "-o", "run.mcap", f"--seed={seed}"], standalone_mode=False)
+    assert told in refused.value.format_message()
+
+
+@pytest.mark.parametrize(
     ("options", "told"),
     [
         (("--gear-ratio", "0"), "--gear-ratio.*0 is out of range; give 0.001 to 100000 turns of the motor per turn of"),

@@ -88,7 +88,13 @@ def run(
     import_map: options.ImportMap = "siemens",
     without: options.Without = None,
     workers: Annotated[
-        int, typer.Option("--workers", min=1, max=1024, help="Processes on this machine; by default one for each core.")
+        int,
+        typer.Option(
+            "--workers",
+            metavar="N",
+            parser=options.whole(1, 1024),
+            help="Processes on this machine; by default one for each core.",
+        ),
     ] = os.cpu_count() or 1,
     scheduler: Annotated[
         str | None,

@@ -28,6 +28,22 @@ def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
     return parsed
 
 
+def whole(lower: int, upper: int) -> Callable[[str], int]:
+    """The parser of an option that takes a whole number; a usage error with its bounds refuses any other."""
+
+    def parsed(text: str) -> int:
+        bounds = f"give {lower} to {upper}"
+        try:
+            value = int(text)
+        except ValueError:
+            raise typer.BadParameter(f"{text} is no whole number; {bounds}") from None
+        if not lower <= value <= upper:
+            raise typer.BadParameter(f"{value} is out of range; {bounds}")
+        return value
+
+    return parsed
+
+
 def _model_names(incomplete: str) -> list[str]:
     from ema_bench_replay.configuration import configuration_names
 

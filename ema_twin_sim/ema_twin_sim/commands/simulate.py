@@ -40,7 +40,9 @@ def run(
             metavar="S", parser=options.SECONDS, help="Duration in seconds; by default the command file's, else 20."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the sensors' noise.")] = 0,
+    seed: Annotated[
+        int, typer.Option(metavar="N", parser=options.whole(0, 10**9), help="Seed of the sensors' noise.")
+    ] = 0,
     noise: Annotated[bool, typer.Option("--noise/--no-noise", help="Add sensor noise.")] = True,
     start: Annotated[
         float,

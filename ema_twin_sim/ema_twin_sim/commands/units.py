@@ -47,7 +47,7 @@ def run(
         typer.Option(
             "--healthy",
             metavar="N",
-            min=4,
+            parser=options.whole(4, 10**9),
             help="The first N results of each unit are healthy; by default a third of them, four at least.",
         ),
     ] = None,

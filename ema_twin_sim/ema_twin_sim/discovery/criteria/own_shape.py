@@ -31,22 +31,28 @@ def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether a spring, or an encoder's angle error, explains most of how the encoders part, and leaves no more than
-    their lines may.
+    """Whether play, a spring, or an encoder's angle error explains how the encoders part, whatever else is left.
 
-    An encoder that errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the
-    place of play, leaves much more where the output is thrown. Not so of play, whose teeth wind up as a spring does:
-    with a width besides, it takes up what is left of a spring beside such errors. Nor of a late encoder, which a
-    gearbox that winds up looks like.
+    A spring or an angle error must explain most of it, and leave no more than an encoder's lines may: an encoder that
+    errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the place of play,
+    leaves much more where the output is thrown. What play leaves in any recording must be little beside
+    that, since what is thrown against its teeth leaves more than lines do, and its width must explain most of it: its
+    teeth wind up as a spring does, and with a width besides, they take up what is left of a spring beside such errors.
+    Not so of a late encoder, which a gearbox that winds up looks like.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
-    play = effect.id in COMPLIANT_EFFECTS and effect.parameters[0].unit == "rad"
-    if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or play or effect.delays:
+    if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or effect.delays:
         return False
-    parts = [f.raw[part] for part in problem.encoder_parts if part.stop > part.start]
-    if any(float(np.sqrt(np.mean(rows**2))) > APART for rows in parts):
-        return False
-    return _mostly(problem, f, fit(problem, f.hypothesis.without(name)))
+    parts = [part for part in problem.encoder_parts if part.stop > part.start]
+    bare = fit(problem, f.hypothesis.without(name))
+    width = effect.parameters[0]
+    if effect.id in COMPLIANT_EFFECTS and width.unit == "rad":
+        parted = _of_the_encoders(problem, bare) / (problem.rows - problem.size)
+        little = (1.0 - NEARLY_ALL) * parted
+        if any(_of_these(f, part) > max(little * (part.stop - part.start), _lines(part)) for part in parts):
+            return False
+        return _mostly(problem, f, fit(problem, f.hypothesis.put({f"effects.{name}.{width.name}": 0.0}), 0))
+    return all(_of_these(f, part) <= _lines(part) for part in parts) and _mostly(problem, f, bare)
 
 
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
@@ -90,9 +96,19 @@ def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:
     return _of_the_encoders(problem, f) <= (1.0 - MOSTLY) * _of_the_encoders(problem, bare)
 
 
+def _of_these(f: Fit, rows: slice) -> float:
+    """Power of some of the encoders' rows beyond their noise."""
+    return max(float(np.sum(f.raw[rows] ** 2)) - (rows.stop - rows.start), 0.0)
+
+
+def _lines(rows: slice) -> float:
+    """The same of an encoder that errs between its lines as far as one may."""
+    return (APART**2 - 1.0) * (rows.stop - rows.start)
+
+
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:
     """Power of the encoders' difference beyond its noise, far rows in full: they are what an encoder's error makes."""
-    return max(float(np.sum(f.raw[problem.size :] ** 2)) - (problem.rows - problem.size), 0.0)
+    return _of_these(f, slice(problem.size, problem.rows))
 
 
 def _over(problem: EquationErrorProblem, bare: Fit, over: str) -> dict[str, np.ndarray]:
