@@ -1,5 +1,7 @@
 """A problem is frozen, a fit holds the one that it was fitted to, and misfits under two weightings do not compare."""
 
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
@@ -20,6 +22,7 @@ from ema_twin_sim.identification.generic_bases import beside_generic_bases
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.identification.wander import Wander
 from ema_twin_sim.identification.weighting import FAR, Weighting
+from ema_twin_sim.model.model import EffectInstance
 from tests.few_rows import few_rows
 
 NOISE = 0.01  # N m
@@ -178,3 +181,19 @@ class TestReweighing:
         even = Weighting.even(60, FAR)
         assert even.inflated(1.1) is even
         assert even.inflated(1.5).variance_inflation == 1.5
+
+
+def test_rows_are_kept_by_several_threads_at_once(problem, bare):
+    """A search screens effects side by side, and each thread keeps rows while others count what is kept."""
+    loads = [EffectInstance("constant_load", {}, {"torque": torque}) for torque in np.linspace(0.01, 0.9, 400)]
+    problem = EquationErrorProblem(problem.observations)
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(4) as threads:
+            rows = list(threads.map(lambda load: problem.alike_beside_any(bare.predicted, [load]), loads))
+    finally:
+        sys.setswitchinterval(interval)
+    alone = [problem.alike_beside_any(bare.predicted, [load]) for load in loads]
+    assert len(problem.kept_rows) == len(loads)
+    assert all(np.array_equal(one, other) for one, other in zip(rows, alone, strict=True))

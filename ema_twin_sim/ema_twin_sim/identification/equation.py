@@ -170,7 +170,8 @@ class EquationErrorProblem(WeightedRows):
             rows = np.zeros((self.rows, len(instances)))
             rows[: self.size] = np.stack([self._required_by(beside, one) / self.noise for one in instances], 1)
             rows = self.whitened(rows)[: self.size]
-            if sum(one.nbytes for one in self.kept_rows.values()) + rows.nbytes < KEPT:
+            kept = list(self.kept_rows.values())  # a copy: other threads keep theirs meanwhile
+            if sum(one.nbytes for one in kept) + rows.nbytes < KEPT:
                 self.kept_rows[key] = rows
         return rows / torque_scale(plant)
 

@@ -44,10 +44,12 @@ def _bases(problem: EquationErrorProblem) -> Mapping[str, np.ndarray]:
     same.
     """
     kept, wander = problem.kept_bases, problem.weighting.wander
-    if wander not in kept:
+    bases = kept.get(wander)  # by one look: another thread may clear them meanwhile
+    if bases is None:
+        bases = {**_by_speed(problem), **_by_position(problem), **_by_time(problem)}
         kept.clear()
-        kept[wander] = {**_by_speed(problem), **_by_position(problem), **_by_time(problem)}
-    return kept[wander]
+        kept[wander] = bases
+    return bases
 
 
 def dependence(name: str) -> str:
