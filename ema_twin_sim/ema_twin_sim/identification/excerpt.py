@@ -17,29 +17,41 @@ MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
 
 
 def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
-    """The seconds of each recording that hold the most reversals, of a few recordings."""
-    found = []
-    for o in problem.observations:
-        if len(o.encoder_rows):
-            length = min(len(o.motion) - 1, round(EXCERPT / o.period))
-            first, count = _most_reversals(o, length)
-            # own seconds of a machine whose torque nobody measured are no more than a typical speed's
-            while not problem.size and count < MOST_TURNS // 2 and length < len(o.motion) - 1:
-                length = min(len(o.motion) - 1, 2 * length)
-                first, count = _most_reversals(o, length)
-            found.append((count, o.window(first, first + length)))
+    """The seconds of each recording that hold the most reversals, of a few recordings; more where none shows one."""
+    seen = [o for o in problem.observations if len(o.encoder_rows)]
+    longest = max((o.period * len(o.motion) for o in seen), default=0.0)
+    duration = EXCERPT
+    found = [_telling(o, duration, problem.size > 0) for o in seen]
+    while duration < longest and not any(count > 0.0 for count, _ in found):
+        duration *= 2.0
+        found = [_telling(o, duration, problem.size > 0) for o in seen]
     found.sort(key=lambda entry: -entry[0])
     part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])
     return part.under(replace(part.weighting, variance_inflation=problem.weighting.variance_inflation))
 
 
+def _telling(o: Observation, duration: float, by_torque: bool) -> tuple[float, Observation]:
+    """(reversals times share in motion, excerpt) of the stretch of a ``duration`` [own s] that holds the most."""
+    length = min(len(o.motion) - 1, round(duration / o.period))
+    first, count = _most_reversals(o, length)
+    # own seconds of a machine whose torque nobody measured are no more than a typical speed's
+    while not by_torque and count < MOST_TURNS // 2 and length < len(o.motion) - 1:
+        length = min(len(o.motion) - 1, 2 * length)
+        first, count = _most_reversals(o, length)
+    return count, o.window(first, first + length)
+
+
 def _most_reversals(o: Observation, length: int) -> tuple[int, float]:
-    """(first sample, reversals times share in motion) of the best stretch of so many samples."""
+    """(first sample, reversals times share in motion) of the best stretch of so many samples.
+
+    A reversal counts where the encoders are judged before it and after it: not while an output is thrown.
+    """
     speed = o.motion[:, SPEED]
-    turns = np.concatenate([[0.0], np.cumsum(np.diff(np.sign(speed)) != 0)])
+    turn = np.flatnonzero(np.diff(np.sign(speed[o.encoder_rows])) != 0)
+    until = np.searchsorted(o.encoder_rows[turn + 1], np.arange(length, len(speed) + 1))
+    before = np.searchsorted(o.encoder_rows[turn], np.arange(len(speed) - length + 1))
     moving = np.concatenate([[0.0], np.cumsum(np.abs(speed) > STANDSTILL)])
-    count = turns[length - 1 :] - turns[: len(turns) - length + 1]
     share = (moving[length:] - moving[: len(moving) - length]) / length
-    count = np.minimum(count, MOST_TURNS)[: len(share)] * share  # chatter at standstill is no reversal
+    count = np.clip(until - before, 0, MOST_TURNS) * share  # chatter at standstill is no reversal
     first = int(np.argmax(count))
     return first, float(count[first])

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, PART, SMALL
+from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, PART, SMALL
 from ..effects import catalogue
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .candidates import no_more_of
@@ -51,8 +51,9 @@ def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] 
 def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
     """Whether play or a spring could be behind how the encoders part: by the torque, the tooth, or the direction.
 
-    It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves. A
-    regression answers in milliseconds what trying every gearbox would take seconds to answer.
+    It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves; unless this
+    is more than an encoder errs by between its lines. An output that flies through a wide gap follows neither the
+    torque nor the direction. A regression answers in milliseconds what trying every gearbox would take seconds to answer.
     """
     if not problem.size:
         return True
@@ -62,6 +63,8 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
         (_, bare), (_, beside) = (
             _regress(columns, wanted) for columns in (others, np.concatenate([gearbox[:, :GEARBOX_COLUMNS], others], 1))
         )
+        if bare > _misfit(np.full(len(wanted), INTERPOLATED)):
+            continue
         # where sensors explain it to the noise, nothing is left to take a share of
         if bare - beside <= max(SMALL * (bare - len(wanted)), CORRELATION * by_chance(GEARBOX_COLUMNS)):
             return False
@@ -140,4 +143,9 @@ def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float
         coefficients = np.linalg.lstsq(columns * weights[:, None], wanted * weights, rcond=1e-10)[0]
         left = wanted - columns @ coefficients
         weights = 1.0 / np.sqrt(1.0 + (left / BESIDE_IMPACTS) ** 2)
-    return coefficients, float(BESIDE_IMPACTS**2 * np.log1p((left / BESIDE_IMPACTS) ** 2).sum())
+    return coefficients, _misfit(left)
+
+
+def _misfit(left: np.ndarray) -> float:
+    """Cauchy's misfit of rows (k,), in units of noise."""
+    return float(BESIDE_IMPACTS**2 * np.log1p((left / BESIDE_IMPACTS) ** 2).sum())

@@ -30,9 +30,12 @@ def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) ->
 
     A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
     of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
+    An output that flies through its play is quicker than a motor that turns back: it may come back from its teeth as
+    fast as it parted a sample before, or does a sample after.
     """
     step = np.diff(difference, prepend=difference[:1])
     out = step - moving_median(step, NEIGHBOURS)
     spread = 1.4826 * float(np.median(np.abs(out)))
-    most = SPIKE * spread + moving_maximum(np.abs(travel), NEIGHBOURS // 2, NEIGHBOURS // 2) + counted
+    parting = np.maximum(np.abs(np.r_[step[:1], step[:-1]]), np.abs(np.r_[step[1:], step[-1:]]))
+    most = SPIKE * spread + moving_maximum(np.abs(travel), NEIGHBOURS // 2, NEIGHBOURS // 2) + counted + 2.0 * parting
     return np.where(np.abs(out) > most, out, 0.0)

@@ -10,6 +10,7 @@ from collections import namedtuple
 
 from numba import boolean, float64, from_dtype, int64, njit, types, void
 
+from ..criteria import STANDSTILL
 from .driven_output import RESOLVED
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step
@@ -85,6 +86,17 @@ def output_side(plant):
         plant.output_inertia * _PULL * _PULL,
         2.0 * plant.output_inertia * _PULL,
     )
+
+
+@njit(error_model="numpy")
+def first_output_angle(side, motor_angle, motor_speed):
+    """Where an output [rad, fast shaft] begins: in the middle of its gap, or where the motor moves on the driving flank,
+    as ``simulation/driving_flank.py`` has it.
+    """
+    if side.gap == 0.0 or math.fabs(motor_speed) <= STANDSTILL:
+        return motor_angle
+    pressed = (side.dry + side.viscous * math.fabs(motor_speed)) / side.stiffness
+    return motor_angle - math.copysign(side.gap + pressed, motor_speed)
 
 
 @njit(error_model="numpy")
@@ -200,7 +212,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     share = 1.0 if rigid else bristle_share(plant)
     side = output_side(plant)
     substep = longest_substep(side)
-    output_angle = motion[0, MOTOR_ANGLE]
+    output_angle = first_output_angle(side, motion[0, MOTOR_ANGLE], motion[0, SPEED])
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
     zero = 0.0  # rad by which the output's encoder shows more, as seen while teeth touch

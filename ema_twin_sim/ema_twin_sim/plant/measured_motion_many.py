@@ -19,6 +19,7 @@ from .measured_motion import (
     SPEED,
     TIME,
     OutputSide,
+    first_output_angle,
     longest_substep,
     operating_point,
     output_side,
@@ -107,7 +108,7 @@ def _load_lanes(plants, motion, lanes):
         share = bristle_share(plant)
         lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
         lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
-        lanes[OUTPUT_ANGLE + m] = motion[0, MOTOR_ANGLE]
+        lanes[OUTPUT_ANGLE + m] = first_output_angle(side, motion[0, MOTOR_ANGLE], motion[0, SPEED])
         lanes[OUTPUT_SPEED + m] = motion[0, SPEED]
 
 

@@ -1,0 +1,60 @@
+"""An output that is thrown through wide play: what its encoder shows is no lost count, and the play is named."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.excerpt import excerpt
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.spoilt_samples import counter_jumps
+from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.simulation.driving_flank import lead
+from tests.recorded import record
+
+FAST = ("triangle:0.4839:2",)
+"""Up to 60 rad/s of the motor, one reversal a second."""
+
+
+@pytest.fixture(scope="module")
+def thrown(stock):
+    """One recording of a bench whose play of 10 mrad throws its output for a good part of each way."""
+    return record(stock.with_effect("backlash", {"width": 0.01}), FAST)
+
+
+def test_an_output_that_comes_back_from_its_teeth_is_no_lost_count():
+    """It crosses the gap at 3 rad/s and comes back at 2, of a motor that stands; a count that is lost stands alone."""
+    period, noise = 0.002, 1e-6
+    flight = np.concatenate([np.arange(0.0, 0.02, 3.0 * period), 0.02 - np.arange(0.0, 0.015, 2.0 * period)])
+    difference = np.r_[np.zeros(50), flight, np.full(50, flight[-1])]
+    difference += noise * np.random.default_rng(1).normal(size=len(difference))
+    still = np.zeros(len(difference))
+    assert not counter_jumps(difference, still, 0.0).any()
+    difference[-20:] += 1e-4
+    assert np.flatnonzero(counter_jumps(difference, still, 0.0)).tolist() == [len(difference) - 20]
+
+
+def test_an_excerpt_holds_a_reversal_that_the_encoders_show_from_both_sides(thrown, stock):
+    part = excerpt(EquationErrorProblem(observe_all(thrown, stock)))
+    (o,) = part.observations
+    assert {*np.sign(o.motion[o.encoder_rows, SPEED])} == {-1.0, 1.0}
+
+
+def test_what_begins_in_motion_begins_on_the_driving_flank(thrown, stock):
+    """As in the simulation: a rigid prediction lies off by half the play and what friction presses the teeth."""
+    (whole,) = observe_all(thrown, stock)
+    first = int(np.argmax(whole.motion[:, SPEED] > 30.0))
+    part = EquationErrorProblem([whole.window(first, len(whole.motion))])
+    h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.01})
+    predicted = part.predict(h)
+    start = part.observations[0].motion[0]
+    behind = start[1] - predicted.required[0][0, 1] * stock.value("machine.gear_ratio")
+    assert behind == pytest.approx(lead(predicted.plant[0], start[SPEED]), rel=1e-3)
+
+
+@pytest.mark.parametrize(("width", "run"), [(0.01, FAST), (0.02, ("triangle:0.2:3",))])
+def test_wide_play_is_named_by_one_recording(width, run, stock):
+    found = discover(record(stock.with_effect("backlash", {"width": width}), run), stock)
+    assert (found.verdict, found.added) == ("explained", ("backlash",))
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.01)
