@@ -53,7 +53,8 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
 
     It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves; unless this
     is more than an encoder errs by between its lines. An output that flies through a wide gap follows neither the
-    torque nor the direction. A regression answers in milliseconds what trying every gearbox would take seconds to answer.
+    torque nor the direction. A regression answers in milliseconds what trying every gearbox would take seconds to
+    answer.
     """
     if not problem.size:
         return True

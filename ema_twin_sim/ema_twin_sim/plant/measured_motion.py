@@ -90,8 +90,9 @@ def output_side(plant):
 
 @njit(error_model="numpy")
 def first_output_angle(side, motor_angle, motor_speed):
-    """Where an output [rad, fast shaft] begins: in the middle of its gap, or where the motor moves on the driving flank,
-    as ``simulation/driving_flank.py`` has it.
+    """Where an output [rad, fast shaft] begins: in the middle of its gap; where the motor moves, on the driving flank.
+
+    As ``simulation/driving_flank.py`` has it.
     """
     if side.gap == 0.0 or math.fabs(motor_speed) <= STANDSTILL:
         return motor_angle

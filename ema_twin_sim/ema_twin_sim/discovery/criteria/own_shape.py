@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, MOSTLY, NEARLY_ALL
+from ...criteria import APART, DEPENDS, INTERPOLATED, MOSTLY, NEARLY_ALL
 from ...effects import catalogue
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -48,6 +48,8 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
     width = effect.parameters[0]
     if effect.id in COMPLIANT_EFFECTS and width.unit == "rad":
         parted = _of_the_encoders(problem, bare) / (problem.rows - problem.size)
+        if parted <= INTERPOLATED**2:  # as little as that, a spring or lines part them too
+            return False
         little = (1.0 - NEARLY_ALL) * parted
         if any(_of_these(f, part) > max(little * (part.stop - part.start), _lines(part)) for part in parts):
             return False
