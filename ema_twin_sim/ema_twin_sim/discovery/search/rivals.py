@@ -14,7 +14,7 @@ from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.unseen_encoders import parting_where_unseen
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import add_effects, is_lacked, prune
-from .trace import BEATEN, Round, Search, Trial, new_names
+from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3
 
@@ -81,7 +81,7 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         compliant = instance.effect in COMPLIANT_EFFECTS
         if turn is None or (compliant and problem.size):
             continue
-        stands_in = other_structures(best, name, without) if compliant else substitutes(best, name, turn)
+        stands_in = other_structures(best, name, without) if compliant else [*substitutes(best, name, turn), *made_uncertain(found, name)]
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
@@ -109,6 +109,28 @@ def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
         start = trial.fit.hypothesis.instance(trial.names[0])
         found.append(fit(best.problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
     return found
+
+
+def made_uncertain(found: Search, name: str) -> list[Fit]:
+    """The end of the search with an effect replaced by each that was too uncertain beside it, and went.
+
+    Two that take each other's place are both uncertain together, and the one that went may be the right one: over a
+    part of a turn, a constant load beside the gravity that joined it later.
+    """
+    best = found.fit
+    effect = best.hypothesis.added[name].effect
+    bare = best.hypothesis.without(name)
+    stands_in = []
+    for turn in found.rounds:
+        if turn.reason != UNCERTAIN or name not in turn.before.hypothesis.added:
+            continue
+        for gone in turn.removed:
+            other = turn.before.hypothesis.instance(gone)
+            if other.effect in best.hypothesis.effects or ENCODER_ONLY & {effect, other.effect}:
+                continue
+            beside = bare.with_effect(other.effect, other.options, other.parameters)
+            stands_in.append(fit(best.problem, beside, 8, known=best))
+    return stands_in
 
 
 def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]:

@@ -37,7 +37,7 @@ from ...parallel import predictions
 from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
 from .found_orders import order_candidates, resolved
-from .trace import BEATEN, NEEDLESS, Round, Search, Trial, new_names
+from .trace import BEATEN, NEEDLESS, UNCERTAIN, Round, Search, Trial, new_names
 
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
@@ -190,7 +190,7 @@ def torque_left(f: Fit) -> float:
 def significant(found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that."""
     while name := insignificant(found.problem, found.fit):
-        found = with_what_made_room(less(found, [name], "too uncertain to be named"))
+        found = with_what_made_room(less(found, [name], UNCERTAIN))
     return found
 
 
