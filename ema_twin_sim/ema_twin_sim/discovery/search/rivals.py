@@ -81,7 +81,10 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
         compliant = instance.effect in COMPLIANT_EFFECTS
         if turn is None or (compliant and problem.size):
             continue
-        stands_in = other_structures(best, name, without) if compliant else [*substitutes(best, name, turn), *made_uncertain(found, name)]
+        if compliant:
+            stands_in = other_structures(best, name, without)
+        else:
+            stands_in = [*substitutes(best, name, turn), *made_uncertain(found, name)]
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
