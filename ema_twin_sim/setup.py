@@ -19,7 +19,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "ema-twin = ema_twin_sim.start:main",
+            "ema-twin = ema_twin_sim.entry:main",
             "monitor = ema_twin_sim.nodes.monitor:main",
             "twin = ema_twin_sim.nodes.twin:main",
         ]

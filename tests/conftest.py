@@ -72,8 +72,8 @@ def pytest_terminal_summary(terminalreporter):
     """Say once which recordings were absent, and how many tests want them."""
     reports = terminalreporter.stats.get("without recordings", ())
     folders = Counter(report.longrepr[2].partition(ABSENT)[2] for report in reports)
-    for folder, tests in sorted(folders.items()):
-        terminalreporter.write_line(f"not run, since {folder} with its recordings is absent: {tests} test(s)")
+    for folder, count in sorted(folders.items()):
+        terminalreporter.write_line(f"not run, since {folder} with its recordings is absent: {count} test(s)")
 
 
 @pytest.fixture(scope="module", autouse=True)
