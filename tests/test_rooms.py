@@ -1,11 +1,7 @@
 """The rooms of the twin's package: data goes down the list once, and no room knows of one further down."""
 
-import ast
-from pathlib import Path
+from docs.figures.imports import NODES, PACKAGE, arrows, files, imports, place
 
-import ema_twin_sim
-
-PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
 ROOMS = (
     *("criteria", "version", "parallel", "listing", "quantities", "reading_noise", "interrupts"),
     *("plant", "effects", "model", "own_effects", "simulation", "measured", "identification", "comparison", "fitting"),
@@ -15,17 +11,7 @@ ROOMS = (
 """From the ground up: each imports from those before it, and from no other."""
 FORBIDDEN = {("report", "nodes"), ("views", "nodes"), ("words", "live"), ("campaign", "new_machine")}
 """Arrows that the list allows, and that would still join what has nothing to do with each other."""
-NODES = "ema_bench_replay.nodes"
 ROS = {"rclpy", "rcl_interfaces", "ema_twin_msgs", "diagnostic_msgs", "sensor_msgs", "rosgraph_msgs", NODES}
-
-
-def files():
-    return sorted(PACKAGE.rglob("*.py"))
-
-
-def place(file):
-    """A module by its parts within the package."""
-    return file.relative_to(PACKAGE).with_suffix("").parts
 
 
 def room(parts):
@@ -34,37 +20,11 @@ def room(parts):
     return name if name in ROOMS else parts[0]
 
 
-def imports(file, *, typing=True):
-    """The parts of each module imported, a library by its name; without ``typing`` not what a type checker needs."""
-    here = place(file)
-    waiting = list(ast.parse(file.read_text()).body)
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.If) and not typing and ast.unparse(node.test) == "TYPE_CHECKING":
-            continue
-        if isinstance(node, ast.Import):
-            yield from ((alias.name.split(".")[0],) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and not node.level:
-            yield (NODES if node.module.startswith(NODES) else node.module.split(".")[0],)
-        elif isinstance(node, ast.ImportFrom):
-            above = (*here[: len(here) - node.level], *filter(None, (node.module or "").split(".")))
-            for alias in node.names:
-                inner = (*above, alias.name)
-                yield inner if exists(inner) else above
-        waiting += ast.iter_child_nodes(node)
-
-
-def exists(parts):
-    path = PACKAGE.joinpath(*parts)
-    return path.with_suffix(".py").exists() or (path / "__init__.py").exists()
-
-
-def arrows():
+def between_rooms():
     """(room, the other room that it imports from, file) of every import within the package."""
-    for file in files():
-        for wanted in imports(file):
-            if wanted and exists(wanted) and room(wanted) != room(place(file)) and place(file) != ("__init__",):
-                yield room(place(file)), room(wanted), file.name
+    for file, wanted in arrows():
+        if room(wanted) != room(file):
+            yield room(file), room(wanted), "/".join(file)
 
 
 def test_every_folder_and_file_is_in_a_room():
@@ -72,12 +32,12 @@ def test_every_folder_and_file_is_in_a_room():
 
 
 def test_data_goes_down_the_list():
-    up = [(a, b, name) for a, b, name in arrows() if ROOMS.index(b) > ROOMS.index(a)]
+    up = [(a, b, name) for a, b, name in between_rooms() if ROOMS.index(b) > ROOMS.index(a)]
     assert up == []
 
 
 def test_report_and_views_know_of_no_command_and_words_of_nobody_who_tells_them():
-    assert [arrow for arrow in arrows() if arrow[:2] in FORBIDDEN] == []
+    assert [arrow for arrow in between_rooms() if arrow[:2] in FORBIDDEN] == []
 
 
 def test_nothing_imports_in_a_circle():
