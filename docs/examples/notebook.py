@@ -1,7 +1,7 @@
-# ---
-# A worked example of the Python interface, in cells: VS Code, Spyder and Jupyter (with jupytext) open this file as a
-# notebook; `python docs/examples/notebook.py` runs it as it is, from the project's folder.
-# ---
+"""A worked example of the Python interface, in cells.
+
+VS Code, Spyder and Jupyter (with jupytext) open this file as a notebook; ``python docs/examples/notebook.py`` runs it.
+"""
 
 # %% [markdown]
 # # Which effect does a model lack?
