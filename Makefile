@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-pictures docs bench kill accuracy figures pictures blueprints lock clean
+.PHONY: help setup demo test test-all test-pictures docs bench kill accuracy figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -19,10 +19,16 @@ setup: ## ROS 2, all libraries and the packages into .venv; does only what chang
 demo: setup ## a recorded actuator beside its twin; then the missing effects are added
 	@.venv/bin/ema-twin demo
 
-test: setup ## style and type checks, then all tests
-	@$(RUN) -m ruff check .
-	@$(RUN) -m mypy
-	@$(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
+CHECKS = $(RUN) -m ruff check . && $(RUN) -m mypy
+TESTS = $(RUN) -m pytest tests -n auto --dist loadfile --no-loadscope-reorder
+
+test: setup ## style and type checks, then every test but those that take long
+	@$(CHECKS)
+	@$(TESTS) -m "not slow"
+
+test-all: setup ## the same, and the tests that take long; twelve cases of make accuracy among them
+	@$(CHECKS)
+	@$(TESTS)
 
 test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools

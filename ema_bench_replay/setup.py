@@ -10,7 +10,7 @@ setup(
     maintainer_email="maintainers@ema-twin.example.org",
     license="Apache-2.0",
     packages=find_packages(),
-    package_data={"ema_bench_replay.nodes": ["loopback.xml"]},
+    package_data={"ema_bench_replay": ["py.typed"], "ema_bench_replay.nodes": ["loopback.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ema_bench_replay"]),
         ("share/ema_bench_replay", ["package.xml"]),

@@ -10,7 +10,11 @@ setup(
     maintainer_email="maintainers@ema-twin.example.org",
     license="Apache-2.0",
     packages=find_packages(),
-    package_data={"ema_twin_sim.report": ["*.css", "*.js"], "ema_twin_sim.views": ["*.html", "*.js"]},
+    package_data={
+        "ema_twin_sim": ["py.typed"],
+        "ema_twin_sim.report": ["*.css", "*.js"],
+        "ema_twin_sim.views": ["*.html", "*.js"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", ["resource/ema_twin_sim"]),
         ("share/ema_twin_sim", ["package.xml"]),
@@ -19,7 +23,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "ema-twin = ema_twin_sim.start:main",
+            "ema-twin = ema_twin_sim.entry:main",
             "monitor = ema_twin_sim.nodes.monitor:main",
             "twin = ema_twin_sim.nodes.twin:main",
         ]

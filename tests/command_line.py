@@ -3,7 +3,10 @@
 import os
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
+
+from tests.command_server import CommandServer
 
 TWIN = Path(sys.prefix) / "bin" / "ema-twin"
 MODEL = ("--model", "polito_bench")
@@ -16,9 +19,22 @@ ENDING = 60.0
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
 
 
-def twin(*arguments, cwd=None, timeout=LONGEST, answers=None):
+STARTS_PROCESSES = {"live", "campaign", "demo"}
+"""Verbs that are no single process, and are always given to one that was just started."""
+
+
+@cache
+def server():
+    return CommandServer(ENVIRONMENT)
+
+
+def twin(*arguments, cwd=None, timeout=LONGEST, answers=None, started=False):
+    """What a command answers; ``started``: of a process that was started for it, as a shell does."""
+    arguments = [*map(str, arguments)]
+    if not started and not STARTS_PROCESSES & {*arguments}:
+        return server().run(arguments, cwd, timeout, answers)
     return subprocess.run(
-        [TWIN, *map(str, arguments)],
+        [TWIN, *arguments],
         capture_output=True,
         text=True,
         cwd=cwd,

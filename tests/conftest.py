@@ -2,6 +2,7 @@
 
 import importlib
 import os
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -48,12 +49,31 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
 
 
+ABSENT = "absent, and no part of the project: "
+"""What a test is skipped with that needs recordings from elsewhere."""
+
+
 def outside(name):
     """A folder of recordings beside the project; where it is absent, the test is skipped."""
     folder = SHARED / name
     if not folder.is_dir():
-        pytest.skip(f"{folder} is absent: its recordings are not part of the project")
+        pytest.skip(f"{ABSENT}{folder}")
     return folder
+
+
+def pytest_report_teststatus(report):
+    """Count the tests without their recordings apart from other skips, each of which has a line of its own."""
+    if report.skipped and isinstance(report.longrepr, tuple) and ABSENT in report.longrepr[2]:
+        return "without recordings", "s", "WITHOUT RECORDINGS"
+    return None
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Say once which recordings were absent, and how many tests want them."""
+    reports = terminalreporter.stats.get("without recordings", ())
+    folders = Counter(report.longrepr[2].partition(ABSENT)[2] for report in reports)
+    for folder, count in sorted(folders.items()):
+        terminalreporter.write_line(f"not run, since {folder} with its recordings is absent: {count} test(s)")
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -12,7 +12,7 @@ from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import diagnose
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
-from ema_twin_sim.nodes.follower import Follower
+from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.simulation.angle_origins import angle_origins, without_common_zero
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.twin import Twin

@@ -278,7 +278,7 @@ def test_no_scheduler_is_told():
 
 def _command(*arguments):
     """A process of its own group, so that it can be killed with nothing else."""
-    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.start import main; main()"
+    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
     return subprocess.Popen(
         [sys.executable, "-c", start, "campaign", *map(str, arguments)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.commands.side_by_side import closeness_cell
-from ema_twin_sim.commands.wording import by_number
 from ema_twin_sim.comparison.closeness import AT_LEAST, AT_MOST, EXACTLY, Closeness, times_closer
 from ema_twin_sim.comparison.independent_rows import independent_rows
+from ema_twin_sim.words.sentences import by_number
 
 FLOOR = 3e-3
 SAMPLES = 10_000

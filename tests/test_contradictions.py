@@ -8,17 +8,17 @@ import pytest
 from ema_bench_replay.errors import InputError
 from ema_twin_msgs.msg import Diagnosis
 from ema_twin_sim.commands.live_keys import told
-from ema_twin_sim.commands.wording import refit_sentence, removed_words, verdict_sentence
 from ema_twin_sim.comparison.beyond_noise import told_share
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.comparison.running_comparison import RunningComparison, share_removed
 from ema_twin_sim.criteria import TOO_MUCH
 from ema_twin_sim.fitting.fit import _doubts
+from ema_twin_sim.live.diagnosing.judge import settings_between
 from ema_twin_sim.measured.noise import noise_of
-from ema_twin_sim.nodes.diagnosing.judge import settings_between
-from ema_twin_sim.report.findings import UnseenErrors
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from ema_twin_sim.words.findings import UnseenErrors
+from ema_twin_sim.words.sentences import refit_sentence, removed_words, verdict_sentence
 from tests.accuracy.contradictions import contradictions, told_of
 
 FAR_OFF = {"machine.motor_inertia": 1.5, "machine.output_inertia": 1.5}

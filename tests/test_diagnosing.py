@@ -16,14 +16,14 @@ from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.commands.live_keys import Keys, told
 from ema_twin_sim.discovery.cautions import ALONE
+from ema_twin_sim.live.diagnosing.apply import NotDiagnosed, settings_for
+from ema_twin_sim.live.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
+from ema_twin_sim.live.diagnosing.judge import settings_between, still_missing
+from ema_twin_sim.live.diagnosing.worker_process import WorkerProcess
+from ema_twin_sim.live.trend import Trend
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.diagnosing.answer import diagnosis_message
-from ema_twin_sim.nodes.diagnosing.apply import NotDiagnosed, settings_for
-from ema_twin_sim.nodes.diagnosing.frames import Answer, Job, receive_answer, receive_job, send
 from ema_twin_sim.nodes.diagnosing.history import ENOUGH, History
-from ema_twin_sim.nodes.diagnosing.judge import settings_between, still_missing
-from ema_twin_sim.nodes.diagnosing.worker_process import WorkerProcess
-from ema_twin_sim.nodes.trend import Trend
 
 PERIOD = 2_000_000
 
@@ -336,7 +336,7 @@ def test_a_killed_node_leaves_no_diagnosis_behind(ramp):
 import threading, time
 from ema_bench_replay.load import load
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.diagnosing.worker_process import WorkerProcess
+from ema_twin_sim.live.diagnosing.worker_process import WorkerProcess
 worker, model, recording = WorkerProcess(), load_model("polito_bench"), load({str(ramp)!r})
 print(worker.start().pid, flush=True)
 worker.ask([recording] * 8, model, model)

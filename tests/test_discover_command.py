@@ -17,17 +17,18 @@ from mcap_ros2.decoder import DecoderFactory
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.commands import wording
 from ema_twin_sim.commands.demo import _moments, _switched_off
 from ema_twin_sim.commands.diagnose import _worth_showing
-from ema_twin_sim.commands.discover import _moved_slightly, compare_command
+from ema_twin_sim.commands.discover import compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
+from ema_twin_sim.commands.shown_search import _moved_slightly
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import Ranked
 from ema_twin_sim.model import load_model
 from ema_twin_sim.quantities import estimate
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from ema_twin_sim.words import sentences as wording
 from tests.command_line import LONGEST, MODEL, done, refused
 
 HIDDEN = ("backlash", "stribeck_friction")

@@ -7,9 +7,9 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import SIGNALS
+from ema_twin_sim.live.follower import Follower
+from ema_twin_sim.live.sample_stream import Kind
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.follower import Follower
-from ema_twin_sim.nodes.sample_stream import Kind
 from ema_twin_sim.simulation.simulate import simulate
 
 UNKNOWN = dict.fromkeys((*SIGNALS, "motor_angle_origin", "output_angle_origin"), math.nan)

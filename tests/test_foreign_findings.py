@@ -5,9 +5,9 @@ import json
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.report.findings import read_findings
 from ema_twin_sim.report.ranking import signature_chart
 from ema_twin_sim.report.steps import falling
+from ema_twin_sim.words.findings import read_findings
 from tests.test_report import FOUND
 
 LINK = '<a href="https://example.org">rad & more</a>'

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import pytest
 
-from ema_twin_sim.commands.wording import order_sentences
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.found_orders import resolved, written_order
 from ema_twin_sim.identification.candidates import Candidate, candidates
@@ -13,6 +12,7 @@ from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.words.sentences import order_sentences
 from tests.recorded import record
 
 ORDER = 7.4286  # of a mesh that no catalogue knows

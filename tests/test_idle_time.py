@@ -2,7 +2,7 @@
 
 import pytest
 
-from ema_twin_sim.nodes.idle_time import IdleTime
+from ema_twin_sim.live.idle_time import IdleTime
 
 
 def test_it_grows_while_nothing_arrives_and_begins_anew_with_every_arrival():

@@ -64,7 +64,6 @@ def test_an_interrupt_that_python_drops_or_turns_into_another_error(tmp_path):
     """Within a finaliser nobody is told of it; within an import it may become any error."""
     program = """
 import os, signal, sys
-from ema_twin_sim import start
 from ema_twin_sim.commands import main
 class Dropped:
     def __del__(self):

@@ -6,9 +6,9 @@ import pytest
 
 from ema_bench_replay.load import load
 from ema_bench_replay.nodes.spin import steady_timer
+from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes import live
-from ema_twin_sim.nodes.follower import Follower
 from ema_twin_sim.nodes.monitor import MonitorNode
 
 

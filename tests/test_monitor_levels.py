@@ -7,8 +7,8 @@ from ros_graph import Graph
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
+from ema_twin_sim.live.verdict import Level, level_of
 from ema_twin_sim.nodes.monitor import MonitorNode
-from ema_twin_sim.nodes.verdict import Level, level_of
 
 SIGNALS = {"current": 0.1, "speed": 1.0, "motor_position": 2.0, "output_position": 0.5, "output_command": 0.5}
 

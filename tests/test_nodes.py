@@ -22,11 +22,11 @@ from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 from ema_twin_msgs.srv import Seek
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.live.verdict import Level
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.live import Change, run_live
 from ema_twin_sim.nodes.monitor import MonitorNode
 from ema_twin_sim.nodes.twin import TwinNode
-from ema_twin_sim.nodes.verdict import Level
 
 PERIOD = 2_000_000
 

@@ -3,8 +3,8 @@
 import pytest
 
 from ema_bench_replay.nodes import diagnostics
-from ema_twin_sim.nodes.pace import Pace
-from ema_twin_sim.nodes.sample_stream import SampleStream
+from ema_twin_sim.live.pace import Pace
+from ema_twin_sim.live.sample_stream import SampleStream
 
 MS = 1_000_000
 

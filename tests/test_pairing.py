@@ -5,7 +5,7 @@ from typing import NamedTuple
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_twin_sim.nodes.pairing import Pairing
+from ema_twin_sim.live.pairing import Pairing
 
 PERIOD = 2_000_000
 

@@ -4,13 +4,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from ema_twin_sim.commands.wording import left_sentence, removed_words, surest_sentence
 from ema_twin_sim.comparison.running_comparison import share_removed
 from ema_twin_sim.criteria import SUREST
 from ema_twin_sim.discovery.cautions import of_open_constants
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from ema_twin_sim.words.sentences import left_sentence, removed_words, surest_sentence
 
 FLOOR = 15e-3  # A
 

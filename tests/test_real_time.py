@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ema_twin_sim.nodes.real_time import DeadlineClock
+from ema_twin_sim.live.real_time import DeadlineClock
 
 MS = 1_000_000
 

@@ -11,7 +11,6 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands.wording import removed_words
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.model import load_model, save_model
 from ema_twin_sim.quantities import axis_unit, quantity
@@ -19,10 +18,11 @@ from ema_twin_sim.report.backwards import backwards
 from ema_twin_sim.report.chart import Charts
 from ema_twin_sim.report.content import Content, dates, shown
 from ema_twin_sim.report.envelope import envelope_rows
-from ema_twin_sim.report.findings import Signature, read_findings
 from ema_twin_sim.report.markup import table, tag
 from ema_twin_sim.report.page import page
 from ema_twin_sim.report.ranking import signature_chart, told_signatures
+from ema_twin_sim.words.findings import Signature, read_findings
+from ema_twin_sim.words.sentences import removed_words
 from tests.command_line import done, refused
 from tests.recorded import record, with_signals
 

@@ -6,15 +6,16 @@ from dataclasses import replace
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.commands.wording import fit_sentences
 from ema_twin_sim.comparison.compare import compare_all
 from ema_twin_sim.model import save_model
 from ema_twin_sim.quantities import quantity
 from ema_twin_sim.report.content import ROLES, Content, shown
-from ema_twin_sim.report.findings import read_findings
-from ema_twin_sim.report.fitted import check_same_effects, read_fit_findings, two_values
+from ema_twin_sim.report.fitted import check_same_effects, two_values
 from ema_twin_sim.report.page import page
 from ema_twin_sim.views.recording_views import write_views
+from ema_twin_sim.words.findings import read_findings
+from ema_twin_sim.words.fit_findings import read_fit_findings
+from ema_twin_sim.words.sentences import fit_sentences
 from tests.command_line import done, refused
 from tests.rrd_content import RrdContent
 from tests.test_report import FOUND, Read, charts_of, folder, models, recordings  # noqa: F401

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ema_twin_sim.nodes.sample_stream import REORDERED, Kind, SampleStream
+from ema_twin_sim.live.sample_stream import REORDERED, Kind, SampleStream
 
 PERIOD = 2_000_000
 

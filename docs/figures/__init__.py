@@ -1,1 +1,3 @@
-"""The figures and numbers of docs/physics.md, one file a figure: ``make figures`` draws and measures them anew."""
+"""The figures of docs/physics.md and docs/architecture.md, one file a figure, and the numbers of the former: ``make
+figures`` draws and measures them anew.
+"""

@@ -1,4 +1,5 @@
-"""``python -m docs.figures``: draw the figures of docs/physics.md, print its numbers and put them into it.
+"""``python -m docs.figures``: draw the figures of docs/physics.md and docs/architecture.md, print the numbers of the
+former and put them into it.
 
 ``--speed`` also measures what a step costs, which is another number at every run. Takes some minutes.
 """
@@ -12,9 +13,10 @@ from . import (
     friction_coefficient,
     mesh_stiffness,
     phase_currents,
+    rooms,
     spectrum,
 )
-from .page import FOLDER, PAGE, quoted, renewed
+from .page import DOCS, FOLDER, PAGE, quoted, renewed
 from .quick import quick_numbers
 from .speed import timings
 from .style import save
@@ -30,18 +32,22 @@ FIGURES = {
     "phase_currents": phase_currents.draw,
     "drives": drives.draw,
 }
+ROOMS = DOCS / "architecture.svg"
 
 
 def main() -> None:
     """Draw, measure, renew the page."""
     options = argparse.ArgumentParser(prog="python -m docs.figures", description=__doc__)
     options.add_argument("--speed", action="store_true", help="measure what a step costs too")
-    options.add_argument("--only", choices=FIGURES, nargs="+", help="draw these, measure nothing")
+    options.add_argument("--only", choices=[*FIGURES, "rooms"], nargs="+", help="draw these, measure nothing")
     asked = options.parse_args()
     FOLDER.mkdir(exist_ok=True)
-    for name in asked.only or FIGURES:
-        path = FOLDER / f"{name}.svg"
-        save(FIGURES[name](), path)
+    for name in asked.only or [*FIGURES, "rooms"]:
+        path = ROOMS if name == "rooms" else FOLDER / f"{name}.svg"
+        if name == "rooms":
+            save(rooms.draw(), path, "; ".join(rooms.in_words()))
+        else:
+            save(FIGURES[name](), path)
         print(f"  {path.relative_to(PAGE.parents[1])}  {path.stat().st_size // 1000} kB", flush=True)
     if asked.only:
         return

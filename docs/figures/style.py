@@ -41,7 +41,7 @@ def sheet(rows: int = 1, columns: int = 1, height: float = 3.4, **options: objec
     return figure, list(figure.subplots(rows, columns, squeeze=False, **options).flat)
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write ``figure`` as SVG, without a date."""
-    figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
+def save(figure: Figure, path: Path, description: str | None = None) -> None:
+    """Write ``figure`` as SVG, without a date; ``description`` tells who does not see it what is drawn."""
+    figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None, "Description": description})
     path.write_text("\n".join(line.rstrip() for line in path.read_text().splitlines()) + "\n")

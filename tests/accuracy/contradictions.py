@@ -15,12 +15,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ema_bench_replay.recording import Recording
-from ema_twin_sim.commands import compare as compare_verb
-from ema_twin_sim.commands import diagnose as diagnose_verb
-from ema_twin_sim.commands import discover as discover_verb
-from ema_twin_sim.commands import fit as fit_verb
+from ema_twin_sim.commands.diagnose import show
 from ema_twin_sim.commands.output import console
-from ema_twin_sim.commands.wording import effect_words, verdict_of
+from ema_twin_sim.commands.shown_comparison import show_comparison
+from ema_twin_sim.commands.shown_fit import show_fit
+from ema_twin_sim.commands.shown_search import show_search
 from ema_twin_sim.comparison.beyond_noise import beyond_noise
 from ema_twin_sim.comparison.compare import Comparison, compare, compare_all
 from ema_twin_sim.discovery.diagnose import weigh
@@ -28,8 +27,9 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import Model
 from ema_twin_sim.report.content import Content, shown
-from ema_twin_sim.report.findings import Findings, findings_of
 from ema_twin_sim.report.page import page
+from ema_twin_sim.words.findings import Findings, findings_of
+from ema_twin_sim.words.sentences import effect_words, verdict_of
 
 from .cases import Case
 from .folders import readable_train
@@ -60,8 +60,8 @@ def told_of(recordings: Sequence[Recording], model: Model, *, fitted: bool = Fal
     found = discover(recordings, model)
     diagnosis = weigh(found)
     texts = {
-        "discover": _printed(lambda: discover_verb.show(found)),
-        "diagnose": _printed(lambda: diagnose_verb.show(diagnosis)),
+        "discover": _printed(lambda: show_search(found)),
+        "diagnose": _printed(lambda: show(diagnosis)),
     }
     models = (model, found.model)
     comparisons = compare_all(recordings, models)
@@ -69,14 +69,14 @@ def told_of(recordings: Sequence[Recording], model: Model, *, fitted: bool = Fal
     findings = findings_of(found, diagnosis)
     both = shown(recordings, models, comparisons=comparisons)
     written = page(Content(models, _NAMES, both, None, findings, ""))
-    texts["compare"] = _printed(lambda: compare_verb.show(comparisons, _NAMES))
+    texts["compare"] = _printed(lambda: show_comparison(comparisons, _NAMES))
     for name, one in zip(_NAMES, alone, strict=True):
-        texts[f"compare {name}"] = _printed(lambda one=one: compare_verb.show([one]))
+        texts[f"compare {name}"] = _printed(lambda one=one: show_comparison([one]))
     texts["report"] = _words(written)
     content = {"discover": _read(found.as_json()), "diagnose": _read(diagnosis.as_json())}
     if fitted and found.verdict != "unknown":
         fit = fit_model(recordings, found.model)
-        texts["fit"] = _printed(lambda: fit_verb.show(fit, found.model))
+        texts["fit"] = _printed(lambda: show_fit(fit, found.model))
         content["fit"] = _read(fit.as_json())
     return Told(texts, content, [*comparisons, *alone], findings)
 

@@ -29,6 +29,24 @@ def runs(stock):
     return record(hidden, ("triangle:0.06:2", "sine:0.05:0.4"), 8.0)
 
 
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [
+        ("N m s^3/rad^3", 0.05 * 0.25**3),
+        ("N m/A^2", 0.05 / 0.5**2),
+        ("N m s^2/rad^2", 0.05 * 0.25**2),
+        ("kg m^2", 0.05 * 0.25**2),
+        ("ohm", 0.05 / 0.25 / 0.5**2),
+        ("rad/s^3", 0.25**-3),
+        ("N m/K", 0.05),
+        ("1", 1.0),
+    ],
+)
+def test_any_unit_of_a_parameter_is_scaled_by_its_parts(unit, factor):
+    """Of an effect that somebody adds to the catalogue, too: no table has to know its unit."""
+    assert UNITS.factor(unit) == pytest.approx(factor, rel=1e-12)
+
+
 def test_there_and_back_is_the_same_model(stock):
     for id, effect in catalogue().items():
         if id not in stock.effects and not effect.electrical:

@@ -14,14 +14,16 @@ from ema_bench_replay.errors import InputError
 
 from ..listing import listed
 from ..quantities import quantity
-from . import compare, options, report
-from . import discover as discover_verb
-from .fit import errors_table
+from ..words.sentences import effect_words, fit_sentences
+from . import options
 from .live_error import LINES_ARE, ErrorPrinter
 from .live_view import LiveView
 from .output import console, say, status, warn
+from .report_page import fitting_moved, weighed, write_page
 from .rerun_file import write_rrd
-from .wording import effect_words, fit_sentences
+from .shown_comparison import show_comparison
+from .shown_fit import errors_table
+from .shown_search import show_search
 
 if TYPE_CHECKING:
     from ..discovery.discover import Discovery
@@ -57,16 +59,16 @@ def run(
     from ema_bench_replay.traces.import_map import load_map
     from ema_bench_replay.traces.trace_csv import read_trace
 
-    from ..comparison.compare import compare as compare_models
+    from ..comparison.compare import compare
     from ..discovery.discover import discover
     from ..fitting.fit import fit_model
     from ..measured.noise import noise_of
     from ..model import load_model, save_model
     from ..nodes.live import Change, run_live
     from ..report.content import ROLES
-    from ..report.fitted import fit_findings_of
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer
+    from ..words.fit_findings import fit_findings_of
 
     begin = time.perf_counter()
     root = checkout()
@@ -83,13 +85,13 @@ def run(
     _chapter("2", "The stock model misses it", "ema-twin compare … --model polito_bench")
     stock = load_model("polito_bench")
     noise = noise_of(recordings, stock)
-    before = compare_models(recordings, stock, noise=noise)
-    compare.show([before])
+    before = compare(recordings, stock, noise=noise)
+    show_comparison([before])
 
     _chapter("3", "Which effects does it lack?", "ema-twin discover … --model polito_bench -o better.yaml")
     with status() as progress:
         found = discover(recordings, stock, progress=progress)
-    discover_verb.show(found)
+    show_search(found)
     better_file = save_model(found.model, output / "better.yaml", force=True)
 
     played = next(recording for recording in recordings if recording.name == LIVE)
@@ -137,14 +139,14 @@ def run(
         "every number fitted to the simulated loop, to see whether that brings the current any nearer.\n"
     )
     better = load_model(better_file)
-    after = compare_models(recordings, better, noise=noise)
+    after = compare(recordings, better, noise=noise)
     with status() as progress:
         fitted = fit_model(recordings, better, progress=progress)
     fitted_file = save_model(fitted.model, output / "fitted.yaml", force=True)
     console.print(errors_table(fitted))
     models, fit = (stock, better, load_model(fitted_file)), fit_findings_of(fitted)
-    comparisons = (before, after, compare_models(recordings, models[2], noise=noise))
-    compare.show(comparisons)
+    comparisons = (before, after, compare(recordings, models[2], noise=noise))
+    show_comparison(comparisons)
     errors = [each.overall for each in comparisons]
     falls = " to ".join(quantity(error["current"]["rmse"], "A") for error in errors[:2])
     floor = quantity(errors[0]["current"]["noise_floor"], "A")
@@ -162,11 +164,11 @@ def run(
     views = output / "found.rrd"
     with status() as progress:
         progress("writing the report and the views")
-        labels, findings = ("polito_bench", better_file, fitted_file), report.weighed(found)
-        notes = report.write_page(
+        labels, findings = ("polito_bench", better_file, fitted_file), weighed(found)
+        notes = write_page(
             page, recordings, models, labels, findings, fit=fit, comparisons=comparisons, story=story, force=True
         )
-        shown = 3 if report.fitting_moved(models, findings, fit) else 2  # as the page has it
+        shown = 3 if fitting_moved(models, findings, fit) else 2  # as the page has it
         write_rrd(
             views,
             recordings,

@@ -6,11 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import estimate
-from . import options
-from .discover import show_doubts
-from .output import console, say, status
-from .tables import ReportTable, is_narrow
-from .wording import (
+from ..words.sentences import (
     NOT_IN_CATALOGUE,
     effect_words,
     no_effect_words,
@@ -20,6 +16,10 @@ from .wording import (
     surest_sentence,
     verdict_of,
 )
+from . import options
+from .output import console, say, status
+from .shown_search import show_doubts
+from .tables import ReportTable, is_narrow
 
 if TYPE_CHECKING:
     from ..discovery.diagnose import Diagnosis, Ranked
@@ -67,7 +67,7 @@ def run(
 
     from ..discovery.diagnose import weigh
     from ..discovery.discover import discover
-    from ..report.findings import findings_of
+    from ..words.findings import findings_of
 
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:

@@ -92,12 +92,12 @@ def run(
     """
     from ema_bench_replay.recording import refuse_points
 
+    from ..live.live_model import live_model
     from ..measured.noise import noise_of
     from ..model import save_model
     from ..model.matching import matched
     from ..model.model_file import check_model_name
     from ..nodes.live import run_live
-    from ..nodes.live_model import live_model
     from ..own_effects import load_effects
     from ..simulation.behind_motor import refuse_encoders_alone
     from ..simulation.dc_link_check import refuse_recording_beyond_link

@@ -15,8 +15,8 @@ from ema_bench_replay.errors import InputError
 
 from ..discovery.cautions import ALONE
 from ..quantities import estimate
+from ..words.sentences import beyond_words, effect_words
 from .output import console, say
-from .wording import beyond_words, effect_words
 
 if TYPE_CHECKING:
     from ema_twin_msgs.msg import Diagnosis, Effect
@@ -104,7 +104,7 @@ class Keys:
         self._tell(lines[0])
 
     def _apply(self) -> None:
-        from ..nodes.diagnosing.apply import NotDiagnosed
+        from ..live.diagnosing.apply import NotDiagnosed
 
         try:
             words = self._services().apply([])

@@ -15,7 +15,7 @@ import typer
 
 from ema_bench_replay.errors import InputError
 
-from .. import start
+from .. import interrupts
 from ..version import VERSION
 from . import (
     add,
@@ -75,27 +75,27 @@ def _options(
 
 def main() -> None:
     """Run the command line; every way out has its exit status."""
-    start.watch()
+    interrupts.watch()
     tell_of_compiling()
     try:
         status = app(standalone_mode=False, prog_name="ema-twin") or 0
-        if status == start.STATUS:  # how typer passes a KeyboardInterrupt on
-            start.end()
-        start.finish(status)
+        if status == interrupts.STATUS:  # how typer passes a KeyboardInterrupt on
+            interrupts.end()
+        interrupts.finish(status)
     except InputError as error:
         _end(f"error: {error}", 2)
     except (typer.Abort, KeyboardInterrupt):
-        start.end()
+        interrupts.end()
     except BrokenPipeError:
         os._exit(0)  # the reader of our output has left: nothing to say, and nobody to say it to
     except Exception as error:
-        if start.was_interrupted():
-            start.end()
+        if interrupts.was_interrupted():
+            interrupts.end()
         if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # a usage error of the command line itself
             context = getattr(error, "ctx", None)
             usage = f" (see: {context.command_path} --help)" if context else ""
             if not error.format_message():  # called without a verb: the help has been printed
-                start.finish(2)
+                interrupts.finish(2)
             refused = re.sub(r"^Invalid value for '([^']+)': ", r"\1: ", error.format_message())
             _end(f"error: {refused}{usage}", 2)
         if os.environ.get("EMA_TWIN_DEBUG"):
@@ -106,4 +106,4 @@ def main() -> None:
 
 def _end(message: str, status: int) -> None:
     print(" ".join(message.split()), file=sys.stderr)
-    start.finish(status)
+    interrupts.finish(status)

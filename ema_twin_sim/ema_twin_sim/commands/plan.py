@@ -12,10 +12,10 @@ import typer
 
 from ..criteria import DECIDED
 from ..listing import listed
+from ..words.sentences import dependence_words, effect_words
 from . import options
 from .output import console, status
 from .tables import ReportTable
-from .wording import dependence_words, effect_words
 
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording

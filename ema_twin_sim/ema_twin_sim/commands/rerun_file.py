@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from ..comparison.compare import Comparison
     from ..model import Model
-    from ..report.findings import Findings
+    from ..words.findings import Findings
 
 MOST_MODELS = 3
 
@@ -52,7 +52,7 @@ def write_rrd(
     """
     from ..report.content import shown
     from ..views.recording_views import write_views
-    from .report import told_apart
+    from .report_page import told_apart
 
     given = shown(recordings, models, source, step=step, comparisons=comparisons)
     return write_views(path, given, models, names or told_apart(models, labels), findings, force=force)

@@ -9,10 +9,10 @@ from rich.markup import escape
 
 from ..comparison.beyond_noise import shown_signals
 from ..quantities import quantity
-from .error_cells import ALL, error_cell, noise_cell
+from ..words.error_cells import ALL, closeness_cell, error_cell, noise_cell, number_of_times
+from ..words.sentences import by_number
 from .output import console, say
 from .tables import ReportTable
-from .wording import by_number
 
 if TYPE_CHECKING:
     from ..comparison.closeness import Closeness
@@ -100,18 +100,6 @@ def _cells(
     return [first, *(cell for other, close in pairs for cell in (other, closeness_cell(close.get(name))))]
 
 
-def closeness_cell(closeness: Closeness | None) -> str:
-    """``14.6 ×``, ``≥ 22 ×`` where the closer one is lost in the noise; a dash where both are."""
-    if closeness is None:
-        return "–"
-    sign = {"at_least": "≥ ", "at_most": "≤ "}.get(closeness.bound, "")
-    return f"{sign}{_number(closeness.times)} ×"
-
-
-def _number(times: float) -> str:
-    return f"{times:.{2 if times < 0.995 else (1 if times < 99.5 else 0)}f}"
-
-
 def _in_words(name: str, first: Comparison, other: Comparison) -> str:
     """``Model better: 14.6 × closer than polito_bench in the current, from 11.2 × (ramp_0.1) to 15.1 × (sine).``"""
     from ..comparison.closeness import closer
@@ -122,7 +110,8 @@ def _in_words(name: str, first: Comparison, other: Comparison) -> str:
         return f"Model {other.model}: its {signal} is at the sensors' noise, as is that of {first.model}."
     overall = found.overall[name]
     if overall.times < 1.0:
-        return f"Model {other.model}: {_number(1.0 / overall.times)} × farther off than {first.model} in the {signal}."
+        times = number_of_times(1.0 / overall.times)
+        return f"Model {other.model}: {times} × farther off than {first.model} in the {signal}."
     text = f"Model {other.model}: {closeness_cell(overall)} closer than {first.model} in the {signal}"
     each = sorted((signals[name].times, recording) for recording, signals in found.recordings if name in signals)
     if len(each) > 1:

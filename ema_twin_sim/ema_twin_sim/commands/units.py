@@ -10,11 +10,11 @@ import typer
 from rich.markup import escape
 
 from ..quantities import estimate, quantity
+from ..words.sentences import effect_words
+from ..words.units import change_of, life_words, missing_words, number_words
 from . import options
 from .output import console, say, warn
 from .tables import ReportTable
-from .unit_words import change_of, life_words, missing_words, number_words
-from .wording import effect_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook

@@ -11,7 +11,9 @@ A linear machine is told as the rotary one whose carriage runs round a drum of s
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,27 +25,35 @@ from ..effects import find_effect
 from .constants import CONSTANTS
 from .model import Model
 
-_POWERS: dict[str, tuple[int, int, int, int]] = {
-    "rad": (1, 0, 0, 0),
-    "rad/s": (1, -1, 0, 0),
-    "rad/s^2": (1, -2, 0, 0),
-    "1/rev": (-1, 0, 0, 0),
-    "s": (0, 1, 0, 0),
-    "1/s": (0, -1, 0, 0),
+_POWERS = {
     "N m": (-1, 0, 1, 0),
-    "N m/rad": (-2, 0, 1, 0),
-    "N m s/rad": (-2, 1, 1, 0),
-    "N m s^2/rad^2": (-3, 2, 1, 0),
     "kg m^2": (-2, 2, 1, 0),
+    "rad": (1, 0, 0, 0),
+    "rev": (1, 0, 0, 0),
+    "s": (0, 1, 0, 0),
+    "Hz": (0, -1, 0, 0),
     "A": (0, 0, 0, 1),
     "V": (0, -1, 1, -1),
-    "N m/A": (-1, 0, 1, -1),
-    "V s/rad": (-1, 0, 1, -1),
     "ohm": (0, -1, 1, -2),
     "H": (0, 0, 1, -2),
 }
-"""By the unit of a rotary machine, the powers of radius, time, torque and current that lead from own to native numbers.
-Volts follow from power: V A = N m / s. Any other unit stays."""
+"""By the parts of a rotary machine's units, the powers of radius, time, torque and current that lead from own to native
+numbers. Volts follow from power: V A = N m / s. Any other part stays."""
+_PART = re.compile(r"(/)|(N m|kg m\^2|[^\s/^]+)(?:\^(\d+))?")
+
+
+@cache
+def _powers(unit: str) -> tuple[int, ...]:
+    """The powers of a unit, from those of its parts: of ``N m s^2/rad^2`` those of N m, twice s, less twice rad."""
+    total: tuple[int, ...] = (0, 0, 0, 0)
+    sign = 1
+    for slash, part, times in _PART.findall(unit):
+        if slash:
+            sign = -1
+        else:
+            of_part = _POWERS.get(part, (0, 0, 0, 0))
+            total = tuple(a + sign * int(times or 1) * b for a, b in zip(total, of_part, strict=True))
+    return total
 
 
 @dataclass(frozen=True)
@@ -57,12 +67,9 @@ class OwnUnits:
 
     def factor(self, unit: str) -> float:
         """What an own number in a rotary unit is multiplied by to be the machine's native one."""
-        powers = _POWERS.get(unit)
-        if powers is None:
-            return 1.0
         turn = 2.0 * math.pi if unit == "1/rev" and self.radius is not None else 1.0  # counts of a carriage are per m
         sizes = (self.radius or 1.0, self.time, self.torque, self.current)
-        return math.prod(size**power for size, power in zip(sizes, powers, strict=True)) / turn
+        return math.prod(size**power for size, power in zip(sizes, _powers(unit), strict=True)) / turn
 
 
 def model_in(model: Model, units: OwnUnits) -> Model:

@@ -9,10 +9,10 @@ from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.incoming import Incoming
 from ema_twin_msgs.msg import EmaState
 
+from ..live.follower import Follower
+from ..live.pace import Pace
 from ..model import Model
 from ..simulation.twin import Twin
-from .follower import Follower
-from .pace import Pace
 from .twin_output import TwinOutput
 
 _ORIGINS = ("motor_angle_origin", "output_angle_origin")

@@ -31,9 +31,9 @@ from ema_bench_replay.nodes.spin import (
 from ema_bench_replay.recording import Recording
 
 from ..comparison.running_comparison import SignalError
+from ..live.idle_time import IdleTime
 from ..measured.noise import noise_of
 from ..model import Model
-from .idle_time import IdleTime
 from .monitor import MonitorNode
 from .twin import TwinNode
 

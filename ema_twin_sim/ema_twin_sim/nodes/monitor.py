@@ -21,17 +21,17 @@ from ema_bench_replay.nodes.spin import run, steady_timer
 from ema_twin_msgs.msg import EmaState, Health, Residual, Run
 
 from ..comparison.running_comparison import DRIVEN, UNITS, RunningComparison
+from ..live.follower import input_for
+from ..live.live_model import live_model
+from ..live.mixing import Mixing
+from ..live.pairing import Pairing
+from ..live.trend import Trend
+from ..live.verdict import Level, errors_in_words, level_of
+from ..live.warm_up import warm_up_comparison
 from ..model import Model
 from ..own_effects import load_effects
 from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
-from .follower import input_for
-from .live_model import live_model
-from .mixing import Mixing
-from .pairing import Pairing
-from .trend import Trend
-from .verdict import Level, errors_in_words, level_of
-from .warm_up import warm_up_comparison
 
 PARAMETERS = (
     Declaration("model", "polito_bench", "model of the machine, for the sensors' noise: a shipped name or a YAML file"),

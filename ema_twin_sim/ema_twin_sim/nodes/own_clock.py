@@ -10,12 +10,12 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.spin import steady_timer
 
+from ..live.pace import Pace
+from ..live.real_time import DeadlineClock
+from ..live.standalone import Standalone
 from ..model import Model
 from ..simulation.command import Command
 from ..simulation.twin import Twin
-from .pace import Pace
-from .real_time import DeadlineClock
-from .standalone import Standalone
 from .twin_output import TwinOutput
 
 

@@ -15,11 +15,11 @@ from ema_bench_replay.nodes import diagnostics
 from ema_bench_replay.nodes.parameters import Declaration, declare, refuse_unknown
 from ema_bench_replay.nodes.spin import run
 
+from ..live.live_model import live_model
 from ..model import Model
 from ..own_effects import load_effects
 from ..simulation.command import FORMS, parse_command
 from .beside_bench import BesideBench
-from .live_model import live_model
 from .model_parameters import ModelParameters
 from .own_clock import OwnClock
 from .twin_output import TwinOutput

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..commands.wording import effect_words
 from ..comparison.closeness import closer
 from ..listing import listed
+from ..words.sentences import effect_words
 from .content import Content, signals_listed
 from .difference import NewEffect, new_effects
 

@@ -13,9 +13,10 @@ from ..comparison.compare import Comparison, compare_all, explained_signals
 from ..listing import listed
 from ..model import Model
 from ..simulation.simulate import DRIVING
+from ..words.findings import Findings
+from ..words.fit_findings import FitFindings
 from .beside import Beside, beside
-from .findings import Findings
-from .fitted import FitFindings, TwoValues, two_values
+from .fitted import TwoValues, two_values
 
 ROLES = ("your model", "with what was found", "fitted")
 """What a page or a view of three models calls them, in its tables and in the keys of its plots."""

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..commands.wording import effect_words, options_words
 from ..model import Model
 from ..quantities import estimate
-from .findings import Findings, Held
+from ..words.findings import Findings, Held
+from ..words.sentences import effect_words, options_words
 
 SAME = 1e-6  # relative: numbers that went through a file and back
 

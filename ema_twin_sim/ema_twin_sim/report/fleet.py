@@ -16,9 +16,9 @@ from ema_bench_replay.outputs import new_file
 from ..campaign.histories import Outlook
 from ..campaign.store import file_name
 from ..campaign.units import Unit
-from ..commands.unit_words import change_of, life_words, missing_words, number_words
-from ..commands.wording import effect_words
 from ..quantities import estimate, quantity
+from ..words.sentences import effect_words
+from ..words.units import change_of, life_words, missing_words, number_words
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
 

@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ..commands.wording import (
+from ..discovery.diagnose import Ranked
+from ..listing import listed
+from ..quantities import axis_unit, estimate
+from ..words.findings import CURVES, Findings, Signature
+from ..words.sentences import (
     NOT_IN_CATALOGUE,
     effect_words,
     groups_sentence,
@@ -17,13 +21,9 @@ from ..commands.wording import (
     surest_sentence,
     verdict_of,
 )
-from ..discovery.diagnose import Ranked
-from ..listing import listed
-from ..quantities import axis_unit, estimate
 from .backwards import searched_model
 from .chart import AFTER, BEFORE, RIVAL, Chart, Charts, Trace, axis, line
 from .content import Content
-from .findings import CURVES, Findings, Signature
 from .markup import Markup, bar, capitalised, section, table, tag
 
 REFUSED = "nearest to what is left, but not added: it explains too little"

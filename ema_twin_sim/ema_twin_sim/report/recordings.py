@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..commands.error_cells import ALL
-from ..commands.side_by_side import closeness_cell
-from ..commands.wording import by_number
 from ..comparison.closeness import Closeness, closer
 from ..comparison.compare import Signals
 from ..quantities import quantity
+from ..words.error_cells import ALL, closeness_cell
+from ..words.findings import UnseenErrors
+from ..words.sentences import by_number
 from .content import Content, Shown, signal_words
-from .findings import UnseenErrors
 from .markup import Markup, section, table, tag
 from .summary import error_table
 

@@ -7,7 +7,11 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from ..commands.wording import (
+from ..comparison.running_comparison import share_removed
+from ..listing import listed
+from ..quantities import axis_unit, estimate, quantity
+from ..words.findings import Findings, Held, UnseenErrors
+from ..words.sentences import (
     REFIT,
     REFIT_IS,
     change_words,
@@ -16,14 +20,10 @@ from ..commands.wording import (
     removed_words,
     why_step,
 )
-from ..comparison.running_comparison import share_removed
-from ..listing import listed
-from ..quantities import axis_unit, estimate, quantity
 from .backwards import gone_effects
 from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
 from .content import Content, signal_words
 from .difference import NewEffect, moved_numbers, new_effects
-from .findings import Findings, Held, UnseenErrors
 from .fitted import TwoValues, apart
 from .markup import Markup, section, table, tag
 

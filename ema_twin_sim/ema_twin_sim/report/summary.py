@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..commands.wording import (
+from ..comparison.beyond_noise import is_noise, times_noise, times_words
+from ..comparison.running_comparison import SignalError, excess_removed
+from ..effects import catalogue
+from ..listing import listed
+from ..quantities import quantity
+from ..words.sentences import (
     NO_RUNNER_UP,
     NOT_IN_CATALOGUE,
     effect_words,
@@ -16,11 +21,6 @@ from ..commands.wording import (
     verdict_of,
     why_step,
 )
-from ..comparison.beyond_noise import is_noise, times_noise, times_words
-from ..comparison.running_comparison import SignalError, excess_removed
-from ..effects import catalogue
-from ..listing import listed
-from ..quantities import quantity
 from .backwards import backwards, gone_effects, searched_model
 from .content import Content, Shown, dates, signal_words
 from .difference import NewEffect, new_effects

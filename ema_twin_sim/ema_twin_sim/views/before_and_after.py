@@ -10,12 +10,12 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import effect_words
 from ..listing import listed
 from ..quantities import axis_unit, quantity
 from ..report.content import Shown, signal_words
-from ..report.findings import Findings
 from ..report.steps import falling
+from ..words.findings import Findings
+from ..words.sentences import effect_words
 from .beside_curves import colour_of
 from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import rerun.blueprint as rrb
 
-from ..commands.wording import verdict_of
 from ..model import Model
 from ..report.content import Shown
-from ..report.findings import Findings
 from ..report.where import failures, sentences
+from ..words.findings import Findings
+from ..words.sentences import verdict_of
 from .before_and_after import after_tab, log_after
 from .beside_curves import curves_tab, log_curves
 from .failing import failing_tab, log_failures

@@ -5,10 +5,10 @@ from __future__ import annotations
 import rerun as rr
 import rerun.blueprint as rrb
 
-from ..commands.wording import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words, removed_words
 from ..quantities import estimate
-from ..report.findings import Findings, Signature
 from ..report.ranking import REFUSED, signature_chart, told_signatures, worth_showing
+from ..words.findings import Findings, Signature
+from ..words.sentences import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words, removed_words
 from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
 from .failing import sheet_view

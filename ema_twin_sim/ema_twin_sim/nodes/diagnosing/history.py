@@ -1,4 +1,4 @@
-"""The last samples that were compared, in a bounded memory, and recordings of them. No ROS."""
+"""The last samples that were compared, in a bounded memory, and recordings of them."""
 
 from __future__ import annotations
 

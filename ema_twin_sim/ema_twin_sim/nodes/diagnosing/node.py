@@ -22,13 +22,13 @@ from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import Diagnosis
 from ema_twin_msgs.srv import Apply, Diagnose
 
+from ...live.diagnosing.apply import NotDiagnosed, settings_for
+from ...live.diagnosing.frames import Answer
+from ...live.diagnosing.worker_process import WorkerProcess
 from ...model import Model
 from .answer import diagnosis_message
-from .apply import NotDiagnosed, settings_for
-from .frames import Answer
 from .history import History
 from .running_twin import RunningTwin
-from .worker_process import WorkerProcess
 
 _THREADS = 3
 """One that is busy, one that refuses what comes meanwhile, one for the twin's answers."""

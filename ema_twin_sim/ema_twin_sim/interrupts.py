@@ -1,8 +1,7 @@
-"""Where the command ``ema-twin`` begins, before anything slow is imported: Ctrl-C ends it in one line at any moment."""
+"""Ctrl-C ends a command in one line at any moment, whatever is being imported or computed."""
 
 from __future__ import annotations
 
-import gc
 import os
 import signal
 import sys
@@ -13,20 +12,8 @@ STATUS = 130
 """What an interrupted process ends with."""
 _LINE = "interrupted; what is written is kept\n"
 _IMPORTING = "<frozen importlib"
-_RARE_COLLECTION = 100_000
-"""New objects between two looks for garbage, of Python's 700 by default: libraries' objects, which stay, come in such
-numbers that a tenth of a short command's time went into looking through them."""
 
 _seen = False
-
-
-def main() -> None:
-    """Run the command line."""
-    watch()
-    gc.set_threshold(_RARE_COLLECTION)
-    from .commands.main import main as run
-
-    run()
 
 
 def watch() -> None:

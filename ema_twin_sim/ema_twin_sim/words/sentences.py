@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ..discovery.discover import Discovery, Step
     from ..discovery.unseen import Unseen
     from ..model import Model
-    from ..report.findings import Findings, UnseenErrors
-    from ..report.fitted import FitFindings
+    from .findings import Findings, UnseenErrors
+    from .fit_findings import FitFindings
 
 NO_RUNNER_UP = "none came near"
 YOURS = "Your model"

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from ..quantities import quantity
-from .wording import effect_words
+from .sentences import effect_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook

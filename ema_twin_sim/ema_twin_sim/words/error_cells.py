@@ -9,6 +9,7 @@ from ..criteria import TOO_MUCH
 from ..quantities import quantity
 
 if TYPE_CHECKING:
+    from ..comparison.closeness import Closeness
     from ..comparison.running_comparison import SignalError
 
 ALL = "all recordings"
@@ -26,3 +27,16 @@ def error_cell(signal: SignalError | None) -> str:
 def noise_cell(signal: SignalError | None) -> str:
     """The sensors' noise in a signal."""
     return "–" if signal is None else quantity(signal["noise_floor"], signal["unit"])
+
+
+def closeness_cell(closeness: Closeness | None) -> str:
+    """``14.6 ×``, ``≥ 22 ×`` where the closer one is lost in the noise; a dash where both are."""
+    if closeness is None:
+        return "–"
+    sign = {"at_least": "≥ ", "at_most": "≤ "}.get(closeness.bound, "")
+    return f"{sign}{number_of_times(closeness.times)} ×"
+
+
+def number_of_times(times: float) -> str:
+    """A ratio in as many digits as it is worth."""
+    return f"{times:.{2 if times < 0.995 else (1 if times < 99.5 else 0)}f}"

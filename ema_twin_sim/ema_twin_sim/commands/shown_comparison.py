@@ -1,0 +1,146 @@
+"""A comparison on the terminal: each model's errors beside the sensors' noise, and where it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from rich.markup import escape
+
+from ..comparison.beyond_noise import beyond_noise, shown_signals
+from ..criteria import SMALL
+from ..listing import listed
+from ..quantities import quantity
+from ..words.error_cells import ALL, error_cell, noise_cell
+from ..words.sentences import by_number
+from .output import console, say, sparkline
+from .side_by_side import show_side_by_side
+from .tables import ReportTable, is_narrow
+from .torque_errors import show_torque_errors
+
+if TYPE_CHECKING:
+    from ..comparison.compare import Comparison
+    from ..comparison.running_comparison import SignalError
+    from ..comparison.where import Dependence
+
+BLIND = 0.5  # of a signal: where its noise is more, an error within it tells nothing
+
+
+def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
+    """Print the errors of all models, then where each fails; ``labels`` tell models of one name apart."""
+    names = [comparison.model for comparison in comparisons]
+    if labels and len(set(names)) < len(names):
+        comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
+    if len(comparisons) > 1:
+        show_side_by_side(comparisons)
+    else:
+        _show_errors(comparisons[0])
+    if comparisons[0].input == "current":
+        say("The current drives the twin open loop: its speed and positions drift and are left out (JSON has them).")
+    for comparison in comparisons:
+        torques = {r.name: r.torque_error for r in comparison.recordings if r.torque_error is not None}
+        show_torque_errors(torques, comparison.motion, comparison.model if len(comparisons) > 1 else "")
+    for comparison in comparisons:
+        _show_where(comparison, titled=len(comparisons) > 1)
+
+
+def _show_errors(comparison: Comparison) -> None:
+    """One model's errors: a row a recording, or where the terminal is too narrow for that, a table a recording."""
+    names = shown_signals(comparison.input, comparison.overall)
+    rows = [(r.name, r.signals) for r in sorted(comparison.recordings, key=lambda r: by_number(r.name))]
+    rows.append((ALL, comparison.overall))
+    title = f"RMSE, measured minus twin (input: {comparison.input})"
+    table = ReportTable(title)
+    table.words("recording")
+    table.numbers(*(name.replace("_", " ") for name in names))
+    errors = [comparison.overall[name] for name in names]
+    table.add_row("noise floor of the sensors", *(noise_cell(error) for error in errors), style="dim")
+    table.add_section()
+    for name, signals in rows:
+        if name == ALL:
+            table.add_section()
+        table.add_row(name, *(error_cell(signals.get(n)) for n in names), style="bold" if name == ALL else None)
+    if table.fits():
+        console.print(table)
+        return
+    say(title, style="table.title")
+    for name, signals in rows:
+        say(name, style="bold")
+        table = ReportTable()
+        table.words("signal")
+        table.numbers("noise floor", escape(comparison.model), least=len("99.7 mrad/s"))
+        for n in names:
+            table.add_row(n.replace("_", " "), noise_cell(signals.get(n)), error_cell(signals.get(n)))
+        console.print(table)
+
+
+def _show_where(comparison: Comparison, *, titled: bool) -> None:
+    from ..comparison.where import FEWEST_SAMPLES
+
+    of = f" ({comparison.model})" if titled else ""
+    overall = comparison.overall
+    shown = shown_signals(comparison.input, overall)
+    poor = beyond_noise(comparison.input, overall)
+    found = [d for d in comparison.where if d.signal in poor]
+    few = sum(recording.samples for recording in comparison.recordings) < FEWEST_SAMPLES
+    if not poor and few:
+        short = f"this is too short to tell, which takes {FEWEST_SAMPLES} samples"
+        say(f"\nNo error stands out of the sensors' noise{of}, but {short}.")
+        return
+    if not poor:
+        say(f"\nAll errors are at the sensors' noise floor{of}{_what_that_says(shown, overall)}.")
+        return
+    if not found:
+        names = ", ".join(sorted(name.replace("_", " ") for name in poor))
+        traced = dict.fromkeys(d.signal for d in comparison.where)
+        if few:
+            why = f"this is too short to tell where, which takes {FEWEST_SAMPLES} samples"
+        elif traced:
+            why = f"where is told of {listed(name.replace('_', ' ') for name in traced)} only"
+        else:
+            why = "where cannot be told: that takes the current and the motor's position or speed"
+        say(f"\nAbove the sensors' noise{of}: {names}; {why}.")
+        return
+    console.print(_where(found, f"\nWhere the model fails{of}"))
+    for signal in dict.fromkeys(d.signal for d in found):
+        say(next(d for d in found if d.signal == signal).sentence())
+
+
+def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) -> str:
+    """What to think of errors within the noise: nothing where a signal is hardly more than its noise itself."""
+    errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
+    noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
+    blind = [
+        f"the {name.replace('_', ' ')}'s is {100.0 * share:.0f} % of the signal"
+        for name, share in noise.items()
+        if share > BLIND
+    ]
+    if not blind:
+        return "; discover tells whether an effect smaller than that is missing"
+    return f", but {' and '.join(blind)}: so much noise hides anything; check what the model's file gives for it"
+
+
+def _where(found: Sequence[Dependence], title: str) -> ReportTable:
+
+    table = ReportTable(title)
+    table.words("error of", "against")
+    table.numbers("share of power")
+    table.numbers("RMSE, low → high", justify="left")
+    table.words("where it is largest")
+    if not is_narrow():  # the sentences below say it too
+        table.numbers("RMSE there", "elsewhere")
+    for signal in dict.fromkeys(d.signal for d in found):
+        best, *others = (d for d in found if d.signal == signal)
+        name = signal.replace("_", " ")
+        for d in (best, *(d for d in others if d.share >= SMALL)):
+            sizes = ("–", "–")
+            if d.is_largest_there:
+                sizes = (quantity(d.rmse_there, d.unit), quantity(d.rmse_elsewhere, d.unit))
+            table.add_row(
+                name, d.variable.replace("_", " "), f"{100.0 * d.share:.0f} %",
+                sparkline(d.profile), d.where, *(() if is_narrow() else sizes),
+            )  # fmt: skip
+            name = ""
+        table.add_section()
+    return table

@@ -1,0 +1,87 @@
+"""A fit on the terminal: its numbers with standard errors, the errors it leaves, and what to make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..quantities import estimate, quantity
+from ..words.sentences import effect_words, options_words
+from .output import console, say, warn
+from .tables import ReportTable
+from .torque_errors import show_torque_errors
+
+if TYPE_CHECKING:
+    from ..fitting.findings import Finding
+    from ..fitting.fit import FitResult
+    from ..model import Model
+
+KINDS = {
+    "on_bound": "On a bound",
+    "no_effect": "Not shown",
+    "inseparable": "Inseparable",
+    "absurd": "Absurd",
+}
+"""The kinds of warnings, as headings."""
+
+
+def show_fit(found: FitResult, before: Model) -> None:
+    """Print the fitted numbers beside those of the model ``before``, the errors, and what to make of them."""
+    if found.parameters:
+        console.print(_parameters(found, before))
+    if found.constants:
+        console.print(_constants(found))
+    console.print(errors_table(found))
+    show_torque_errors(found.torque_errors, found.model.motion)
+    for note in found.notes:
+        say(f"Note: {note}.")
+    _warn(found.warnings)
+
+
+def _parameters(found: FitResult, before: Model) -> ReportTable:
+    table = ReportTable(f"Parameters, with standard errors (method {found.method})")
+    table.words("effect", "options", "parameter")
+    table.numbers("before", "fitted", justify="left")
+    for name, entry in found.parameters.items():
+        first = (effect_words(name), options_words(entry["options"]))
+        for parameter, held in entry.items():
+            if parameter in ("effect", "options"):
+                continue
+            old = estimate(before.effects[name].parameters[parameter], None, held["unit"])
+            new = "held" if held["std"] is None else estimate(held["value"], held["std"], held["unit"])
+            table.add_row(*first, parameter.replace("_", " "), old, new)
+            first = ("", "")
+    return table
+
+
+def _constants(found: FitResult) -> ReportTable:
+    table = ReportTable("\nConstants, within their tolerances")
+    table.words("part", "constant")
+    table.numbers("before", "fitted", justify="left")
+    table.numbers("change")
+    for part, entries in found.constants.items():
+        for name, held in entries.items():
+            before, fitted, change = estimate(held["nominal"], None, held["unit"]), "not in the data", ""
+            if held["std"] is not None:
+                fitted = estimate(held["value"], held["std"], held["unit"])
+                change = f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %"
+            table.add_row(part, name.replace("_", " "), before, fitted, change)
+    return table
+
+
+def errors_table(found: FitResult) -> ReportTable:
+    """The errors before and after, on what was not fitted to."""
+    table = ReportTable(f"\nErrors: {found.judged_on}")
+    table.words("signal")
+    table.numbers("RMSE before", "after", "noise floor")
+    for signal, error in found.before.items():
+        if not error["driven"]:
+            numbers = (error["rmse"], found.after[signal]["rmse"], error["noise_floor"])
+            table.add_row(signal.replace("_", " "), *(quantity(number, error["unit"]) for number in numbers))
+    return table
+
+
+def _warn(warnings: Sequence[Finding]) -> None:
+    """One line a warning; those of damaged recordings are told already, and one may stand for several numbers."""
+    for kind, message in dict.fromkeys((w.kind, w.message) for w in warnings if w.kind in KINDS):
+        warn(f"{KINDS[kind].lower()}: {message}")

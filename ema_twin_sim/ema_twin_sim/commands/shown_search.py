@@ -1,0 +1,178 @@
+"""A search on the terminal: its verdict, the steps that led there, the numbers, and what stays in doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rich.markup import escape
+
+from ..quantities import estimate, quantity
+from ..words.sentences import (
+    REFIT,
+    REFIT_IS,
+    change_words,
+    effect_words,
+    groups_sentence,
+    has_moved,
+    left_sentence,
+    options_words,
+    order_sentences,
+    refit_sentence,
+    removed_words,
+    verdict_of,
+    why_step,
+)
+from .output import console, say
+from .tables import ReportTable, is_narrow
+
+if TYPE_CHECKING:
+    from ..discovery.discover import Discovery
+
+STEPS_ARE = (
+    "Excess: the mean square of the error above that of the sensors' noise; where 99 % of it goes, a tenth of the RMSE "
+    "stays. Runner-up: the second-best effect in that step, and its gain as a share of the step's."
+)
+"""What the columns of the table of steps are."""
+_LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none
+
+
+def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
+    """Print the verdict in one sentence, the steps that led there, and the numbers."""
+    say(verdict_of(found, without=without), style="bold")
+    if found.verdict == "unknown":
+        left = found.unseen
+        say(
+            f"What is left over: {quantity(left.rmse[-1], left.unit)} of the {left.signal.replace('_', ' ')}, where "
+            f"the sensors' noise makes {quantity(left.noise_floor, left.unit)}."
+        )
+    if found.unseen.refitted and not found.steps:
+        say(refit_sentence(found.unseen))
+    if found.steps:
+        console.print(_steps(found))
+        say(STEPS_ARE)
+        if leaves := left_sentence(found.unseen):
+            say(leaves)
+        if _is_crowded(found):
+            for step in found.steps:
+                what = "Runner-up to" if step.action == "add" else "Dropped:"
+                say(f"{what} {effect_words(step.instance)}: {why_step(step)}.")
+    if found.parameters:
+        console.print(_parameters(found))
+    for sentence in order_sentences(found.model, found.parameters):
+        say(sentence)
+    moved = _constants(found)
+    if moved.row_count:
+        console.print(moved)
+    slightly = _moved_slightly(found)
+    if slightly:
+        say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
+
+
+def show_doubts(groups: Sequence[Sequence[str]], next_recording: str) -> None:
+    """Print what the recordings cannot tell apart, and the recording to make next."""
+    if groups:
+        say(f"\n{groups_sentence(groups)}")
+    if next_recording:
+        say(f"\nRecord next: {next_recording}")
+
+
+def _steps(found: Discovery) -> ReportTable:
+    from ..effects import catalogue
+    from ..measured.folds import HALF_OF
+
+    several = len(found.unseen.recordings) > 1
+    judged_on = f"recordings that were {'not ' if several else ''}fitted to"
+    if HALF_OF in found.recordings[0].metadata:
+        judged_on = "the half of the points that was not fitted to"
+    signal = found.unseen.signal.replace("_", " ")
+    floor = quantity(found.unseen.noise_floor, found.unseen.unit)
+    table = ReportTable(f"\nSteps, judged by the {signal} of {judged_on} (noise floor {floor})")
+    narrow, output, crowded = is_narrow(), _has_output(found), _is_crowded(found)
+    table.words("step", *(() if narrow else ("what it is",)), widest=44)
+    shown = "encoders apart" if found.unseen.encoders else "output position"
+    table.numbers("RMSE before", "after", "excess removed", *((f"{shown} before", "after") if output else ()))
+    table.words(*(() if crowded else ("runner-up",)))
+    unseen = found.unseen
+    if unseen.refitted:
+        outputs = (unseen.given_output, unseen.output[0]) if output and unseen.given_output is not None else ()
+        table.add_row(
+            REFIT,
+            *(() if narrow else (REFIT_IS,)),
+            quantity(unseen.given, unseen.unit),
+            quantity(unseen.rmse[0], unseen.unit),
+            removed_words(unseen.refit_removed, unseen.given, unseen.rmse[0]),
+            *(quantity(value, "rad") for value in outputs),
+            *(() if crowded else ("",)),
+        )
+        table.add_section()
+    for step in found.steps:
+        if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
+            blank = [""] * (len(table.columns) - 2 if narrow else 0)
+            table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(why_step(step)))))
+            continue
+        table.add_row(
+            f"+ {effect_words(step.instance)}",
+            *(() if narrow else (escape(catalogue()[step.effect].summary),)),
+            quantity(step.rmse_before, step.unit),
+            quantity(step.rmse_after, step.unit),
+            removed_words(step.error_removed, step.rmse_before, step.rmse_after),
+            *(quantity(value, "rad") for value in (step.output_before, step.output_after) if value is not None),
+            *(() if crowded else (escape(why_step(step)),)),
+        )
+    return table
+
+
+def _has_output(found: Discovery) -> bool:
+    """Whether the steps tell of the output's position too."""
+    return any(step.output_before is not None for step in found.steps)
+
+
+def _is_crowded(found: Discovery) -> bool:
+    """Whether the table of the steps has no room for words on them."""
+    return is_narrow() and _has_output(found)
+
+
+def _parameters(found: Discovery) -> ReportTable:
+    table = ReportTable("\nParameters, with standard errors")
+    table.words("effect", "options", "parameter")
+    table.numbers("value", justify="left")
+    for name, entry in found.parameters.items():
+        first = (effect_words(name), options_words(entry["options"]))
+        for parameter, held in entry.items():
+            if parameter not in ("effect", "options"):
+                fitted = "" if held["std"] is not None else " (typical value, not fitted)"
+                table.add_row(*first, parameter, f"{estimate(held['value'], held['std'], held['unit'])}{fitted}")
+                first = ("", "")
+    return table
+
+
+def _constants(found: Discovery) -> ReportTable:
+    """The constants that moved by more than their standard error."""
+    table = ReportTable("\nConstants that were refitted")
+    table.words("part", "constant")
+    table.numbers("in your model", "refitted", justify="left")
+    table.numbers("change")
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    for part, entries in constants.items():
+        for name, held in entries.items():
+            value, nominal, std = held["value"], held["nominal"], held["std"]
+            if has_moved(held):
+                numbers = (estimate(nominal, None, held["unit"]), estimate(value, std, held["unit"]))
+                table.add_row(effect_words(part), name.replace("_", " "), *numbers, change_words(held))
+    return table
+
+
+def _moved_slightly(found: Discovery) -> list[str]:
+    """The constants that moved by less than their standard error: ``motor inertia +0.4 %``."""
+    from ..model.constants import PARTS
+
+    moved = []
+    constants: Mapping[str, Mapping[str, Any]] = found.constants
+    for part, entries in constants.items():
+        for name, held in entries.items():
+            distance = abs(held["value"] - held["nominal"])
+            if held["nominal"] and _LEAST_CHANGE * abs(held["nominal"]) < distance <= (held["std"] or 0.0):
+                named = name.replace("_", " ") if part in PARTS else effect_words(part)
+                moved.append(f"{named} {change_words(held)}")
+    return moved

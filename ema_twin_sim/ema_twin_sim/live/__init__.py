@@ -1,0 +1,1 @@
+"""What follows a bench sample by sample, and judges it meanwhile: pairs, pace, trend, verdict. No ROS."""

@@ -1,0 +1,57 @@
+"""What a fit found, from the fit itself or from the JSON that ``fit`` writes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ema_bench_replay.errors import InputError
+
+from .findings import Held, checked, checked_entry, number
+
+if TYPE_CHECKING:
+    from ..fitting.fit import FitResult
+
+
+@dataclass(frozen=True)
+class FitFindings:
+    """What a fit tells: its numbers with their standard errors, and the RMSE by signal on what it was not fitted to."""
+
+    parameters: Mapping[str, Mapping[str, Any]]
+    constants: Mapping[str, Mapping[str, Held]]
+    before: Mapping[str, float]
+    after: Mapping[str, float]
+    judged_on: str
+
+
+def fit_findings_of(fit: FitResult) -> FitFindings:
+    """The findings of a fit that was made."""
+    return _read(fit.as_json())
+
+
+def read_fit_findings(path: Path) -> FitFindings:
+    """The findings in a file. Raises InputError where it is none that ``fit`` wrote."""
+    try:
+        return _read(json.loads(path.read_bytes()))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); name what fit --json wrote") from None
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        what = f"{type(error).__name__}: {error}"
+        raise InputError(f"{path}: is not what fit --json writes ({what})") from None
+
+
+def _read(content: Mapping[str, Any]) -> FitFindings:
+    errors = content["rmse"]
+    return FitFindings(
+        {str(name): checked_entry(entry) for name, entry in content["parameters"].items()},
+        {
+            str(part): {str(name): checked(held) for name, held in entries.items()}
+            for part, entries in content["constants"].items()
+        },
+        {str(name): number(error["before"]) for name, error in errors.items()},
+        {str(name): number(error["after"]) for name, error in errors.items()},
+        str(content["judged_on"]),
+    )

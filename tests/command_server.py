@@ -1,0 +1,118 @@
+"""``ema-twin`` without its start: a process that has read all libraries, and gives each command to a child of its own.
+
+A command takes one to two seconds to start, most of it for reading libraries, and the tests give some hundred. What a
+child does is the command: its arguments, folder, streams and exit status are its own, and nothing of it is left behind.
+What starts nodes or other processes is not given to it, nor what tests the start itself.
+"""
+
+import atexit
+import gc
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+from importlib import import_module
+from pathlib import Path
+
+_AGREED = "ema-twin command server"
+_READ = ("commands.main", "discovery.diagnose", "discovery.plan", "fitting.fit", "new_machine.drafts", "report.page")
+"""With what these import, what most commands need."""
+
+
+class CommandServer:
+    """The process, and how commands are given to it, one after another."""
+
+    def __init__(self, environment):
+        ours, theirs = os.pipe(), os.pipe()
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", __name__, str(ours[0]), str(theirs[1])],
+            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            env=environment, cwd=Path(__file__).resolve().parents[1], pass_fds=(ours[0], theirs[1]),
+        )  # fmt: skip
+        os.close(ours[0])
+        os.close(theirs[1])
+        self._orders, self._answers = os.fdopen(ours[1], "w"), os.fdopen(theirs[0])
+        assert self._answers.readline().strip() == _AGREED, self._process.communicate()[1].decode()
+        atexit.register(self.close)
+
+    def run(self, arguments, cwd, timeout, answers):
+        """As ``subprocess.run`` with captured text. Raises subprocess.TimeoutExpired."""
+        with tempfile.TemporaryDirectory() as folder:
+            streams = [Path(folder) / name for name in ("in", "out", "err")]
+            streams[0].write_text(answers or "")
+            order = {"arguments": arguments, "cwd": str(cwd or Path.cwd()), "timeout": timeout}
+            print(json.dumps(order | {"streams": [str(path) for path in streams]}), file=self._orders, flush=True)
+            status = json.loads(self._answers.readline())
+            if status is None:
+                raise subprocess.TimeoutExpired(["ema-twin", *arguments], timeout)
+            out, err = (path.read_text() for path in streams[1:])
+            return subprocess.CompletedProcess(["ema-twin", *arguments], status, out, err)
+
+    def close(self):
+        self._orders.close()
+        self._process.wait()
+
+
+def serve(orders, answers):
+    """Take orders, a line each, until nobody can give any more."""
+    for name in _READ:
+        import_module(f"ema_twin_sim.{name}")
+    from ema_twin_sim import compare, load_model, parse_command, virtual_bench
+
+    stock = load_model("polito_bench")
+    compare([virtual_bench(stock, parse_command("ramp:0.05"), 0.2)], stock)  # its kernels are loaded
+    gc.collect()
+    gc.freeze()
+    print(_AGREED, file=answers, flush=True)
+    for line in orders:
+        print(json.dumps(_given_to_a_child(json.loads(line))), file=answers, flush=True)
+
+
+def _given_to_a_child(order):
+    """The exit status of a command; None where it took too long."""
+    child = os.fork()
+    if child == 0:
+        _become(order)
+    waiting = os.pidfd_open(child)
+    try:
+        done, _, _ = select.select([waiting], [], [], order["timeout"])
+        if not done:
+            os.killpg(child, signal.SIGKILL)
+        _, status = os.waitpid(child, 0)
+        return os.waitstatus_to_exitcode(status) if done else None
+    finally:
+        os.close(waiting)
+
+
+def _become(order):
+    """The command itself, from its arguments to its exit."""
+    from ema_twin_sim.entry import main
+
+    status = 1
+    try:
+        os.setsid()
+        os.chdir(order["cwd"])
+        flags = (os.O_RDONLY, *[os.O_WRONLY | os.O_CREAT | os.O_TRUNC] * 2)
+        for number, (path, flag) in enumerate(zip(order["streams"], flags, strict=True)):
+            os.dup2(os.open(path, flag, 0o600), number)
+        sys.argv = ["ema-twin", *order["arguments"]]
+        main()
+        status = 0
+    except SystemExit as ending:
+        status = ending.code if isinstance(ending.code, int) else int(ending.code is not None)
+    except BaseException:
+        sys.excepthook(*sys.exc_info())
+    finally:
+        threading._shutdown()
+        atexit._run_exitfuncs()
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        os._exit(status)
+
+
+if __name__ == "__main__":
+    serve(os.fdopen(int(sys.argv[1])), os.fdopen(int(sys.argv[2]), "w"))
