@@ -96,15 +96,16 @@ def _doubtful(found: Search) -> list[str]:
     stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
-    if lags:  # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
-        stands -= {name for name in added if added[name].effect in LIKE_STRUCTURE}
+    # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
+    drawn = {name for name in stands if added[name].effect in LIKE_STRUCTURE} if lags else set()
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     doubtful = [name for name in added if name not in stands]
-    if not {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
-        # play or a spring that came beside a late encoder takes a part of it: once it is gone, that is judged by itself
-        doubtful = [name for name in doubtful if not catalogue()[added[name].effect].delays]
-    return doubtful
+    if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
+        return [name for name in added if name in doubtful or name in drawn]
+    # once a doubtful play or spring is gone, the encoders may part by no more than lines do: what is drawn by them is
+    # judged without it, and so is a late encoder, of which it took a part
+    return [name for name in doubtful if not catalogue()[added[name].effect].delays]
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
