@@ -241,11 +241,13 @@ def client():
 
 
 class TestEngine:
+    @pytest.mark.slow
     def test_every_job_is_done_once(self, client, tmp_path):
         jobs = [Job(str(k), "A", str(k), ()) for k in range(2000)]
         outcomes = list(run(client, iter(jobs), partial(_stub, folder=str(tmp_path)), _lost))
         assert sorted(int(outcome.job.key) for outcome in outcomes) == [*range(2000)]
 
+    @pytest.mark.slow
     def test_a_worker_that_dies_takes_no_job_with_it(self, client, tmp_path):
         names = [*(str(k) for k in range(40)), "kill once", "kill always", *(str(k) for k in range(40, 80))]
         jobs = [Job(name, "A", name, ()) for name in names]
@@ -254,6 +256,7 @@ class TestEngine:
         assert [name for name, outcome in outcomes.items() if outcome.status == FAILED] == ["kill always"]
         assert "died" in outcomes["kill always"].message
 
+    @pytest.mark.slow
     def test_it_listens_to_this_campaign_only(self, client):
         assert client.scheduler.address.startswith("tls://127.0.0.1:")
         assert all(address.startswith("tls://127.0.0.1:") for address in client.nthreads())
@@ -261,6 +264,7 @@ class TestEngine:
         doors = [c.laddr.ip for p in (here, *here.children(recursive=True)) for c in p.net_connections("inet")]
         assert {*doors} == {"127.0.0.1"}
 
+    @pytest.mark.slow
     def test_a_campaign_fills_a_store(self, client, folder, tmp_path):
         store = Store.made(tmp_path / "r")
         jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
@@ -271,6 +275,7 @@ class TestEngine:
         assert "is a copy of" not in "".join((*first.remarks, *second.remarks))  # other units may share a recording
 
 
+@pytest.mark.slow
 def test_no_scheduler_is_told():
     with pytest.raises(InputError, match="does not answer"), cluster("tcp://127.0.0.1:1", 1):
         pass
@@ -292,6 +297,7 @@ def _until(is_so, seconds=120.0):
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     recording = sorted(RECORDINGS.glob("*.CSV"))[0]
     for k in range(40):
@@ -368,6 +374,7 @@ class TestHistories:
         assert outlooks(self.a_unit(np.arange(4.0)), {}) == []
         assert outlooks(self.a_unit(np.arange(9.0), std=None), {}) == []
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("text", ["", "backlash.width: wide", "- 1"])
     def test_limits_that_are_none_are_refused(self, tmp_path, text):
         file = tmp_path / "limits.yaml"

@@ -112,6 +112,7 @@ def test_effects_as_json(tmp_path):
     done("effects", "backlash")
 
 
+@pytest.mark.slow
 def test_live_gives_what_compare_gives(tmp_path, ramp):
     cut = ("--from", "0", "--to", "4")
     done("live", ramp, "--model", "polito_bench", *cut, "--rate", "5", "--headless", "--json", tmp_path / "live.json")

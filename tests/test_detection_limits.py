@@ -80,6 +80,7 @@ def test_a_shaft_that_winds_up_is_no_delay(stock):
     assert not delay_stands(lined(wound_up, 1e-5), stock)
 
 
+@pytest.mark.slow
 def test_cogging_of_three_times_the_limit_is_named_on_an_unkind_bench():
     """Its gearbox rings, so that play comes in by the encoders, makes cogging needless, and goes again."""
     case = limit_of(limited_bench("cogging", 1, 1)).hidden_at(3.0)
@@ -101,6 +102,7 @@ def test_a_wave_over_the_motors_angle_is_named_below_the_size_that_others_need(e
     assert has_effect_size(bare.problem, bare, after) == named
 
 
+@pytest.mark.slow
 def test_the_order_that_noise_shows_most_is_one_of_many(stock):
     """Beside something unknown, a wave at the order that is left the most gains more than the true one by chance."""
     case = limit_of(limited_bench("cogging", 1, 3)).hidden_at(3.0)

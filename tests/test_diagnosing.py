@@ -331,6 +331,7 @@ def test_closing_ends_a_diagnosis_that_is_being_made(recording):
     assert process.poll() is not None and "monitor is ending" in refused[0]
 
 
+@pytest.mark.slow
 def test_a_killed_node_leaves_no_diagnosis_behind(ramp):
     program = f"""
 import threading, time

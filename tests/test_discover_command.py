@@ -49,6 +49,7 @@ def content(found):
     return json.loads((found[0] / "found.json").read_text())
 
 
+@pytest.mark.slow
 def test_it_names_the_hidden_effects_in_one_sentence(found, content):
     assert found[1].startswith("Your model lacks backlash and Stribeck friction.\n")
     assert content["verdict"] == "explained" and sorted(content["added"]) == sorted(HIDDEN)
@@ -57,6 +58,7 @@ def test_it_names_the_hidden_effects_in_one_sentence(found, content):
     assert "nan" not in found[1].lower()
 
 
+@pytest.mark.slow
 def test_its_report_tells_the_same(found):
     text = (found[0] / "found.html").read_text()
     assert "<h1>polito_bench lacks backlash and Stribeck friction.</h1>" in text
@@ -64,11 +66,13 @@ def test_its_report_tells_the_same(found):
     assert "found.html" in found[1]
 
 
+@pytest.mark.slow
 def test_a_log_holds_no_bars(found):
     progress = [line for line in found[2].splitlines() if not line.startswith("warning: ")]
     assert all(re.fullmatch(r"\d+ s: .* …", line) for line in progress)
 
 
+@pytest.mark.slow
 def test_its_json_has_what_the_design_lists(content):
     for step in content["steps"]:
         assert step["rmse_before"] > 0.0 and step["rmse_after"] > 0.0
@@ -82,6 +86,7 @@ def test_its_json_has_what_the_design_lists(content):
         assert name in content
 
 
+@pytest.mark.slow
 def test_the_new_model_is_better_and_holds_the_refitted_constants(found, content, traces, stock):
     model = load_model(found[0] / "new.yaml")
     assert set(HIDDEN) <= set(model.effects)
@@ -93,6 +98,7 @@ def test_the_new_model_is_better_and_holds_the_refitted_constants(found, content
         assert after[name]["rmse"] < 0.6 * before[name]["rmse"], name
 
 
+@pytest.mark.slow
 def test_evidence_in_the_json(found, content):
     assert (found[0] / "found.json").stat().st_size < 2e6
     steps = content["evidence"]["steps"]
@@ -118,6 +124,7 @@ def test_evidence_in_the_json(found, content):
     assert set(content["evidence"]["rmse"]["recordings"]) == {r["name"] for r in content["unseen"]["recordings"]}
 
 
+@pytest.mark.slow
 def test_the_evidence_mcap_holds_what_each_step_left_over(found, traces):
     with (found[0] / "found.mcap").open("rb") as stream:
         reader = make_reader(stream, decoder_factories=[DecoderFactory()])
@@ -143,11 +150,13 @@ def test_the_evidence_mcap_holds_what_each_step_left_over(found, traces):
     assert np.allclose(efforts[:, [0]] - efforts[:, 1:], [m.effort[:2] for m in left])
 
 
+@pytest.mark.slow
 def test_evidence_is_no_recording(found):
     line = refused("info", found[0] / "found.mcap", naming=("evidence", f"rerun {found[0] / 'found.mcap'}"))
     assert len(line) < 400
 
 
+@pytest.mark.slow
 def test_rerun_opens_the_evidence(found, tmp_path):
     script = (
         "import sys, rerun as rr\n"
@@ -208,6 +217,7 @@ def test_nothing_hidden_is_nothing_found_and_the_refitted_model_is_written(tmp_p
     assert set(load_model(tmp_path / "new.yaml").effects) == set(stock.effects)
 
 
+@pytest.mark.slow
 def test_what_is_unknown_is_told_with_its_size_and_place(tmp_path, bench_cases):
     runs = sorted((bench_cases / "dev13" / "train").glob("*.CSV"))
     outputs = ("-o", tmp_path / "same.yaml", "--json", tmp_path / "u.json", "--report", tmp_path / "u.html")

@@ -176,6 +176,7 @@ def test_a_gap_and_a_nan_do_not_matter(stock):
     assert found.added == ("constant_load",)
 
 
+@pytest.mark.slow
 def test_constants_that_a_search_would_draw_away_are_kept(stock, traces):
     """What is left beside play lies at impacts, which torques tell less of than the simulated loop."""
     true = stock.with_effect("backlash", {"width": 0.004})
@@ -187,6 +188,7 @@ def test_constants_that_a_search_would_draw_away_are_kept(stock, traces):
     assert after <= CLEARLY_MORE * before
 
 
+@pytest.mark.slow
 def test_play_and_friction_in_the_projects_own_recordings(traces, stock):
     found = discover([load(trace) for trace in traces], stock)
     assert found.verdict == "explained" and set(found.added) == {"backlash", "stribeck_friction"}

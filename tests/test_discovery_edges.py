@@ -31,6 +31,7 @@ def test_a_coarse_current_hides_no_load_and_invents_nothing(step, stock):
     assert (found.verdict, found.added) == ("explained", ("gravity_load",))
 
 
+@pytest.mark.slow
 def test_a_recording_at_standstill_among_others_is_no_error(stock):
     true = stock.with_effect("gravity_load", {"torque": 0.09, "angle": 0.5})
     recordings = [*record(true), virtual_bench(true, parse_command("ramp:1e-9"), 4.0, seed=9, name="still")]
@@ -97,6 +98,7 @@ def test_an_effect_that_is_switched_off_can_be_found(stock):
     assert discover(record(true), model).added == ("gravity_load",)
 
 
+@pytest.mark.slow
 def test_coulomb_friction_is_found_on_both_sides_of_play(stock):
     start = stock.without_effect("coulomb_friction")
     recordings = record(stock.with_effect("backlash", {"width": 0.003}), ("sine:0.05:0.4", *COMMANDS[:2]))

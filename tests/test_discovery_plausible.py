@@ -22,6 +22,7 @@ from tests.recorded import record
 RUNS = ("ramp:0.05", "ramp:0.1", "triangle:0.06:2", "sine:0.05:0.4")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("id", "parameters", "depends_on"),
     [
@@ -41,6 +42,7 @@ def test_with_the_true_effect_left_out_nothing_is_named(id, parameters, depends_
     assert not found.groups
 
 
+@pytest.mark.slow
 def test_friction_curves_that_look_alike_are_told_apart_in_company(stock):
     """A Stribeck friction alone fits first, and would keep out the two that are there."""
     without_friction = stock.without_effect("coulomb_friction")

@@ -36,6 +36,7 @@ def _servo(inertia):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inertia", SIZES)
 def test_the_gains_of_a_pi_controller_are_found_on_machines_of_all_sizes(inertia):
     servo, time = _servo(inertia), np.arange(8000) * 5e-4

@@ -33,6 +33,7 @@ def started(model, source, sample):
     return twin, twin.energies()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load, current, speed", [(0.5, 0.6, 6.0), (-2.0, -0.3, 60.0), (0.0, 0.3, 0.0)])
 def test_train_and_load_balance(tmp_path, load, current, speed):
     model = planetary_model(tmp_path).with_effect("constant_load", {"torque": load})
@@ -54,6 +55,7 @@ def test_a_soft_shaft_keeps_the_balance(tmp_path):
     assert abs(missing) <= TOLERANCE * through
 
 
+@pytest.mark.slow
 def test_drive_train_and_load_balance():
     model = load_model("polito_hff").with_effect("constant_load", {"torque": 0.5})
     twin, before = started(model, "setpoint", {"speed": 10.0, "current": 0.5, "speed_setpoint": 10.0})

@@ -39,6 +39,7 @@ def models(tmp_path_factory):
     return models_in(tmp_path_factory.mktemp("models"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_verbs_of_one_fidelity(kind, models, traces, tmp_path):
     model = ("--model", models[kind])
@@ -116,6 +117,7 @@ def test_info_tells_what_a_gearbox_engineer_asks():
     assert locked["self-locking"].value == "yes" and locked["efficiency, output driving"].value == "none"
 
 
+@pytest.mark.slow
 def test_info_prints_them_and_writes_them(tmp_path):
     text = " ".join(done("info", "polito_hff", "--json", tmp_path / "i.json").stdout.split())
     for words in (

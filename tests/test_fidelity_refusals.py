@@ -53,12 +53,14 @@ def test_teeth_that_lose_contact_are_refused(tmp_path, ramp):
     refused("info", file, naming=("model tips: transmission", "contact ratio", "tip_radius"))
 
 
+@pytest.mark.slow
 def test_inertias_below_zero_are_refused(tmp_path, ramp):
     for section, name in (("machine", "motor_inertia"), ("machine", "output_inertia"), ("transmission", "sun_inertia")):
         file = write_model(tmp_path, "inertia", **{section: {name: entry(-1e-6, "kg m^2")}})
         refused("compare", ramp, "--model", file, naming=("inertia.yaml", f"{section}.{name}", "out of range; give"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -80,6 +82,7 @@ def test_a_contact_too_stiff_for_the_step_is_refused(stock):
         Twin(stiff, step=1e-4)
 
 
+@pytest.mark.slow
 def test_a_dc_link_too_low_for_the_speed_is_refused(ramp, tmp_path):
     low = write_model(tmp_path, "low", "polito_hf", drive={"dc_link_voltage": entry(10.0, "V")})
     words = ("DC link of 10 V of model low allows", "rad/s; give drive.dc_link_voltage")
@@ -98,6 +101,7 @@ def test_a_jump_of_the_position_asks_for_no_speed():
     assert np.isfinite(steps.signals["current"]).all()
 
 
+@pytest.mark.slow
 def test_a_switching_drive_needs_its_winding(tmp_path, ramp):
     for name, unit in (("phase_inductance", "H"), ("back_emf_constant", "V s/rad")):
         file = write_model(tmp_path, "winding", "polito_hf", machine={name: entry(0.0, unit)})
@@ -125,6 +129,7 @@ def test_a_simulation_that_diverges_stops_and_names_moment_and_state(kind, model
     assert diverging._state[0]["time"] < 1.5  # it did not go on for 20 s
 
 
+@pytest.mark.slow
 def test_a_diverging_model_is_told_in_one_line(models, runaway, ramp, tmp_path):
     file = tmp_path / "away.yaml"
     done("add", runaway, "--model", "polito_bench", "-o", file)

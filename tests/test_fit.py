@@ -36,6 +36,7 @@ LOADS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("effects", "commands"), [(RIGID, SLOW), (SENSORS, FAST), (LOADS, FAST)])
 def test_several_effects_at_once_from_typical_values(stock, effects, commands, method):
@@ -45,6 +46,7 @@ def test_several_effects_at_once_from_typical_values(stock, effects, commands, m
     assert not result.warnings
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_play_and_what_ripples_behind_it(stock, method):
     hidden = {"backlash": {"width": 0.004}, "cogging": {"torque": 0.02, "phase": -2.0}}
@@ -76,6 +78,7 @@ def test_both_methods_agree(stock):
         assert abs(a - b) < 3.0 * math.hypot(a_std, b_std), path
 
 
+@pytest.mark.slow
 def test_the_recordings_of_the_project(traces):
     """Of another program's bench, with backlash of 4 mrad and Stribeck friction of 0.08 N m at 2 rad/s."""
     start = load_model("polito_bench").with_effect("backlash").with_effect("stribeck_friction")
@@ -141,6 +144,7 @@ def test_constants_by_name(stock):
     assert result.constants["machine"]["torque_constant"]["nominal"] == 1.91
 
 
+@pytest.mark.slow
 def test_every_parameter_of_the_catalogue_moves_both_methods(stock):
     """One that is silently not applied would look like a perfect fit of nothing."""
     # a load that varies, fast and slow, over a large part of a turn
@@ -221,6 +225,7 @@ def test_a_nominal_value_that_the_recordings_contradict_is_let_go(stock):
     assert result.parameters["viscous_friction"]["coefficient"]["value"] == pytest.approx(0.04, rel=0.01)
 
 
+@pytest.mark.slow
 def test_standard_errors_are_the_scatter_over_the_noise(stock):
     true = with_effects(stock, SENSORS)
     start = with_effects(stock, SENSORS, typical=True)

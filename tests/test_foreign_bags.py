@@ -142,6 +142,7 @@ class TestDamage:
         recording = read_bag(path)
         assert 5 < len(recording) < 50 and "is cut" in recording.warnings[0]
 
+    @pytest.mark.slow
     @given(st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1, max_size=5), st.integers(0))
     @settings(max_examples=150, deadline=None)
     def test_whatever_is_damaged_is_told_or_refused(self, tmp_path_factory, flips, cut):

@@ -106,6 +106,7 @@ def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
     assert f"7 times in a turn of the {shaft}" in unnamed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.4, -1.9])
 def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(angle, stock):
     """Without a gearbox a wave of the motor's turn is one of the output's: the same torque by any of three names."""

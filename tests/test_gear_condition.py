@@ -42,6 +42,7 @@ def amplitudes(tmp_path_factory):
     return measured
 
 
+@pytest.mark.slow
 def test_a_healthy_gearbox_shows_its_first_mesh_only(amplitudes):
     """Sun and ring meshes are in phase (15.75 adds up), output meshes a third apart (15 cancels, 45 stays)."""
     found = amplitudes()
@@ -79,6 +80,7 @@ def test_a_run_out_shows_doubled_where_it_presses_more_than_the_load(amplitudes,
     assert found[1.5] > 1.2 * found[0.75] > 50.0 * HEALTHY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("carrier", np.linspace(0.0, 3.0, 7))
 def test_an_eccentric_planet_moves_along_both_lines_of_action(tmp_path, carrier):
     """The sun's teeth push a planet forward and outwards, the ring's forward and inwards: it moves away from both."""

@@ -78,6 +78,7 @@ def test_what_is_judged_is_told_in_words_and_units(baseline):
     assert well.words == ("Healthy: as the 40 recordings of 8 tests it is compared with.",)
 
 
+@pytest.mark.slow
 def test_false_alarms_stay_at_their_rate_where_tests_differ_more_than_runs():
     """A baseline that took runs for independent would call off most runs of another test."""
     alarms = []
@@ -172,6 +173,7 @@ def ball_screw(folder, condition):
     return [MotionRecord.from_recording(one, one.metadata["test"]) for one in read]
 
 
+@pytest.mark.slow
 def test_faults_of_a_real_ball_screw_are_detected_and_named(real):
     """Learnt from seven of the ten healthy tests, judged on the other three and on all faults."""
     folder = real / "cranfield_20kg"

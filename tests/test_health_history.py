@@ -11,6 +11,7 @@ from ema_twin_sim.health.remaining_life import margin, remaining_life
 HEALTHY, LIMIT = 5.0, 8.0
 
 
+@pytest.mark.slow
 def test_at_most_one_false_alarm_in_a_thousand_recordings():
     rng = np.random.default_rng(1)
     alarms = values = 0
@@ -22,6 +23,7 @@ def test_at_most_one_false_alarm_in_a_thousand_recordings():
     assert alarms / values <= 1e-3
 
 
+@pytest.mark.slow
 def test_errors_that_are_too_small_raise_no_alarms():
     """Scatter between days that the standard errors do not hold: the baseline shows it."""
     rng = np.random.default_rng(2)
@@ -67,6 +69,7 @@ def test_wear_is_named_before_a_fifth_of_the_margin_is_lost():
     assert np.mean(early) >= 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["from the beginning", "from an onset"])
 def test_intervals_of_remaining_life_hold_it(kind):
     rng = np.random.default_rng(5)

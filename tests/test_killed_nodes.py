@@ -7,6 +7,8 @@ import pytest
 
 from tests.bench_processes import HISTORY, READERS, BenchProcesses
 
+pytestmark = pytest.mark.slow
+
 RATE = 1000.0
 """Hz."""
 FEW = 100

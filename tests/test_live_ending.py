@@ -64,6 +64,7 @@ class TestViewer:
         assert "RMSE" in printed and model.exists()
         assert json.loads(figures.read_text())["overall"]["current"]["rmse"] > 0.0
 
+    @pytest.mark.slow
     def test_a_viewer_that_goes_away_is_a_warning(self, ramp, outputs):
         model, figures = outputs
         live = begun(ramp, *MODEL, "--web", "--to", "4", "-o", model, "--json", figures)
@@ -90,6 +91,7 @@ class TestViewer:
         started[0].kill()
         started[0].wait()
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("listens", [False, True])
     def test_one_that_takes_nothing_is_not_waited_for(self, listens):
         """Neither where the view is closed, nor where the process ends."""
@@ -119,6 +121,7 @@ print("closed")
 
 
 class TestFullDisk:
+    @pytest.mark.slow
     @pytest.mark.parametrize("verb", ["compare", "live"])
     def test_it_is_one_line(self, ramp, tmp_path, verb):
         path = tmp_path / "run.rrd"

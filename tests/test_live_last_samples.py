@@ -33,6 +33,7 @@ def test_a_replay_that_ends_before_the_first_look_around(short, monkeypatch):
     assert_whole(ended(short), short)
 
 
+@pytest.mark.slow
 def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
     monkeypatch.setattr(live, "_PATIENCE", 0.2)
     answer = Follower.answer
@@ -45,6 +46,7 @@ def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
     assert_whole(ended(short), short)
 
 
+@pytest.mark.slow
 def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
     monkeypatch.setattr(live, "_PATIENCE", 0.5)
     answer = Follower.answer

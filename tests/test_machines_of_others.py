@@ -47,6 +47,7 @@ def test_a_geared_servo_that_was_held_at_rest_has_friction_and_nothing_else(with
     assert found.model.value("machine.motor_inertia") == pytest.approx(0.024, rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
     folder = machines / "michigan_dyno" / "train"
     import_map, model = drafted(folder / "idle_load_a.csv", tmp_path, gear_ratio=6.0, torque_constant=0.1095)
@@ -58,6 +59,7 @@ def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
         assert 0.1 < coulomb + 2.3 * level(found.model, "mesh_friction", "coefficient") < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("with_coulomb", [True, False])
 @pytest.mark.parametrize("known", [{"torque_constant": 7.6}, {"gear_ratio": 100.0, "torque_constant": 0.076}])
 def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulomb, machines, tmp_path):
@@ -94,6 +96,7 @@ def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_f
     assert ratio * level(found.model, "gravity_load", "torque") == pytest.approx(114.0, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_table_of_holding_currents_is_no_motion(real, tmp_path):
     """Its rows have stamps, milliseconds or seconds apart, and a speed that is zero throughout."""
     traces = real / "laas_holding_current.csv"

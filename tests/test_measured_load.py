@@ -62,6 +62,7 @@ def test_a_measured_load_opposes_positive_motion(stock):
         assert settled == pytest.approx(simulate(stock, points).signals["current"][0], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_discover_takes_it_for_what_it_is(stock, runs):
     found = discover(runs, stock)
     assert found.verdict == "none" and not found.added

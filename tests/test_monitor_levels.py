@@ -56,6 +56,7 @@ SOON = pytest.mark.parametrize("streams", [{"stale_after": 5.0}], indirect=True)
 """Silence that is told of within a test, and that a busy machine does not make by itself."""
 
 
+@pytest.mark.slow
 @SOON
 def test_a_twin_that_never_answers_or_ceases_to_is_no_good_health(streams):
     mute = "the twin does not answer the bench's samples"
@@ -74,6 +75,7 @@ def test_a_twin_that_never_answers_or_ceases_to_is_no_good_health(streams):
     streams.graph.spin_until(ceased)
 
 
+@pytest.mark.slow
 @SOON
 def test_a_live_bench_that_stops_is_stale(streams):
     streams.send(200)

@@ -102,6 +102,7 @@ def dev10(traces):
     return next((outside("bench_cases") / "dev10" / "train").glob("*sine*"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bench", [own, dev10], indirect=True)
 def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     run = bench.compared(4500)
@@ -142,6 +143,7 @@ def test_what_is_missing_is_named_added_and_the_error_falls(bench):
     assert not effects_found(again.diagnosis) & effects_found(diagnosis)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bench", [own], indirect=True)
 def test_what_the_services_refuse_and_that_one_may_go_back(bench):
     refused = bench.answer(bench.ask(Apply, "/monitor/apply"))

@@ -25,6 +25,7 @@ def traces(tmp_path_factory):
     return press.write(tmp_path_factory.mktemp("press"))
 
 
+@pytest.mark.slow
 def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_path):
     ended = twin("init", traces[1], "-o", "press", "--torque-constant", "0.4", cwd=tmp_path)
     assert ended.returncode == 0, ended.stderr
@@ -50,6 +51,7 @@ def test_its_map_and_model_are_drafted_and_what_it_hides_is_named(traces, tmp_pa
     assert sum(both) == pytest.approx(7.0e-4, rel=0.05)
 
 
+@pytest.mark.slow
 def test_play_is_named_in_a_machine_of_which_no_constant_is_known(tmp_path):
     """The project's own recordings, as a logger without a setpoint and without Siemens' names would have them."""
     for path in sorted(RECORDINGS.glob("*.CSV")):

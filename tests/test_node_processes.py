@@ -49,6 +49,7 @@ def wait_for_nodes(graph, *names):
     graph.spin_until(lambda: set(names) <= set(tester.get_node_names()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=lambda number: number.name)
 def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, number):
     nodes = {
@@ -78,6 +79,7 @@ def test_a_signal_ends_every_node_with_status_0(graph, start, trace, tmp_path, n
     assert (tmp_path / "bag" / "metadata.yaml").is_file()
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trace, tmp_path):
     """The whole recording, unpaced: a monitor here, the others in processes, and a recorder beside them."""
     monitor = graph.add(MonitorNode)
@@ -111,6 +113,7 @@ def test_nothing_is_lost_between_processes_as_fast_as_they_go(graph, start, trac
         assert len(read_bag(tmp_path / "bag", topic=topic)) == len(recording)
 
 
+@pytest.mark.slow
 def test_what_the_recorder_loses_it_counts(graph, start, tmp_path):
     """A publisher that keeps ten messages does not wait for a recorder that stands still."""
     record = start(RECORD, f"output:={tmp_path / 'bag'}", "topics:=[/lo*]")
@@ -152,6 +155,7 @@ def test_live_attaches_to_a_bench_that_is_running(start, trace):
     assert live.name == trace.stem
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "parameters", "expected"),
     [

@@ -210,6 +210,7 @@ def test_what_points_cannot_tell_is_refused(held, motor, stock):
         compare([held], stock.with_effect("backlash", {"width": 0.001}))
 
 
+@pytest.mark.slow
 def test_a_table_without_time_is_read(tmp_path):
     (tmp_path / "curve.csv").write_text("speed [rpm],current [A]\n" + "".join(f"{10 * k},0.{k}\n" for k in range(1, 9)))
     (tmp_path / "curve_map.yaml").write_text(

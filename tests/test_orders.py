@@ -51,6 +51,7 @@ def test_too_little_motion_has_none():
     assert find_order([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))]) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "turns"), [*itertools.product([0.74, 15.75, 15.7532, 93.411], [20, 300, 1000]), (15.7532, 5000)]
 )

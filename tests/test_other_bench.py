@@ -238,6 +238,7 @@ def test_an_eccentric_encoder_swings_with_its_own_angle():
     assert np.abs(smooth(-twist(recording) / RATIO - wanted)[300:-50]).max() < 2e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("id", sorted(UNKNOWN))
 def test_causes_of_no_catalogue_leave_torque(id):
     case = drawn_case("x", "unknown", [id], (1, 2), off=0.0)

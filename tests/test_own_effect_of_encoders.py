@@ -49,6 +49,7 @@ def test_the_numbers_of_an_own_effect_are_those_of_si(quicker, tmp_path):
     assert found.parameters["bus_cycles"]["cycles"]["value"] == pytest.approx(3.0 / quicker, rel=0.02)
 
 
+@pytest.mark.slow
 def test_an_own_effect_on_the_torque_is_said_not_to_show(tmp_path):
     recording, model = drafted(tmp_path, "late", 1.0)
     load_effect(ROOT / "docs" / "examples" / "position_friction.py")

@@ -72,6 +72,7 @@ def recorded(tmp_path, stock, kind):
     return effect, hidden, runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", CASES)
 def test_it_is_found_with_its_numbers_from_a_bad_default(kind, tmp_path, stock):
     effect, hidden, runs = recorded(tmp_path, stock, kind)

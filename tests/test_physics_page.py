@@ -76,6 +76,7 @@ def test_its_sections_are_linked_rightly():
     assert set(re.findall(r"\]\(#([\w-]+)\)", TEXT)) <= heads
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(600)  # the first run of a checkout compiles the finer fidelities
 def test_its_numbers_are_current():
     fresh = quick_numbers()

@@ -35,6 +35,7 @@ def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
     assert "less than 10 % of the drive's torque" in of_open_constants()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reverses", [False, True])
 def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
     loaded = stock.with_effect("constant_load", {"torque": 0.01})

@@ -116,6 +116,7 @@ def rippled(stock):
     return [bench.record(*run) for run in runs]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "case"), CLOSED)
 def test_the_planned_recording_decides(stock, kind, case):
     effect, parameters, options, runs, rivals = AMBIGUOUS[case]
@@ -136,6 +137,7 @@ def test_the_planned_recording_decides(stock, kind, case):
     assert found[size]["value"] == pytest.approx(parameters[size], rel=0.15)
 
 
+@pytest.mark.slow
 def test_recordings_of_one_direction_ask_for_a_reversal(stock, ramp):
     asked = plan([ramp], stock)
     assert asked.verdict == "none"
@@ -162,6 +164,7 @@ def test_a_suggestion_begins_with_the_command(stock, rippled):
     assert "torque_ripple and cogging" in why
 
 
+@pytest.mark.slow
 def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
     driven = driven_limits([observe(recording, stock) for recording in rippled], RATIO)
     proposal = plan(rippled, stock, limits=driven).proposal
@@ -179,6 +182,7 @@ def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(sto
     assert driven_limits([observe(recording, stock)], RATIO).effort(_reached(stock, proposal)) <= 1.0
 
 
+@pytest.mark.slow
 def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
     """Nothing of it is in doubt: an encoder that is off its centre does not show while the output hardly turns."""
     bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65}, {})
@@ -193,6 +197,7 @@ def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
     )
 
 
+@pytest.mark.slow
 def test_what_goes_beyond_is_told_and_a_limit_forbids_it(stock):
     effect, parameters, options, runs, _ = AMBIGUOUS["spring or gravity over a short way"]
     bench = VirtualBench(stock, effect, parameters, options)
@@ -320,6 +325,7 @@ def _ema_twin(*arguments, cwd):
     return subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, check=False)
 
 
+@pytest.mark.slow
 def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
     write_mcap(ramp, tmp_path / "ramp.mcap")
     planned = _ema_twin(

@@ -111,6 +111,7 @@ def test_an_output_that_hardly_turned_is_asked_to_turn(stock):
     assert {"gravity_load", "encoder_eccentricity"} <= {*asked.proposal.shows}
 
 
+@pytest.mark.slow
 def test_the_second_recording_asked_for_shows_what_the_first_did_not(stock):
     recordings = [virtual_bench(stock, parse_command(SLOW[0]), SLOW[1], seed=1)]
     first = plan(recordings, stock).proposal

@@ -40,6 +40,7 @@ def drafted(case, folder):
     return [load(file, import_map=folder / "servo_map.yaml") for file in files], load_model(folder / "servo.yaml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ratio", "gap", "rate"),  # rad of the motor, Hz
     [(1.0, 0.3, 500.0), (5.0, 0.8, 1000.0), (25.9375, 0.03, 250.0), (200.0, 0.2, 500.0)],

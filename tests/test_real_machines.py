@@ -37,6 +37,7 @@ def test_emps_gives_the_published_numbers(emps):
     assert on_train <= 0.0409 and on_pulses <= 0.060
 
 
+@pytest.mark.slow
 def test_emps_lacks_friction_that_depends_on_the_direction(emps):
     train, pulses = emps
     found = discover([train], load_model("emps_mass"))
@@ -71,6 +72,7 @@ def test_kukas_encoders_part_by_a_delay_and_by_no_play(real, axis, delay):
     assert delayed.effect == "encoder_delay"
 
 
+@pytest.mark.slow
 def test_laas_motor_cogs_at_orders_that_nobody_told(real):
     record = read_trace(real / "laas_holding_current.csv", load_map("laas"))
     found = discover([record], load_model("laas_motor"))

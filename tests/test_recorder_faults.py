@@ -151,6 +151,7 @@ class TestFullDisk:
         assert bench.writer.files[0].read_bytes().endswith(MAGIC)
         assert opened_by_others(tmp_path / "live") == 9000 and not load(tmp_path / "live").warnings
 
+    @pytest.mark.slow
     def test_a_disk_of_a_few_kilobytes(self, tmp_path):
         """A file system of its own, in a namespace where the user may mount one."""
         room = tmp_path / "disk"

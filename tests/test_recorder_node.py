@@ -78,6 +78,7 @@ def ended(record):
     return record.returncode, errors.strip().splitlines()[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["file", "folder"])
 def test_a_file_that_is_removed_is_told_and_gone_on_from(bench, start, tmp_path, what):
     folder = tmp_path / "bag"
@@ -99,6 +100,7 @@ def test_a_file_that_is_removed_is_told_and_gone_on_from(bench, start, tmp_path,
     assert len(load(folder)) == bench.sent - lost
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_between_files(bench, start, tmp_path):
     record = start(f"output:={tmp_path / 'bag'}", "max_bagfile_duration:=0.5")
     bench.await_recorder()
@@ -114,6 +116,7 @@ def test_nothing_is_lost_between_files(bench, start, tmp_path):
     assert len(recording) == 1500 and not recording.warnings
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_told_and_gone_on_from(bench, tmp_path):
     """A file system of its own, in a namespace where the user may mount one; a file in it takes the room."""
     disk = tmp_path / "disk"
@@ -149,6 +152,7 @@ def test_a_full_disk_is_told_and_gone_on_from(bench, tmp_path):
     assert len(recording) == bench.sent and not recording.warnings
 
 
+@pytest.mark.slow
 def test_a_kill_costs_a_quarter_of_a_second_at_most(bench, start, tmp_path):
     """`tests.benchmarks.bench_recorder` does it a hundred times, beside all nodes."""
     for k in range(5):

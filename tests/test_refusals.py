@@ -50,6 +50,7 @@ def test_refused_recordings(tmp_path, ramp):
     refused("compare", bare, *compare, "--input", "setpoint", naming=("speed_setpoint", "bare"))
 
 
+@pytest.mark.slow
 def test_outputs_that_exist_or_cannot_be_written(tmp_path, ramp, imported):
     refused("import", ramp, "-o", imported, naming=("already", "--force"))
     done("import", ramp, "-o", imported, "--force")
@@ -93,6 +94,7 @@ def test_a_rate_that_is_none(ramp):
     refused("demo", "--rate", "nan", naming=("--rate",))
 
 
+@pytest.mark.slow
 def test_live_replaces_nothing_but_its_own(tmp_path, ramp, imported):
     """All are refused before a node starts: the mark is an input that the recording lacks."""
     folder = tmp_path / "folder"
@@ -117,6 +119,7 @@ def test_live_replaces_nothing_but_its_own(tmp_path, ramp, imported):
     assert (bag / f"{bag.name}.mcap").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_live_records_over_its_own_bag(tmp_path, ramp):
     folder = tmp_path / "bag"
     folder.mkdir()
@@ -128,6 +131,7 @@ def test_live_records_over_its_own_bag(tmp_path, ramp):
     assert (folder / "bag.mcap").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_demo_leaves_folders_that_it_did_not_make(tmp_path):
     (tmp_path / "live").mkdir()
     (tmp_path / "better.yaml").write_text("mine")
@@ -145,6 +149,7 @@ def test_demo_clears_its_own_folder(tmp_path):
     assert {path.name for path in (tmp_path / "demo").iterdir()} == {".ema-twin-demo", "notes"}
 
 
+@pytest.mark.slow
 def test_json_replaces_no_input(tmp_path, ramp):
     run = shutil.copy(ramp, tmp_path / "run.CSV")
     model = tmp_path / "model.yaml"

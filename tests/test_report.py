@@ -316,6 +316,7 @@ def test_recordings_that_tell_nothing(models, recordings):
     assert "hold no signal whose error tells one model from another" in text
 
 
+@pytest.mark.slow
 def test_long_recordings_stay_small(models, recordings):
     long = [record(models[1], ("sine:0.05:0.4",), seconds=60.0)[0]] * 12
     text = page(content_of(models, long))

@@ -148,6 +148,7 @@ def test_views_show_all_three(tmp_path, content):
     assert all(f"output position, {role}" in words for role in ROLES)
 
 
+@pytest.mark.slow
 def test_the_command_takes_three_models(tmp_path, three, told, ramp):
     files = []
     for name, model in zip(NAMES[1:], three[1:], strict=True):

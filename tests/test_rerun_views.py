@@ -231,6 +231,7 @@ class TestCommands:
         time, _ = RrdContent(path).curve(f"/compare/{ramp.stem}/current/curves/measured")
         assert time[-1] == pytest.approx(3.0, abs=0.01)
 
+    @pytest.mark.slow
     def test_what_exists_is_kept(self, run, tmp_path):
         path = tmp_path / "run.rrd"
         path.write_text("precious")
@@ -241,6 +242,7 @@ class TestCommands:
         done("compare", *run, "--rrd", path, "--force")
         assert RrdContent(path).entities
 
+    @pytest.mark.slow
     def test_names_that_rerun_would_not_open_are_refused(self, run, tmp_path):
         for verb in ("compare", "diagnose", "live"):
             refused(verb, *run, "--rrd", tmp_path / "run.mcap", naming=("run.mcap", ".rrd"))

@@ -20,6 +20,7 @@ def found_in(folder, hidden, **how):
     return discover(recordings, load_model(folder / "servo.yaml"))
 
 
+@pytest.mark.slow
 def test_beside_play_each_side_is_within_what_is_told_of_it(tmp_path):
     """The contact's softness moves 2 % of the sum over, alike in all recordings: a jackknife told 15 times less."""
     found = found_in(tmp_path, {"backlash": {"width": 0.01}})
@@ -43,6 +44,7 @@ def test_without_play_it_is_said_that_only_the_sum_is_told(tmp_path):
     assert any("tell only sums: inertia and dry friction of motor and output" in text for text in found.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("top_speed", [15.0, 60.0])
 def test_slow_motion_beside_play_is_not_told_as_another_machine(tmp_path, top_speed):
     """Little of what is left of such a recording goes with an inertia or a friction of its own."""

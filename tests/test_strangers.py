@@ -150,18 +150,21 @@ def test_of_two_positions_without_a_shaft_the_one_that_goes_farther_is_the_motor
     assert (found["motor_position"], found["output_position"]) == ("theta_b [rad]", "theta_a [rad]")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(4, 9))
 def test_what_a_strangers_servo_hides_is_named(number, tmp_path):
     answer = answered(stranger_cases(1, 18)[number], folder=tmp_path)
     assert answer.right, answer.line()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(7))
 def test_a_wrong_unit_or_sign_is_told(number, tmp_path):
     answer = answered(mistaken_cases(1, 7)[number], folder=tmp_path)
     assert answer.right, answer.line()
 
 
+@pytest.mark.slow
 def test_usual_sizes_are_not_asked_about(tmp_path):
     case = stranger_cases(1, 18)[7]
     files = case.write(tmp_path)

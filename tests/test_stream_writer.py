@@ -53,6 +53,7 @@ class TestStreamWriter:
         with (tmp_path / "live" / "live.mcap").open("rb") as file:
             assert [channel.topic for channel in make_reader(file).get_summary().channels.values()] == ["/empty"]
 
+    @pytest.mark.slow
     def test_a_killed_writer_loses_a_quarter_of_a_second_and_the_rest_is_recovered(self, tmp_path):
         script = f"""
 import itertools, sys, time

@@ -54,6 +54,7 @@ def test_the_trapezoid_is_flat_for_a_third_of_a_turn_and_straight_between():
 # winding
 
 
+@pytest.mark.slow
 def test_a_locked_rotor_answers_a_step_as_resistance_and_inductance_do():
     """Phase u on the upper rail, v and w on the lower: i_u = (2 Vdc / 3R)(1 - exp(-t R / L)), half back by each."""
     run = turn(winding(), 0.02, setpoint=1e6, speed=0.0, angle=0.5 * math.pi / PAIRS)

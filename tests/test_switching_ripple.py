@@ -26,10 +26,12 @@ def healthy(switching):
     return virtual_bench(switching, parse_command("triangle:0.015:2"), 12.0)
 
 
+@pytest.mark.slow
 def test_a_healthy_switching_bench_lacks_nothing_beside_its_own_model(healthy, switching):
     assert diagnose([healthy], switching).verdict == "none"
 
 
+@pytest.mark.slow
 def test_what_a_switching_bench_hides_is_named_beside_its_ripple(switching):
     bench = switching.with_effect("sun_runout", {"torque": 0.03, "phase": 0.5}, {"kind": "conservative"})
     found = diagnose([virtual_bench(bench, parse_command("triangle:0.015:2"), 12.0)], switching)

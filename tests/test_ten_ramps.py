@@ -45,6 +45,7 @@ def test_what_five_ramps_find_is_ten_times_closer_on_each_of_the_other_five(fitt
     assert min(times.values()) >= 10.0 and close.overall["current"].times >= 10.0, times
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_a_ramp_and_a_column_a_model(found_on_odd, ramps, tmp_path):
     file = save_model(found_on_odd.model, tmp_path / "found.yaml")
     shuffled = [*ramps[5:], *ramps[:5]]
@@ -77,6 +78,7 @@ def test_a_log_tells_how_far_a_long_comparison_is(ramps, monkeypatch, capsys):
     assert "comparing: 1 of 3 done (one)" in told and "2 of 3 done" in told and "3 of 3" not in told
 
 
+@pytest.mark.slow
 def test_a_single_recording_is_compared_in_one_table(ramps):
     text = done("compare", ramps[0], *MODEL, "--model", "polito_hf", "--to", 1).stdout
     assert "RMSE of BancoEMA_ramp_0.01, measured minus twin" in text and "all recordings" not in text

@@ -82,6 +82,7 @@ def better(tmp_path_factory):
     return file
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("columns", [60, 80, 100])
 def test_compare(traces, better, columns):
     one = on_terminal("compare", *traces, *MODEL, columns=columns)
@@ -103,6 +104,7 @@ def piped(columns, *arguments):
     return run.stdout.split("\n")
 
 
+@pytest.mark.slow
 def test_without_a_terminal_columns_say_how_wide(traces):
     compare = ("compare", traces[0], *MODEL, "--to", 5)
     check(piped("80", *compare))
@@ -113,6 +115,7 @@ def test_without_a_terminal_columns_say_how_wide(traces):
         assert any(len(line) > 120 for line in lines if line.startswith("The error of"))
 
 
+@pytest.mark.slow
 def test_effects_and_info(traces):
     for arguments in (("effects",), ("effects", "backlash"), ("info", "polito_bench"), ("info", traces[0])):
         check(on_terminal(*arguments))
@@ -121,6 +124,7 @@ def test_effects_and_info(traces):
     assert any("N m s/rad" in line for line in lines)
 
 
+@pytest.mark.slow
 def test_discover_and_fit(traces, tmp_path):
     runs = [*traces, "--to", 10]
     lines = on_terminal("discover", *runs, *MODEL, "-o", tmp_path / "new.yaml")

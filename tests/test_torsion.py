@@ -56,6 +56,7 @@ def draft(tmp_path_factory):
     return load_model(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1.0, 0.05, 40.0], ids=["1 N m", "a watch's", "a robot's"])
 def test_stiffness_and_friction_by_load_are_found(draft, size):
     """Whatever its size: a watch's transmission and a robot's wind up alike."""
@@ -73,6 +74,7 @@ def test_friction_of_one_size_is_not_taken_for_one_by_load(draft):
     assert found.parameters["spring_load"]["stiffness"]["value"] == pytest.approx(2.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_play_is_said_to_be_unknown_over_the_position_and_no_wave(draft):
     """A free way of the spring is in no effect of the catalogue; waves over a part of a turn would fit it as well."""
     found = discover([wound_up(2.0, 0.05, gap=0.15)], draft)

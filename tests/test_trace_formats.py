@@ -95,6 +95,7 @@ def test_numbers_of_any_size_survive(tmp_path_factory, whole, decimals, form):
     assert values.tolist() == plain == [form.value(text.translate(marks)) for text in english]
 
 
+@pytest.mark.slow
 @given(st.text(alphabet="0123456789.,+-eE", min_size=1, max_size=12))
 @settings(max_examples=500, deadline=None)
 def test_the_fast_path_accepts_no_more_than_the_careful_one(tmp_path_factory, cell):

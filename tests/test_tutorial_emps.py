@@ -3,8 +3,12 @@
 import re
 import shutil
 
+import pytest
+
 from tests.command_line import done, twin
 from tests.tutorials import page
+
+pytestmark = pytest.mark.slow
 
 
 def test_its_gain_makes_the_drafted_map_complete(real, tmp_path):

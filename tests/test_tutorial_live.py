@@ -78,6 +78,7 @@ class Terminal:
         os.close(self.end)
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_three_keys(tmp_path):
     step = steps(page("live"))[0]
@@ -96,6 +97,7 @@ def test_three_keys(tmp_path):
     assert "backlash" in model and "stribeck_friction" in model
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_the_nodes_and_a_client_of_the_services(tmp_path):
     step = steps(page("live"))[1]

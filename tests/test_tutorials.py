@@ -33,6 +33,7 @@ def test_no_tutorial_is_left_out():
     assert {file.stem.removeprefix("tutorial_") for file in DOCS.glob("tutorial_*.md")} == {*PAGES, "live"}
 
 
+@pytest.mark.slow
 @pytest.mark.timeout(1500)
 @pytest.mark.parametrize("name", PAGES)
 def test_every_command_prints_what_the_page_shows(name, request, tmp_path):

@@ -118,6 +118,7 @@ WHAT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quicker", [1.0, 12.0])
 @pytest.mark.parametrize("kind", WHAT)
 def test_what_parts_two_encoders_is_named(kind, quicker, tmp_path):
@@ -135,6 +136,7 @@ def test_what_parts_two_encoders_is_named(kind, quicker, tmp_path):
     assert excess[1] < 0.02 * excess[0]
 
 
+@pytest.mark.slow
 def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
     recording, model = drafted(tmp_path, "play", 1.0)
     time = recording.time
@@ -145,6 +147,7 @@ def test_play_behind_a_late_encoder_is_told_apart_from_it(tmp_path):
     assert found.parameters["encoder_delay"]["delay"]["value"] == pytest.approx(2e-3, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_carriage_has_play_too(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
     way = 0.15 * moved(time, 1.0)
@@ -159,6 +162,7 @@ def test_a_carriage_has_play_too(tmp_path):
     assert width["unit"] == "m" and width["value"] == pytest.approx(8e-5, rel=0.15)
 
 
+@pytest.mark.slow
 def test_encoders_that_agree_lack_nothing(tmp_path):
     recording, model = drafted(tmp_path, "nothing", 1.0)
     found = discover([recording], model)
@@ -194,6 +198,7 @@ def test_an_output_that_never_moves_is_refused(tmp_path):
         discover([still], model)
 
 
+@pytest.mark.slow
 def test_a_fit_stays_by_the_spring_that_was_found(tmp_path):
     recording, model = drafted(tmp_path, "spring", 1.0)
     found = discover([recording], model)
@@ -208,6 +213,7 @@ def test_a_draft_without_any_gearbox_effect_cannot_be_fitted_to_two_encoders(tmp
         fit_model([recording], model)
 
 
+@pytest.mark.slow
 def test_no_more_angle_errors_are_tried_than_a_plant_takes(tmp_path):
     recording, model = drafted(tmp_path, "off centre", 1.0)
     for order in range(3, 11):
@@ -222,6 +228,7 @@ def triangle(time):
     return 0.3 * (1.0 - 4.0 * np.abs(np.mod(0.1 * time, 1.0) - 0.5))
 
 
+@pytest.mark.slow
 def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_path):
     time = np.arange(SAMPLES) * 2e-3
     slow, fast = triangle(time), moved(time, 1.0)
@@ -237,6 +244,7 @@ def test_slow_motion_does_not_tell_play_from_a_shaft_that_friction_winds_up(tmp_
     assert groups == {"slow": (("backlash", "shaft_compliance"),), "fast": ()}
 
 
+@pytest.mark.slow
 def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
     time = np.arange(4000) * 1e-3
     slow = 0.25 * 2.0 / np.pi * np.arcsin(np.sin(2.0 * np.pi * 0.12 * time))
@@ -257,6 +265,7 @@ def test_play_between_stiff_teeth_keeps_its_place_against_a_spring(tmp_path):
     assert found.unseen.rmse[-1] < 0.05 * found.unseen.rmse[0]
 
 
+@pytest.mark.slow
 def test_a_spring_that_is_dropped_gives_play_its_place_back(tmp_path):
     recording, model = drafted(tmp_path, "play", 1.0)
     end = discover([recording], model).search

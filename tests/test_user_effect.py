@@ -88,6 +88,7 @@ def test_the_example_tells_what_an_effect_may_ask():
     assert load_effect(EXAMPLE).act(at, (0.1, 20.0, 0.5, 0.0)) == pytest.approx(expected)
 
 
+@pytest.mark.slow
 def test_it_is_listed_shown_and_added(tmp_path):
     done("effects", "--with", EXAMPLE, "--json", tmp_path / "all.json")
     listed = [effect["id"] for effect in json.loads((tmp_path / "all.json").read_text())]
@@ -104,6 +105,7 @@ def test_it_is_listed_shown_and_added(tmp_path):
     assert "position_friction" not in done("info", tmp_path / "0.yaml").stdout
 
 
+@pytest.mark.slow
 def test_the_error_falls_when_it_is_added(tmp_path, hiding):
     model, recording = hiding
     models = ("--model", "polito_bench", "--model", model)
@@ -113,6 +115,7 @@ def test_the_error_falls_when_it_is_added(tmp_path, hiding):
     assert after["rmse"] < 1.1 * after["noise_floor"]
 
 
+@pytest.mark.slow
 def test_live_gives_what_compare_gives(tmp_path, hiding):
     model, recording = hiding
     both = (recording, "--model", model, "--with", EXAMPLE, "--json")
@@ -123,6 +126,7 @@ def test_live_gives_what_compare_gives(tmp_path, hiding):
         assert live[name]["rmse"] == pytest.approx(expected["rmse"], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_no_model_runs_a_file_that_is_not_named(tmp_path, hiding):
     model, recording = hiding
     named = ("mine.yaml", "effects.position_friction", "--with FILE.py")
@@ -195,6 +199,7 @@ def last_current(id):
     return float(bench.signals["current"][-1])
 
 
+@pytest.mark.slow
 def test_worker_processes_read_the_files_again(own):
     load_effect(own())
     context = multiprocessing.get_context("spawn")
@@ -287,6 +292,7 @@ def test_a_wrong_file_is_refused_with_place_and_remedy(own, what):
     assert not own_files()
 
 
+@pytest.mark.slow
 def test_wrong_files_end_the_command_line_with_one_line_and_status_2(own, tmp_path):
     add = ("--model", "polito_bench", "-o", tmp_path / "x.yaml")
     refused("add", tmp_path / "none.py", *add, naming=("none.py", "no such file"))
@@ -300,6 +306,7 @@ def test_wrong_files_end_the_command_line_with_one_line_and_status_2(own, tmp_pa
     assert not (tmp_path / "x.yaml").exists()
 
 
+@pytest.mark.slow
 def test_no_output_replaces_the_file(own, hiding):
     file = own()
     for verb in (("effects",), ("info", "polito_bench"), ("compare", hiding[1], "--model", "polito_bench")):
@@ -346,6 +353,7 @@ def test_a_running_twin_has_its_parameters(graph, hiding):
     assert not answer.successful and "Max: 100.0" in answer.reason
 
 
+@pytest.mark.slow
 def test_a_node_refuses_a_wrong_file_in_one_line(own):
     process = start_process("ema_twin_sim.nodes.twin", f"effect_files:=[{own(WRONG['a text'][0])}]")
     error = process.communicate(timeout=ENDING)[1]

@@ -132,6 +132,7 @@ class TestShare:
 
 
 class TestBesideIt:
+    @pytest.mark.slow
     def test_what_it_explains_as_well_is_not_named_beside_play(self, stock):
         """Beside play it is asked for last, once all was found that might be its likeness."""
         play = stock.with_effect("backlash", {"width": 0.003})
