@@ -9,7 +9,7 @@ from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.own_effects import load_effect
 from tests.conftest import ROOT
-from tests.test_two_encoders import drafted
+from tests.discovery.test_two_encoders import drafted
 
 LATE_BY_CYCLES = """
 from ema_twin_sim.effects.effect import Effect, Parameter

@@ -4,8 +4,8 @@ import pytest
 
 from ema_twin_sim.report.page import page
 from tests.browser import CHROMIUM, Browser
-from tests.test_report import LARGEST, content_of, findings, folder, models, recordings, written  # noqa: F401
-from tests.test_report_of_three_models import content, three, told  # noqa: F401
+from tests.report.test_report import LARGEST, content_of, findings, folder, models, recordings, written  # noqa: F401
+from tests.report.test_report_of_three_models import content, three, told  # noqa: F401
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is missing: sudo apt install chromium")
 

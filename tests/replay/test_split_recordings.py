@@ -14,7 +14,7 @@ from ema_bench_replay.nodes.record import PARAMETERS
 from ema_twin_sim.commands.inputs import load_runs
 from tests.bags import assert_same, refused, some_samples, write_other
 from tests.launch_files import started
-from tests.test_recorder_faults import TOPIC, Bench
+from tests.nodes.test_recorder_faults import TOPIC, Bench
 
 PARTS = ("live.mcap", "live_1.mcap", "live_2.mcap", "live_3.mcap")
 

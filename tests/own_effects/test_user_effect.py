@@ -33,7 +33,7 @@ from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests.command_line import ENDING, done, refused
 
-EXAMPLE = Path(__file__).resolve().parent.parent / "docs" / "examples" / "position_friction.py"
+EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "examples" / "position_friction.py"
 HIDDEN = {"torque": 0.1, "count": 20.0, "phase": 0.5}
 
 HEAD = "import math\nfrom ema_twin_sim.effects.effect import *\n"

@@ -11,7 +11,7 @@ from docs.figures import rooms
 from docs.figures.__main__ import ROOMS
 from ema_twin_sim.version import VERSION
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 ARCHITECTURE = DOCS / "architecture.md"
 DECISIONS = sorted((DOCS / "decisions").glob("[0-9]*.md"))

@@ -21,7 +21,7 @@ from ema_twin_sim.nodes.live import Pair
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.views import screen
 from tests.command_line import ENDING, ENVIRONMENT, MODEL, TWIN, told
-from tests.test_interrupts import listening
+from tests.commands.test_interrupts import listening
 
 GONE = "warning: the viewer went away before it had taken all; the run does not need it"
 SMALL = 100_000

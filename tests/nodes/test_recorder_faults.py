@@ -21,7 +21,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import NO_DATE
 from tests.bags import DEFINITION, STATE
 
-FOLDER = Path(__file__).resolve().parents[1]
+FOLDER = Path(__file__).resolve().parents[2]
 TOPIC = "/bench/state"
 TYPES, ROOT = parse(DEFINITION, STATE)
 
@@ -160,7 +160,7 @@ class TestFullDisk:
 import os, sys
 from pathlib import Path
 sys.path.insert(0, {str(FOLDER)!r})
-from tests.test_recorder_faults import *
+from tests.nodes.test_recorder_faults import *
 stream_writer.PATIENCE = 0
 room = Path({str(room)!r})
 other = room / "other"

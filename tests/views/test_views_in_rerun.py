@@ -11,7 +11,7 @@ from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.simulation.simulate import simulate
 from ema_twin_sim.views.recording_views import write_views
 from ema_twin_sim.views.rerun_view import RerunView
-from tests.test_report import findings, folder, models, recordings  # noqa: F401
+from tests.report.test_report import findings, folder, models, recordings  # noqa: F401
 from tests.viewer import LAVAPIPE, REASON, SIZE, Viewer
 
 pytestmark = [pytest.mark.skipif(LAVAPIPE is None, reason=REASON), pytest.mark.timeout(300)]

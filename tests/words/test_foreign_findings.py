@@ -8,7 +8,7 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.report.ranking import signature_chart
 from ema_twin_sim.report.steps import falling
 from ema_twin_sim.words.findings import read_findings
-from tests.test_report import FOUND
+from tests.report.test_report import FOUND
 
 LINK = '<a href="https://example.org">rad & more</a>'
 ESCAPED = "&lt;a href"

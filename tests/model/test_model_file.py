@@ -112,7 +112,7 @@ def test_yaml_cannot_make_objects(tmp_path):
 
 
 def test_yaml_is_read_alike_with_and_without_libyaml(monkeypatch):
-    texts = [file.read_text() for file in sorted((Path(__file__).parents[1] / "config").rglob("*.yaml"))]
+    texts = [file.read_text() for file in sorted((Path(__file__).parents[2] / "config").rglob("*.yaml"))]
     texts += ["{a:\t1}", "a: {b? c}", "a: !", "a: |# b", "a: 1\n\ufeff", "a: &x {b: 1_0}\nc: *x\n<<: *x"]
 
     def read():

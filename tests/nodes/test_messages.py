@@ -9,7 +9,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from ema_twin_msgs import msg, srv
 
-MESSAGES = Path(__file__).resolve().parent.parent / "ema_twin_msgs"
+MESSAGES = Path(__file__).resolve().parents[2] / "ema_twin_msgs"
 PUBLISHED = (msg.EmaState, msg.Residual, msg.Health, msg.Diagnosis, msg.Run)
 
 

@@ -42,7 +42,7 @@ def test_every_file_function_and_test_that_it_names_exists():
 
 
 def test_every_other_test_that_it_names_exists():
-    sources = "\n".join(path.read_text() for path in (page.DOCS.parent / "tests").glob("test_*.py"))
+    sources = "\n".join(path.read_text() for path in (page.DOCS.parent / "tests").rglob("test_*.py"))
     for name in set(re.findall(r"`(test_\w+)`", TEXT)):
         assert defined(name, sources), name
 

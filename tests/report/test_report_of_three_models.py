@@ -17,8 +17,8 @@ from ema_twin_sim.words.findings import read_findings
 from ema_twin_sim.words.fit_findings import read_fit_findings
 from ema_twin_sim.words.sentences import fit_sentences
 from tests.command_line import done, refused
+from tests.report.test_report import FOUND, Read, charts_of, folder, models, recordings  # noqa: F401
 from tests.rrd_content import RrdContent
-from tests.test_report import FOUND, Read, charts_of, folder, models, recordings  # noqa: F401
 
 TRUE = 0.004  # rad, the play of the bench
 NAMES = ("polito_bench", "better", "fitted")

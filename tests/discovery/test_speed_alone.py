@@ -10,8 +10,8 @@ from ema_bench_replay.errors import InputError
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model.matching import BY_SPEED, matched
+from tests.discovery.test_bent_friction import moved, open_joint
 from tests.recorded import record, with_signals
-from tests.test_bent_friction import moved, open_joint
 
 
 def of_speed_alone(recording):

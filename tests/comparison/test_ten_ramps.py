@@ -10,8 +10,8 @@ from ema_twin_sim import compare, discover
 from ema_twin_sim.comparison.closeness import closer
 from ema_twin_sim.model import save_model
 from tests.command_line import MODEL, done
+from tests.commands.test_terminal import check, on_terminal
 from tests.conftest import outside
-from tests.test_terminal import check, on_terminal
 
 SPEEDS = [f"{0.01 * k:g}" for k in range(1, 11)]
 

@@ -21,11 +21,11 @@ from ema_twin_sim.views.rerun_view import RerunView
 from ema_twin_sim.views.rms_window import RmsWindow
 from ema_twin_sim.views.sheet import linear_axis, log_axis
 from tests.command_line import done, refused
+from tests.report.test_report import findings, folder, models, recordings  # noqa: F401
 from tests.rrd_content import RrdContent
-from tests.test_report import findings, folder, models, recordings  # noqa: F401
 
 NAMES = ("polito_bench", "better")
-CONFIG = Path(__file__).resolve().parent.parent / "config"
+CONFIG = Path(__file__).resolve().parents[2] / "config"
 
 
 @pytest.fixture(scope="module")

@@ -28,7 +28,7 @@ from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
 
-RECORDINGS = Path(__file__).parent / "recordings"
+RECORDINGS = Path(__file__).parents[1] / "recordings"
 COMPARE = Task("compare", "polito_bench")
 
 
