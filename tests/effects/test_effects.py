@@ -51,6 +51,7 @@ def test_an_effect_tells_what_it_is(id):
     effect = catalogue()[id]
     assert effect.id == id
     assert effect.summary and effect.equation and effect.signature and effect.source
+    assert effect.shown_by != Effect.shown_by, "which motion shows it?"
     for parameter in effect.parameters:
         assert parameter.unit and parameter.description
         assert parameter.lower <= parameter.default <= parameter.upper

@@ -9,7 +9,6 @@ from ema_bench_replay.recording import MOTION, POINTS, Recording
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.fitting.fit import METHODS, fit_model
 from ema_twin_sim.fitting.plausibility import circumstances, implausible
-from ema_twin_sim.identification.shown_by import SHOWN_BY
 from ema_twin_sim.model import load_model
 from tests.fitted_bench import FAST, SLOW, bench, warned, with_effects
 
@@ -91,7 +90,6 @@ def test_typical_values_are_not_absurd_and_rules_name_what_exists(stock):
     for id, effect in catalogue().items():
         model = stock.with_effect(id)
         assert implausible(id, effect.default_parameters(), circumstances(recordings, model)) == [], id
-        assert id in SHOWN_BY
         assert {rule.parameter for rule in effect.implausible} <= {*effect.default_parameters()}
 
 
