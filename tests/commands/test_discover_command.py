@@ -17,11 +17,11 @@ from mcap_ros2.decoder import DecoderFactory
 from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.commands.demo import _moments, _switched_off
-from ema_twin_sim.commands.diagnose import _worth_showing
+from ema_twin_sim.commands.demo import moments_of, switched_off
+from ema_twin_sim.commands.diagnose import worth_showing
 from ema_twin_sim.commands.discover import compare_command
 from ema_twin_sim.commands.inputs import refuse_inputs
-from ema_twin_sim.commands.shown_search import _moved_slightly
+from ema_twin_sim.commands.shown_search import moved_slightly
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.diagnose import Ranked
 from ema_twin_sim.model import load_model
@@ -331,7 +331,7 @@ def test_constants_that_moved_within_their_errors_are_told():
         "transmission": {"contact_damping": held(1.0, 3e4)},
         "viscous_friction": {"coefficient": held(0.998, 0.01)},
     }
-    assert _moved_slightly(SimpleNamespace(constants=constants)) == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
+    assert moved_slightly(SimpleNamespace(constants=constants)) == ["motor inertia +0.4 %", "viscous friction -0.2 %"]
 
 
 def test_of_what_is_unlikely_three_are_shown():
@@ -340,16 +340,16 @@ def test_of_what_is_unlikely_three_are_shown():
 
     likely = [ranked(0.6, found=True), ranked(0.4), ranked(0.0, found=True)]
     ranking = (*likely[:2], *(ranked(1e-4 * k) for k in range(5)), likely[2])
-    shown, left_out = _worth_showing(ranking)
+    shown, left_out = worth_showing(ranking)
     assert shown[:3] == likely and len(shown) == 6 and left_out == 2
-    assert _worth_showing(likely) == (likely, 0)
+    assert worth_showing(likely) == (likely, 0)
 
 
 def test_the_demo_switches_on_what_was_found(stock):
     found = stock.with_effect("backlash").with_effect("cogging", {"torque": 0.02}, {"order": "12"})
-    beside = _switched_off(stock, found.with_value("machine.motor_inertia", 8e-4))
+    beside = switched_off(stock, found.with_value("machine.motor_inertia", 8e-4))
     assert [name for name, held in beside.effects.items() if not held.enabled] == ["backlash", "cogging"]
     assert beside.effects["cogging"].options["order"] == "12"
     assert beside.value("machine.motor_inertia") == stock.value("machine.motor_inertia")
-    assert _moments(["backlash", "cogging"], 20.0) == {"backlash": 7.0, "cogging": 14.0}
-    assert max(_moments([str(k) for k in range(6)], 20.0).values()) < 20.0
+    assert moments_of(["backlash", "cogging"], 20.0) == {"backlash": 7.0, "cogging": 14.0}
+    assert max(moments_of([str(k) for k in range(6)], 20.0).values()) < 20.0
