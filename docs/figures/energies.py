@@ -69,7 +69,7 @@ def numbers() -> dict[str, Number]:
             f"{way}_stiffness": Number(went["stiffness_change"], 2),
             f"{way}_damping": Number(went["mesh_damping"], 3),
         }
-        assert abs(missing) < 1e-6 * through, "the balance of tests/test_energy.py does not close"
+        assert abs(missing) < 1e-6 * through, "the balance of tests/plant/test_energy.py does not close"
     return found
 
 

@@ -102,7 +102,8 @@ class Recording:
     def __len__(self) -> int:
         return self.stamps.size
 
-    def __reduce__(self):  # mapping proxies cannot be pickled, and studies give recordings to worker processes
+    def __reduce__(self) -> tuple[object, ...]:
+        # mapping proxies cannot be pickled, and studies give recordings to worker processes
         values = (self.name, self.stamps, dict(self.signals), self.start, self.motor_angle_origin)
         return Recording, (*values, self.output_angle_origin, dict(self.metadata), self.warnings)
 

@@ -6,10 +6,10 @@ Who changes a rule of the search sees at once that it names other effects; what 
 
 import pytest
 
-from .cases import drawn_cases
-from .other_machines import other_machine_cases
-from .tables import totals
-from .work import solve
+from tests.accuracy.cases import drawn_cases
+from tests.accuracy.other_machines import other_machine_cases
+from tests.accuracy.tables import totals
+from tests.accuracy.work import solve
 
 pytestmark = pytest.mark.slow
 SEED = 2026

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from mcap.opcode import Opcode
@@ -100,7 +100,7 @@ class _Encoder(NamedTuple):
         return records
 
 
-def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict) -> _Encoder:
+def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict[str, Any]) -> _Encoder:
     definition = message_definition(type_name)
     channel = file.add_channel(topic, type_name, definition.text, qos, definition.type_hash)
     types, root = parse(definition.text, type_name)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ema_bench_replay.errors import InputError
 
@@ -104,7 +104,7 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
 
     waiting = iter(jobs)
     doubted: list[Job] = []  # of batches that workers died over
-    held: dict[Future, list[Job]] = {}
+    held: dict[Future[Any], list[Job]] = {}
     done = as_completed(loop=client.loop)
     seconds: float | None = None  # that a job takes, in the mean of late
 

@@ -95,7 +95,7 @@ def run(
     better_file = save_model(found.model, output / "better.yaml", force=True)
 
     played = next(recording for recording in recordings if recording.name == LIVE)
-    beside, moments = _switched_off(stock, found.model), _moments(_most_telling_first(found), played.duration)
+    beside, moments = switched_off(stock, found.model), moments_of(_most_telling_first(found), played.duration)
     switched = [f"{effect_words(name)} is switched on after {moment:g} s" for name, moment in moments.items()]
     changing = f"in the running twin, {listed(switched)}" if switched else "nothing is switched on in the twin"
     _chapter(
@@ -208,7 +208,7 @@ def _prepare(output: Path) -> None:
         raise InputError(f"{output}: cannot be written ({error.strerror}); choose a folder you may write to") from None
 
 
-def _switched_off(start: Model, found: Model) -> Model:
+def switched_off(start: Model, found: Model) -> Model:
     """The start model, with the effects that were found in it but off, to be switched on in the running twin."""
     new = {name: replace(held, enabled=False) for name, held in found.effects.items() if name not in start.effects}
     return replace(start, effects={**start.effects, **new})
@@ -219,7 +219,7 @@ def _most_telling_first(found: Discovery) -> list[str]:
     return sorted(found.parameters, key=lambda name: found.added.index(found.parameters[name]["effect"]))
 
 
-def _moments(names: Sequence[str], duration: float) -> dict[str, float]:
+def moments_of(names: Sequence[str], duration: float) -> dict[str, float]:
     """When [s of the replay] each of these effects is switched on: one after the other, evenly."""
     pause = max(1, round(duration / (len(names) + 1)))
     return {name: float(pause * (k + 1)) for k, name in enumerate(names)}

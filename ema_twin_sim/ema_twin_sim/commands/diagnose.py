@@ -99,7 +99,7 @@ def show(diagnosis: Diagnosis) -> None:
     table.numbers("probability", justify="left")
     table.numbers("error removed")
     table.words("parameters")
-    shown, left_out = _worth_showing(diagnosis.ranking)
+    shown, left_out = worth_showing(diagnosis.ranking)
     for entry in shown:
         removed = "" if entry.error_removed is None else removed_words(entry.error_removed)
         style = "bold green" if entry.found else ("" if entry.probability > 0.0 else "dim")
@@ -124,7 +124,7 @@ def show(diagnosis: Diagnosis) -> None:
     show_doubts(diagnosis.groups, diagnosis.next_recording)
 
 
-def _worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
+def worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
     """The ranking but for most of what has no probability, and how many that leaves out."""
     likely = [entry for entry in ranking if entry.found or entry.probability >= _SHOWN_AS_ZERO]
     others = [entry for entry in ranking if entry not in likely]

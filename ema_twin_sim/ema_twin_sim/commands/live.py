@@ -230,11 +230,11 @@ def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
     if result.pace is None:
         return
     say(f"The twin computed at {result.pace:.2g} × real time.")
-    if late := _late(result, rate):
+    if late := late_words(result, rate):
         say(late, style="yellow")
 
 
-def _late(result: LiveResult, rate: float) -> str:
+def late_words(result: LiveResult, rate: float) -> str:
     """That the twin is slower than the machine, or than the ``rate`` that was asked for; empty where it is not."""
     if result.pace is not None and result.pace < 1.0:
         return (

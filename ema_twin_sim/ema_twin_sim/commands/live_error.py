@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import quantity
@@ -31,7 +31,7 @@ class ErrorPrinter:
 
     def __init__(self, noise: Mapping[str, float], recording: Recording | None, window: float = 1.0) -> None:
         """``noise`` is the noise floor; ``window`` [s] is how long an error is that is printed."""
-        self.watchers: list = []
+        self.watchers: list[Callable[[Sequence[Pair]], None]] = []
         self._floors = noise
         self._duration = recording.duration if recording is not None else None
         self._window = window

@@ -64,7 +64,7 @@ def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
     moved = _constants(found)
     if moved.row_count:
         console.print(moved)
-    slightly = _moved_slightly(found)
+    slightly = moved_slightly(found)
     if slightly:
         say(f"\n{'Also refitted' if moved.row_count else 'Refitted'}, within standard errors: {', '.join(slightly)}.")
 
@@ -163,7 +163,7 @@ def _constants(found: Discovery) -> ReportTable:
     return table
 
 
-def _moved_slightly(found: Discovery) -> list[str]:
+def moved_slightly(found: Discovery) -> list[str]:
     """The constants that moved by less than their standard error: ``motor inertia +0.4 %``."""
     from ..model.constants import PARTS
 

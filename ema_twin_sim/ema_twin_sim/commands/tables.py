@@ -71,7 +71,7 @@ class ReportTable(Table):
         """Whether all words and numbers are whole within ``width``, by default the terminal's."""
         return self._widths(console.width if width is None else width) is not None
 
-    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:  # type: ignore[override]
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
         if self._heading:
             yield fold(Text(self._heading, "table.title"), options.max_width)
         widths = self._widths(options.max_width, break_words=True)

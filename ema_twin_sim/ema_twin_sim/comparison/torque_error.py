@@ -22,7 +22,7 @@ from ..simulation.required import required_torque
 
 BAND = 50.0
 """Hz, SI on every machine: it is part of what the figure means, beside which others publish theirs. Of EMPS 4.08 % are
-published, and ``docs/tutorial_emps.md`` comes to 3.89 % (guarded by ``tests/test_real_machines.py``).
+published, and ``docs/tutorial_emps.md`` comes to 3.89 % (guarded by ``tests/discovery/test_real_machines.py``).
 """
 ENDS = 2.5  # periods of that band at either end, where smoothing and filter know no acceleration
 ORDER = 4  # of the Butterworth filter, which runs both ways

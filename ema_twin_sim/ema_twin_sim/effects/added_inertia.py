@@ -16,6 +16,7 @@ EFFECT = Effect(
     equation="T = inertia · dω/dt",
     depends_on="acceleration",
     signature="current error in proportion to acceleration",
+    shown_by="hard acceleration: steps, fast sines",
     source="Newton's second law",
     parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, math.inf, "more inertia, reduced to the fast shaft"),),
     settle=settle,

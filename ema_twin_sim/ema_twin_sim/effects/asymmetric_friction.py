@@ -18,6 +18,7 @@ EFFECT = Effect(
     equation="T = fraction · (L + b·|ω|)",
     depends_on="direction",
     signature="current error that is even in speed: it grows with |ω| and does not flip with direction",
+    shown_by="motion in both directions",
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(Parameter("fraction", "1", 0.15, -0.9, 0.9, "excess forward, lack backward"),),
     settle=settle,

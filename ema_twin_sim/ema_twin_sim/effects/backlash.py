@@ -20,6 +20,7 @@ EFFECT = Effect(
     equation="no torque passes while |θ − ratio·θ_o| < ratio · width / 2",
     depends_on="encoders",
     signature="output position error that jumps by the width at each reversal; current bursts as the teeth meet again",
+    shown_by="reversals, with the output encoder recorded",
     source="Nordin and Gutman 2002; thesis, script Main HF, dynamics.BLK",
     parameters=(
         Parameter(

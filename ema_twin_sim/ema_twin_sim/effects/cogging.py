@@ -20,6 +20,7 @@ EFFECT = Effect(
     equation="T = torque · sin(order·θ + phase)",
     depends_on="order",
     signature="current error of order 24 with the same amplitude at every current",
+    shown_by="slow motion over a motor turn",
     source="Hanselman, Brushless Permanent Magnet Motor Design, 2003",
     parameters=(
         Parameter("torque", "N m", 0.03, 0.0, math.inf, "amplitude, fast shaft"),

@@ -19,6 +19,7 @@ EFFECT = Effect(
     equation="T = torque",
     depends_on="direction",
     signature="current error that is the same in both directions, at every speed and position",
+    shown_by="motion in both directions",
     source="statics",
     parameters=(Parameter("torque", "N m", 0.03, -math.inf, math.inf, "torque, reduced to the fast shaft"),),
     act=act,

@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="T = torque · sgn ω; at rest it holds up to static_ratio · torque",
     depends_on="speed",
     signature="current error that is constant in each direction and flips at a reversal",
+    shown_by="slow motion in both directions",
     source="thesis, script Main HF, dynamics.friction (Borello friction block)",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, math.inf, "sliding level, at the fast shaft"),

@@ -22,6 +22,7 @@ EFFECT = Effect(
     equation="T = torque · sin(4θ + phase)",
     depends_on="direction",
     signature="current error of order 4, the electrical frequency, independent of load",
+    shown_by="slow motion over several motor turns",
     source="Chung and Sul 1998",
     parameters=(
         Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude, fast shaft"),

@@ -116,8 +116,9 @@ class Effect:
     ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
     positive number may be given for; its choices are those that are looked for on every machine, or, where not
     ``searched``, those that recordings show only. What ``every_machine`` has goes before what explains hardly more,
-    where a model lacks it. An ``electrical`` effect needs to know the motor's pole pairs. One that ``delays`` shows
-    what an encoder remembers.
+    where a model lacks it. ``shown_by`` is the motion to record so that it
+    shows. An ``electrical`` effect needs to know the motor's pole pairs. One that ``delays`` shows what an encoder
+    remembers.
     """
 
     id: str
@@ -133,6 +134,7 @@ class Effect:
     depends_on: str = ""
     settle: Callable[[np.void, Values, Options], None] | None = None
     settle_winding: Callable[[np.void, Values, Options], None] | None = None
+    shown_by: str = "motion over all speeds, positions and directions that it may depend on"
     electrical: bool = False
     repeatable: bool = True
     delays: bool = False

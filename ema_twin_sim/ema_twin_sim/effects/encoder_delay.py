@@ -19,6 +19,7 @@ EFFECT = Effect(
     equation="the encoder shows θ_o(t − delay)",
     depends_on="encoders",
     signature="output position error in proportion to speed; nothing in the current",
+    shown_by="fast motion, with the output encoder recorded",
     source="Weigand et al., robot identification data, 2.8 to 3.0 ms between two encoders",
     parameters=(Parameter("delay", "s", 0.003, 0.0, math.inf, "time by which it is late"),),
     settle=settle,

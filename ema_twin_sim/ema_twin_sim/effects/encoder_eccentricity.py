@@ -24,6 +24,7 @@ EFFECT = Effect(
     equation="the encoder shows θ_o + amplitude · (sin(order·θ_o + phase) − sin(order·θ_o(0) + phase))",
     depends_on="encoders",
     signature="output position error that follows the sine of the output's angle; nothing in the current",
+    shown_by="travel over a large part of an output turn, with the output encoder recorded",
     source="geometry of an eccentric disc; Hanselman 1990 for resolvers",
     parameters=(
         Parameter("amplitude", "rad", 0.0005, 0.0, 0.1, "amplitude, slow shaft"),

@@ -16,6 +16,7 @@ EFFECT = Effect(
     equation="T = torque · sin(θ_o + angle)",
     depends_on="output_position",
     signature="current error that follows the sine of the output's angle, the same in both directions",
+    shown_by="travel over a large part of an output turn",
     source="statics",
     parameters=(
         Parameter("torque", "N m", 0.06, 0.0, math.inf, "amplitude, reduced to the fast shaft"),

@@ -17,6 +17,7 @@ EFFECT = Effect(
     equation="L = coefficient · |T_t|",
     depends_on="load",
     signature="current error against the motion that grows with load and acceleration",
+    shown_by="motion under load: a spring, a weight, hard acceleration",
     source="thesis, section 3.4; ISO/TR 14179-2",
     parameters=(Parameter("coefficient", "1", 0.1, 0.0, 1.5, "dry level per transmitted torque, both at fast shaft"),),
     act=act,

@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="T = torque · Σ sin(k(order·θ + phase))/k, k = 1, 3, 5",
     depends_on="order",
     signature="current error of order 15.75 (15.0, 45) and its odd harmonics",
+    shown_by="slow motion over several motor turns",
     source="thesis, eqs 3.52-3.60, over the sun's angle instead of time",
     parameters=(
         Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude of the fundamental, fast shaft"),

@@ -19,6 +19,7 @@ EFFECT = Effect(
     equation="T = torque · sin(order·θ_o + phase)",
     depends_on="output_position",
     signature="current error that repeats a whole number of times in a turn of the output, the same in both directions",
+    shown_by="travel over a large part of an output turn",
     source="kinematics of what turns with the output; twice: a universal joint",
     parameters=(
         Parameter("torque", "N m", 0.03, 0.0, math.inf, "amplitude, reduced to the fast shaft"),

@@ -40,6 +40,7 @@ EFFECT = Effect(
     equation="T = fraction/3 · Kt · i · (1 − cos(2·P·θ − 4πk/3)), P pole pairs, k = 0, 1, 2 for phase u, v, w",
     depends_on="order",
     signature="current error of twice the electrical order (8), in proportion to the current; less torque per ampere",
+    shown_by="slow motion under load, over several motor turns",
     source="Dalla Vedova, Germana, Berri and Maggiore, Aerospace 6, 2019, 94",
     parameters=(Parameter("fraction", "1", 0.2, 0.0, 0.99, "share of the phase's turns that is shorted"),),
     options={"phase": _PHASES},

@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="ż = ω − stiffness·|ω|·z/L, T = stiffness·z + damping·ż",
     depends_on="speed",
     signature="current error at reversals only: friction turns over a way instead of at once",
+    shown_by="many slow reversals, such as a triangle of small travel",
     source="Dahl 1968; Canudas de Wit, Olsson, Åström, Lischinsky 1995",
     parameters=(
         Parameter(

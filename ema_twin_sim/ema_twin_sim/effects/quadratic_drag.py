@@ -16,6 +16,7 @@ EFFECT = Effect(
     equation="T = coefficient · ω · |ω|",
     depends_on="speed",
     signature="current error against the motion that grows faster than speed",
+    shown_by="fast motion",
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(
         Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, math.inf, "torque per squared speed, fast shaft"),

@@ -30,6 +30,7 @@ EFFECT = Effect(
     equation="T = Kt · i · amplitude/2 · cos((2P + 1)θ + phase), P pole pairs",
     depends_on="order",
     signature="current error of twice the electrical order and one (9), in proportion to the current",
+    shown_by="slow motion under load, over several motor turns",
     source="Dalla Vedova, Germana, Berri and Maggiore, Aerospace 6, 2019, 94",
     parameters=(
         Parameter("amplitude", "1", 0.15, 0.0, 0.99, "displacement of the rotor's axis over the air gap"),

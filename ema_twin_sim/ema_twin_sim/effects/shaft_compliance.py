@@ -27,6 +27,7 @@ EFFECT = Effect(
     equation="T_t = stiffness · (θ − ratio·θ_o) + damping · (ω − ratio·ω_o)",
     depends_on="encoders",
     signature="the encoders differ in proportion to the transmitted torque; ringing after steps",
+    shown_by="steps or fast sines, with the output encoder recorded",
     source="Rivin, Stiffness and Damping in Mechanical Design, 1999",
     parameters=(
         Parameter(

@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="T = −fraction · b · ω · |ω| / (|ω| + speed)",
     depends_on="speed",
     signature="current error along the motion that grows with speed, and flattens",
+    shown_by="ramps from slow to fast",
     source="Cross 1965",
     parameters=(
         Parameter("fraction", "1", 0.3, 0.0, 1.0, "share of the viscous friction lost at infinite speed"),

@@ -16,6 +16,7 @@ EFFECT = Effect(
     equation="T = stiffness · (θ_o − θ_o at the start)",
     depends_on="output_position",
     signature="current error that grows with the output's travel, the same in both directions",
+    shown_by="travel as large as the machine allows, in both directions",
     source="Hooke's law",
     parameters=(
         Parameter("stiffness", "N m/rad", 0.05, 0.0, math.inf, "torque at the fast shaft per radian of the output"),

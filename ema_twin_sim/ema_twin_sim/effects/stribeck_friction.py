@@ -20,6 +20,7 @@ EFFECT = Effect(
     equation="L = torque · exp(−|ω| / speed)",
     depends_on="speed",
     signature="current error at low speed only, against the motion, gone above a few times the Stribeck speed",
+    shown_by="slow ramps, down to a tenth of the speeds of these",
     source="Bo and Pavelescu 1982; Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, math.inf, "extra level at zero speed"),

@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="L (dissipative) or T (conservative) = torque · sin(θ + phase)",
     depends_on="order",
     signature="current error of order 1, once per motor revolution",
+    shown_by="slow motion over several motor turns, in both directions",
     source="thesis, chapter 5 (the 5 s period of the current at 0.01 rad/s)",
     parameters=(
         Parameter("torque", "N m", 0.02, 0.0, math.inf, "amplitude, at the fast shaft"),

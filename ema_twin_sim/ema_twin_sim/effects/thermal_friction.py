@@ -19,6 +19,7 @@ EFFECT = Effect(
     equation="T = −fraction · b · ω · (1 − exp(−t / time_constant))",
     depends_on="time",
     signature="current error along the motion that grows with time and speed, and settles",
+    shown_by="a cold start, and several time constants of fast motion",
     source="first-order warming; Bittencourt and Axelsson 2014 for its size in gearboxes",
     parameters=(
         Parameter("fraction", "1", 0.25, 0.0, 1.0, "share of the viscous friction lost when warm"),

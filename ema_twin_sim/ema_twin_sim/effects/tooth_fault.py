@@ -25,6 +25,7 @@ EFFECT = Effect(
     equation="L (dissipative) or T (conservative) = torque · pulse((order·θ − position) / 2π)",
     depends_on="order",
     signature="narrow pulses in the current, evenly spaced in the motor's angle",
+    shown_by="slow motion over several passes of the tooth",
     source="pass orders from the gearbox's kinematics (63/21 sun and fixed ring, 62/20 output ring)",
     parameters=(
         Parameter("torque", "N m", 0.05, 0.0, math.inf, "height of the pulse, fast shaft"),

@@ -22,6 +22,7 @@ EFFECT = Effect(
     equation="T = (1 − scale) · Kt · i",
     depends_on="current",
     signature="all torques seem scaled: friction, load and inertia by the same factor",
+    shown_by="hard acceleration of a known inertia",
     source="Krishnan, Permanent Magnet Synchronous and Brushless DC Motor Drives, 2010",
     parameters=(Parameter("scale", "1", 0.9, 0.5, 1.5, "true over nominal torque constant", neutral=1.0),),
     settle=settle,

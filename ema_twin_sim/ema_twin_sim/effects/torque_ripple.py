@@ -21,6 +21,7 @@ EFFECT = Effect(
     equation="T = −Kt · i · fraction · sin(24θ + phase)",
     depends_on="order",
     signature="current error of order 24 that grows with the current and flips with its sign",
+    shown_by="slow motion under load",
     source="Holtz and Springob 1996",
     parameters=(
         Parameter("fraction", "1", 0.05, 0.0, 1.0, "amplitude over the mean torque"),

@@ -19,6 +19,7 @@ EFFECT = Effect(
     equation="T = coefficient · ω",
     depends_on="speed",
     signature="current error that grows with speed and changes sign with direction",
+    shown_by="motion at several speeds",
     source="thesis, script Main HF, dynamics.CM and dynamics.CU",
     parameters=(Parameter("coefficient", "N m s/rad", 0.0255, 0.0, math.inf, "torque per speed, at the fast shaft"),),
     options={"side": ("motor", "output")},

@@ -9,8 +9,7 @@ import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, NEARLY_ALL, PART
 from ..effects import Circumstances, catalogue
-from ..identification.on_bound import reached_bound
-from ..identification.shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
+from ..identification.on_bound import INERTIA_SHOWN_BY, reached_bound
 from ..model import Model
 from ..model.own_units import shown
 from .equation_misfit import BLIND, LAG
@@ -94,7 +93,7 @@ def asleep(given: Model, judged: Model) -> list[Finding]:
         Finding(
             "no_effect", name, "",
             f"{name} stays as it is: these operating points do not show it; record "
-            f"{SHOWN_BY.get(instance.effect, ANY)}",
+            f"{catalogue()[instance.effect].shown_by}",
         )
         for name, instance in given.active.items()
         if name not in judged.active
@@ -133,7 +132,7 @@ def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> s
         return "shows at standstill only, which a fit leaves out; read it off the break-away of a slow start"
     size = effect.parameters[0]
     small = f" while {size.name} is so small" if parameter != size.name and size.neutral is not None else ""
-    return f"changes nothing that these recordings show{small}; record {SHOWN_BY.get(effect.id, ANY)}"
+    return f"changes nothing that these recordings show{small}; record {effect.shown_by}"
 
 
 def _needless(number: FreeParameter, value: float, std: float, model: Model) -> str | None:
@@ -148,7 +147,7 @@ def _needless(number: FreeParameter, value: float, std: float, model: Model) -> 
     found = f"{_written(value, number, model)} ± {_written(std, number, model)}"
     return (
         f"= {found} is no more than its standard error: these recordings do not need it; record "
-        f"{SHOWN_BY.get(effect.id, ANY)}, or remove {name}"
+        f"{effect.shown_by}, or remove {name}"
     )
 
 

@@ -292,8 +292,8 @@ def _parameters(fitted: Model, solution: Solution, sure: Uncertainty) -> dict[st
 
 def _constants(
     given: Model, fitted: Model, solution: Solution, sure: Uncertainty, untold: Sequence[int]
-) -> dict[str, dict[str, dict]]:
-    found: dict[str, dict[str, dict]] = {}
+) -> dict[str, dict[str, dict[str, Any]]]:
+    found: dict[str, dict[str, dict[str, Any]]] = {}
     for path, constant in CONSTANTS.items():
         k = solution.freedom.index(path)
         if k is not None:

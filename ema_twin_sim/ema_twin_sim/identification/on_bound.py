@@ -12,8 +12,8 @@ from ..model.own_units import shown
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS, Free
-from .shown_by import ANY, INERTIA_SHOWN_BY, SHOWN_BY
 
+INERTIA_SHOWN_BY = "hard acceleration: steps, fast sines"
 START_ELSEWHERE = "or give the model a value nearer to it to start from"
 
 
@@ -55,7 +55,7 @@ def _added(f: Fit, rest: str, side: str) -> list[str]:
     instance = f.hypothesis.instance(name)
     p = next(p for p in catalogue()[instance.effect].parameters if p.name == parameter)
     faster = p.driven and side == "upper"
-    remedy = "faster motion" if faster else SHOWN_BY.get(instance.effect, ANY)
+    remedy = "faster motion" if faster else catalogue()[instance.effect].shown_by
     written = _written(f, instance.parameters[parameter], p.unit, angle=p.periodic)
     return [f"{name}: {parameter} is on its bound {written}; record {remedy}, or hold {parameter} at what is known"]
 
@@ -76,7 +76,7 @@ def _open(f: Fit, what: str) -> list[str]:
     size = catalogue()[id].parameters[0]
     return [
         f"{name}: {size.name} is on its bound {_written(f, model.effects[name].parameters[size.name], size.unit)}; "
-        f"record {SHOWN_BY.get(id, ANY)}, {START_ELSEWHERE}"
+        f"record {catalogue()[id].shown_by}, {START_ELSEWHERE}"
         for name, instance in base.active.items()
         if instance.effect == id
     ]

@@ -16,6 +16,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -125,7 +126,7 @@ def check_model_name(path: Path) -> None:
 class _Dumper(yaml.SafeDumper):
     """Innermost mappings on one line each, as in the shipped files."""
 
-    def represent_mapping(self, tag, mapping, flow_style=None):
+    def represent_mapping(self, tag: str, mapping: Any, flow_style: bool | None = None) -> yaml.MappingNode:
         leaf = all(not isinstance(value, Mapping) or not value for value in mapping.values())
         return super().represent_mapping(tag, mapping, flow_style=leaf)
 
@@ -163,7 +164,7 @@ def _read(path: Path) -> dict[str, object]:
     return dict(Checker(path).mapping(content, "", _KEYS))
 
 
-def _merged(below: Mapping, above: Mapping) -> dict:
+def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     result = dict(below)
     for key, value in above.items():
         both = isinstance(value, Mapping) and isinstance(result.get(key), Mapping)
@@ -171,7 +172,7 @@ def _merged(below: Mapping, above: Mapping) -> dict:
     return result
 
 
-def _model(path: Path, content: Mapping) -> Model:
+def _model(path: Path, content: Mapping[str, Any]) -> Model:
     check = Checker(path)
     check.choice(content.get("version"), "version", (VERSION,))
     machine = check.mapping(content.get("machine"), "machine")

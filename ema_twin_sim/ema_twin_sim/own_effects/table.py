@@ -22,7 +22,7 @@ def checked_table(file: Path, effect: Effect) -> Effect:
     check.name(effect.id, "EFFECT.id")
     if re.search(r"_\d+$", effect.id):
         raise check.error("EFFECT.id", f"'{effect.id}' ends like a second instance", "end it with a word")
-    for name in ("summary", "equation", "signature", "source"):
+    for name in ("summary", "equation", "signature", "shown_by", "source"):
         check.text(getattr(effect, name), f"EFFECT.{name}")
     if not effect.parameters:
         raise check.error("EFFECT.parameters", "holds none", "give at least one, the effect's size first")

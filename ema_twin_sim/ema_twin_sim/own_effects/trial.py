@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -174,10 +175,10 @@ class _NotInTable(Exception):
     """A parameter is read that the table does not have; compiled code would find a silent zero there."""
 
 
-class _Table(tuple):
+class _Table(tuple[float, ...]):
     """The parameters of the table, and nothing else."""
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         if isinstance(index, int) and not 0 <= index < len(self):
             raise _NotInTable(index)
         return super().__getitem__(index)

@@ -4,8 +4,8 @@ Each entry follows from its own equation, never from what is left over, so that 
 
     link + stiffness change = losses + load + change of what is stored
 
-is a check of the plant (tests/test_energy.py), and its losses by themselves are a result. Torques act over the mean of
-the speeds before and after a step, which is exact for the kinetic energy. ``fine`` fidelities only.
+is a check of the plant (tests/plant/test_energy.py), and its losses by themselves are a result. Torques act over the
+mean of the speeds before and after a step, which is exact for the kinetic energy. ``fine`` fidelities only.
 """
 
 import math

@@ -113,7 +113,7 @@ class RerunView:
             alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
             together, held = held[:alike], held[alike:]
             signals = [
-                {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}  # type: ignore[call-overload, misc]
+                {name: np.concatenate([batch[side][name] for batch in together]) for name in together[0][side]}
                 for side in (1, 2, 3)
             ]
             self._send(np.concatenate([batch[0] for batch in together]), *signals)

@@ -57,12 +57,12 @@ def open_live_viewer() -> str:
     return f"rerun+http://{ADDRESS}:{_PORT}/proxy" if comes_up(viewer, _PORT) else ""
 
 
-def start_viewer(*arguments: str) -> subprocess.Popen:
+def start_viewer(*arguments: str) -> subprocess.Popen[bytes]:
     """Start rerun's viewer as a process of its own, which stays when this one ends."""
     return subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
 
 
-def comes_up(process: subprocess.Popen, *ports: int) -> bool:
+def comes_up(process: subprocess.Popen[bytes], *ports: int) -> bool:
     """Wait until all the ports listen; whether they do, before the process ends and in the time that it may take."""
     end = time.monotonic() + _PATIENCE
     while not all(_listens(port) for port in ports):

@@ -22,7 +22,7 @@ from .next_command import best_command, signals_of
 SLOW, FAST = 1000, 250
 """Samples from one reversal to the next. Where no torque was recorded, the rate at which a machine was sampled is all
 that tells how quick it is: its own second follows from how fast it was moved, and a slow triangle and two quick sines
-of ``tests/test_two_encoders.py`` take 4.6 and 5.3 of them, but 2700 and 400 samples.
+of ``tests/discovery/test_two_encoders.py`` take 4.6 and 5.3 of them, but 2700 and 400 samples.
 """
 
 

@@ -1,0 +1,96 @@
+"""The order of a residual: found with its amplitude, phase and kind."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.comparison.orders import find_order
+from ema_twin_sim.measured import order_spectrum
+
+TIME = np.arange(10_000) * 2e-3
+
+
+def part(angle, wave, noise=0.003, seed=0):
+    direction = np.sign(np.gradient(angle))
+    return wave(angle, direction) + np.random.default_rng(seed).normal(0.0, noise, len(angle)), angle, direction
+
+
+@pytest.mark.parametrize("order", [0.25, 1.0, 4.0, 15.75, 24.0])
+def test_a_wave_is_found_with_order_amplitude_and_phase(order):
+    found = find_order([part(6.2 * TIME + 1.0, lambda a, d: 0.01 * np.sin(order * a + 0.7))])
+    assert found.order == pytest.approx(order, abs=0.03)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.phase == pytest.approx(0.7, abs=0.7 if order > 10 else 0.2)
+    assert found.share > 0.7
+
+
+def back_and_forth():
+    return np.concatenate([12.0 * TIME[:5000], 12.0 * (TIME[5000] - TIME[:5000])])
+
+
+@pytest.mark.parametrize("dissipative", [True, False])
+def test_reversals_tell_dissipative_from_conservative(dissipative):
+    def wave(angle, direction):
+        return 0.01 * np.sin(angle) * (direction if dissipative else 1.0)
+
+    assert find_order([part(back_and_forth(), wave)]).dissipative is dissipative
+
+
+def test_one_direction_does_not():
+    found = find_order([part(6.2 * TIME, lambda a, d: 0.01 * np.sin(a))])
+    assert found.dissipative is None
+
+
+def test_noise_has_no_order_worth_naming():
+    assert find_order([part(6.2 * TIME, lambda a, d: 0.0 * a)]).share < 0.01
+
+
+def test_too_little_motion_has_none():
+    assert find_order([]) is None
+    assert find_order([part(1e-3 * TIME, lambda a, d: 0.01 * np.sin(a))]) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("order", "turns"), [*itertools.product([0.74, 15.75, 15.7532, 93.411], [20, 300, 1000]), (15.7532, 5000)]
+)
+def test_a_line_is_found_however_narrow_many_turns_make_it(turns, order):
+    """One over the turns wide: far narrower than the cells of the spectrum."""
+    # at no steady speed, where so few samples a turn would show other orders in the place of one
+    angle = 2.0 * np.pi * turns * np.sort(np.random.default_rng(1).uniform(0.0, 1.0, 200_000))
+    found = find_order([part(angle, lambda a, d: 0.01 * np.sin(order * a + 0.7), noise=0.005)])
+    assert found.order == pytest.approx(order, abs=0.25 / turns)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.share == pytest.approx(2.0 / 3.0, abs=0.05)
+    assert found.spectrum.max() == pytest.approx(0.01, rel=0.1)
+
+
+def test_what_turns_too_far_for_one_transform_counts_by_its_pieces(monkeypatch):
+    monkeypatch.setattr(order_spectrum, "_LARGEST", 512 * 300)  # turns 300 times at most
+    angle = 2.0 * np.pi * 1000.0 * np.linspace(0.0, 1.0, 200_000)
+    found = find_order([part(angle, lambda a, d: 0.01 * np.sin(15.7532 * a + 0.7), noise=0.005)])
+    assert found.order == pytest.approx(15.7532, abs=2.5e-4)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+    assert found.spectrum.max() == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_wave_in_recordings_far_apart_is_one():
+    """The second starts where the counter is after many turns more; the order must be as exact as that takes."""
+    angle = 6.2 * TIME
+    parts = [part(start + angle, lambda a, d: 0.01 * np.sin(15.7532 * a + 0.7)) for start in (0.0, 2000.0)]
+    found = find_order(parts)
+    assert found.order == pytest.approx(15.7532, abs=1e-3)
+    assert found.amplitude == pytest.approx(0.01, rel=0.05)
+
+
+@pytest.mark.parametrize(("order", "turns"), [(7.42857142857, 40), (15.7532, 1000)])
+def test_the_standard_error_of_an_order_is_true(order, turns):
+    """Far better than a line is wide, where a wave is as large as its noise: the grid of a search is no limit."""
+    off = []
+    for seed in range(8):
+        angle = 2.0 * np.pi * turns * np.sort(np.random.default_rng(seed).uniform(0.0, 1.0, 40_000))
+        found = find_order([part(angle, lambda a, d: 0.01 * np.sin(order * a + 0.7), noise=0.005, seed=seed)])
+        assert found.order_std < 0.01 / turns
+        off.append((found.order - order) / found.order_std)
+    assert 0.4 < np.sqrt(np.mean(np.square(off))) < 2.0

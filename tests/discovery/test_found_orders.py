@@ -1,0 +1,138 @@
+"""Orders found, not assumed; and named where the model knows what repeats so."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.search.found_orders import resolved, written_order
+from ema_twin_sim.identification.candidates import Candidate, candidates
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.model import load_model, save_model
+from ema_twin_sim.words.sentences import order_sentences
+from tests.recorded import record
+
+ORDER = 7.4286  # of a mesh that no catalogue knows
+
+
+@pytest.fixture(scope="module")
+def gearbox(stock):
+    """A machine with another gearbox, of whose orders nothing is said."""
+    return replace(stock.with_value("machine.gear_ratio", 31.0), orders={}, other_orders=True)
+
+
+@pytest.fixture(scope="module")
+def recordings(gearbox):
+    hidden = gearbox.with_effect("mesh_ripple", {"torque": 0.03, "phase": 0.4}, {"order": str(ORDER)})
+    return record(hidden, ("ramp:0.3", "sine:0.4:0.3", "triangle:0.5:1.5"), seconds=10.0)
+
+
+def test_an_order_of_the_gears_is_found(recordings, gearbox):
+    found = discover(recordings, gearbox)
+    assert (found.verdict, found.added) == ("explained", ("mesh_ripple",))
+    ripple = found.model.effects["mesh_ripple"]
+    assert float(ripple.options["order"]) == pytest.approx(ORDER, abs=2e-3)
+    assert ripple.parameters["torque"] == pytest.approx(0.03, rel=0.03)
+    (sentence,) = order_sentences(found.model, found.added)
+    assert f" {ripple.options['order']} times" in sentence and "names no orders" in sentence
+
+
+def test_an_order_is_written_as_exactly_as_it_is_known(gearbox, tmp_path):
+    """Behind ten thousand turns five digits of it would be cycles off; a model's file keeps all that are known."""
+    order, turns = 15.75321846, 10_000.0
+    text = written_order(order, 1e-7)
+    assert text == "15.75321846"
+    assert abs(float(f"{order:.5g}") - order) * turns > 1.0 > 1e3 * abs(float(text) - order) * turns
+    assert written_order(7.42857142857, 2e-3) == "7.4286"  # no more than it is known by
+    assert float(written_order(1.0 / 3.0, 0.0)) == pytest.approx(1.0 / 3.0, abs=1e-14)
+    save_model(gearbox.with_effect("mesh_ripple", {}, {"order": text}), tmp_path / "found.yaml")
+    assert load_model(tmp_path / "found.yaml").effects["mesh_ripple"].options["order"] == text
+
+
+def test_where_all_orders_are_known_it_is_unknown(recordings, gearbox):
+    found = discover(recordings, replace(gearbox, other_orders=False))
+    assert (found.verdict, found.depends_on) == ("unknown", ("order",))
+
+
+def test_the_teeth_of_another_gearbox_are_not_looked_for(gearbox, stock):
+    """Their orders follow from its numbers of teeth; those of this machine are found, or told by its model."""
+
+    def orders(model):
+        return {c.options["order"] for c in candidates(null_hypothesis(model)) if c.effect == "tooth_fault"}
+
+    assert orders(gearbox) == {"1"}
+    assert orders(stock) == {"1", "2.25", "0.75", "0.7258"}
+    assert orders(replace(gearbox, orders={"damaged tooth": 2.25})) == {"1", "2.25"}
+
+
+def test_what_never_came_a_second_time_is_not_seen_to_repeat(stock):
+    """Over half a turn of the motor nothing repeats once a turn; what repeats six times a turn does."""
+    model = replace(stock, orders={}, other_orders=True)
+    one, six = Candidate("cogging", {"order": "1"}), Candidate("cogging", {"order": "6"})
+    for amplitude, shown in ((0.25 / 124.0, [six]), (2.0 / 124.0, [one, six])):
+        runs = record(model, (f"sine:{2.0 * math.pi * amplitude:g}:0.5",))
+        problem = EquationErrorProblem(observe_all(runs, model))
+        assert resolved(problem, [one, six], model) == shown
+        assert resolved(problem, [one, six], stock) == [one, six]  # whose orders are known
+
+
+def test_orders_are_named_by_what_the_model_says(tmp_path):
+    model = replace(load_model("laas_motor"), orders={"slots": 18.0, "pole pairs": 12.0})
+    assert model.order_names(18.0) == ["slots"]
+    assert model.order_names(72.0) == ["4 × slots", "6 × electrical (12 pole pairs)"]
+    assert model.order_names(7.0) == []
+    save_model(model, tmp_path / "named.yaml")
+    assert load_model(tmp_path / "named.yaml").orders == model.orders
+
+
+@pytest.mark.parametrize(("ratio", "effect", "shaft"), [(12.0, "output_ripple", "output"), (1.0, "cogging", "motor")])
+def test_orders_of_the_output_are_found(stock, ratio, effect, shaft):
+    """Seven times in a turn of the slow shaft: behind a gearbox no whole order of the motor; of a direct drive one."""
+    geared = stock.with_value("machine.gear_ratio", ratio).with_value("drive.position_gain", 20.0 * ratio)
+    machine = replace(geared, orders={"rollers": 7.0 / ratio}, other_orders=True)
+    hidden = machine.with_effect("output_ripple", {"torque": 0.05, "phase": 0.4}, {"order": "7"})
+    found = discover(record(hidden, ("ramp:1.5", "sine:2.5:0.2", "triangle:2:3"), seconds=10.0), machine)
+    assert (found.verdict, found.added) == ("explained", (effect,))
+    ripple = found.model.effects[effect]
+    assert ripple.options["order"] == "7"
+    assert ripple.parameters == pytest.approx({"torque": 0.05, "phase": 0.4}, rel=0.03)
+    assert order_sentences(found.model, found.added) == [
+        f"{effect.replace('_', ' ')}: order 7 of the {shaft} is that of rollers."
+    ]
+    (unnamed,) = order_sentences(replace(found.model, orders={}), found.added)
+    assert f"7 times in a turn of the {shaft}" in unnamed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("angle", [0.4, -1.9])
+def test_a_pendulum_at_the_motor_is_gravity_before_it_is_the_best_of_many_waves(angle, stock):
+    """Without a gearbox a wave of the motor's turn is one of the output's: the same torque by any of three names."""
+    machine = stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0)
+    machine = replace(machine, orders={}, other_orders=True)
+    hidden = machine.with_effect("gravity_load", {"torque": 0.2, "angle": angle})
+    found = discover(record(hidden, ("ramp:4", "sine:5:0.2", "triangle:4:2"), seconds=10.0), machine)
+    assert (found.verdict, found.added) == ("explained", ("gravity_load",))
+    assert found.groups == (("cogging", "gravity_load", "sun_runout"),)
+    assert "none of the commands that were tried tells" in found.next_recording
+
+
+def test_a_bearing_of_a_direct_drive_is_found(stock):
+    """It turns at a speed of its own: its order is no whole number."""
+    machine = replace(stock.with_value("machine.gear_ratio", 1.0).with_value("drive.position_gain", 20.0), orders={})
+    machine = replace(machine, other_orders=True)
+    hidden = machine.with_effect("cogging", {"torque": 0.05, "phase": 0.4}, {"order": "3.57"})
+    found = discover(record(hidden, ("ramp:8", "sine:8:0.2", "triangle:10:3"), seconds=10.0), machine)
+    assert found.added == ("cogging",)
+    assert float(found.model.effects["cogging"].options["order"]) == pytest.approx(3.57, abs=5e-3)
+    (sentence,) = order_sentences(found.model, found.added)
+    assert "gears, belts or bearings" in sentence and "and so of the output" in sentence
+
+
+def test_the_benchs_orders_are_all_known(stock, tmp_path):
+    assert stock.order_names(15.75) == ["first mesh"]
+    save_model(stock, tmp_path / "whole.yaml")
+    written = load_model(tmp_path / "whole.yaml")
+    assert written.orders == stock.orders and not written.other_orders

@@ -1,0 +1,108 @@
+"""Machines of other people from their CSV to the answer, as a stranger goes: the draft of ``init``, nothing edited.
+
+(shared/real/machines; the tests skip where it is absent.)
+"""
+
+import pytest
+
+from ema_bench_replay.load import load
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.model import load_model
+
+NEVER = {"backlash", "shaft_compliance", "cogging", "torque_ripple", "mesh_ripple", "asymmetric_friction"}
+"""What none of these machines has."""
+
+
+def drafted(traces, tmp_path, **known):
+    """Import map and model that ``init`` drafts from the CSVs of a machine and what its user would know."""
+    init(str(tmp_path / "machine"), sorted(traces.glob("*.csv")) if traces.is_dir() else [traces], **known)
+    return tmp_path / "machine_map.yaml", load_model(tmp_path / "machine.yaml")
+
+
+def discovered(folder, import_map, model, start=None):
+    recordings = [load(path, import_map=import_map) for path in sorted(folder.glob("*.csv"))]
+    return discover([r if start is None else r.between(start) for r in recordings], model)
+
+
+def level(model, effect, parameter):
+    return sum(i.parameters[parameter] for i in model.active.values() if i.effect == effect)
+
+
+@pytest.fixture
+def machines(real):
+    return real / "machines"
+
+
+@pytest.mark.parametrize("with_coulomb", [True, False])
+def test_a_geared_servo_that_was_held_at_rest_has_friction_and_nothing_else(with_coulomb, machines, tmp_path):
+    """Half of the recording it stands, its torque ramped up to where it would break away: no friction slides there."""
+    folder = machines / "damiao_dm8009" / "train"
+    import_map, model = drafted(folder / "run_01.csv", tmp_path)
+    found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"))
+    assert found.added == (() if with_coulomb else ("coulomb_friction",))
+    assert found.verdict == ("none" if with_coulomb else "explained")
+    assert level(found.model, "coulomb_friction", "torque") == pytest.approx(0.52, rel=0.05)
+    assert level(found.model, "viscous_friction", "coefficient") == pytest.approx(0.030, rel=0.1)
+    assert found.model.value("machine.motor_inertia") == pytest.approx(0.024, rel=0.15)
+
+
+@pytest.mark.slow
+def test_a_dynamometers_load_is_told_at_the_output(machines, tmp_path):
+    folder = machines / "michigan_dyno" / "train"
+    import_map, model = drafted(folder / "idle_load_a.csv", tmp_path, gear_ratio=6.0, torque_constant=0.1095)
+    for start in (model, model.without_effect("coulomb_friction").without_effect("viscous_friction")):
+        found = discovered(folder, import_map, start)
+        assert not NEVER & {*found.added}
+        # N m at the output, whose load is 2.3 N m: its dry friction is as much alone as follows the load
+        coulomb = 6.0 * level(found.model, "coulomb_friction", "torque")
+        assert 0.1 < coulomb + 2.3 * level(found.model, "mesh_friction", "coefficient") < 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("with_coulomb", [True, False])
+@pytest.mark.parametrize("known", [{"torque_constant": 7.6}, {"gear_ratio": 100.0, "torque_constant": 0.076}])
+def test_one_direction_is_friction_and_a_reversal_is_asked_for(known, with_coulomb, machines, tmp_path):
+    folder = machines / "kinova_gen3_joint7" / "train"
+    import_map, model = drafted(folder, tmp_path, **known)
+    found = discovered(folder, import_map, model if with_coulomb else model.without_effect("coulomb_friction"), 0.5)
+    assert not NEVER & {*found.added}
+    at_joint = level(found.model, "coulomb_friction", "torque") * known.get("gear_ratio", 1.0)
+    assert at_joint == pytest.approx(1.5, rel=0.2)
+    assert "triangle" in found.next_recording
+
+
+@pytest.mark.parametrize("with_friction", [True, False])
+@pytest.mark.parametrize(
+    "known",
+    [
+        {"torque_constant": 10.6956},
+        {"gear_ratio": 101.0, "torque_constant": 0.105897},
+        {"gear_ratio": 101.0, "torque_constant": 10.6956},
+    ],
+)
+def test_a_robots_joint_has_gravity_and_friction_that_follows_load(known, with_friction, machines, tmp_path):
+    """However its user tells the gear and the torque constant: at the joint, at the motor, or either at either."""
+    folder = machines / "ur10e_joint2" / "train"
+    import_map, model = drafted(folder, tmp_path, **known)
+    if not with_friction:
+        model = model.without_effect("coulomb_friction").without_effect("viscous_friction")
+    found = discovered(folder, import_map, model)
+    assert {*found.added} == {"gravity_load", "mesh_friction"} | (
+        set() if with_friction else {"coulomb_friction", "viscous_friction"}
+    )
+    assert level(found.model, "mesh_friction", "coefficient") == pytest.approx(0.063, rel=0.1)
+    ratio = found.model.value("machine.gear_ratio")
+    assert ratio * level(found.model, "gravity_load", "torque") == pytest.approx(114.0, rel=0.03)
+
+
+@pytest.mark.slow
+def test_a_table_of_holding_currents_is_no_motion(real, tmp_path):
+    """Its rows have stamps, milliseconds or seconds apart, and a speed that is zero throughout."""
+    traces = real / "laas_holding_current.csv"
+    import_map, model = drafted(traces, tmp_path, torque_constant=0.025)
+    found = discover([load(traces, import_map=import_map)], model)
+    assert {*found.added} == {"cogging"}
+    orders = {i.options["order"] for i in found.model.effects.values() if i.effect == "cogging"}
+    assert orders == {"72", "18", "12", "144", "24", "36"}
+    assert found.unseen.rmse[-1] <= 0.025

@@ -1,0 +1,365 @@
+"""The next recording: what is in doubt, the command that settles it, and that it does so on two different plants."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.criteria import DECIDED, MOSTLY
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.experiment.bench_limits import Limits, driven_limits, reached, widened
+from ema_twin_sim.discovery.experiment.command_grid import command_grid, round_number
+from ema_twin_sim.discovery.experiment.doubts import doubts
+from ema_twin_sim.discovery.experiment.suggestion import suggest
+from ema_twin_sim.discovery.plan import plan
+from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.simulation.command import in_words, parse_command, write_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.accuracy.commands import Drive
+from tests.accuracy.machine import drawn_machine
+from tests.accuracy.other_bench import Cause, OtherBench
+
+RATIO = 124.0
+LIMITS = Limits(speed=0.1, acceleration=2.0, lower=-0.1, upper=0.5, current=1.0)
+
+# (effect, parameters, options, what was recorded, rivals that this leaves in doubt)
+ONE_RAMP = [("ramp:0.05", 12.0)]
+AMBIGUOUS = {
+    "ripple or cogging at one speed": (
+        "torque_ripple",
+        {"fraction": 0.03, "phase": 1.0},
+        {},
+        ONE_RAMP,
+        {"torque_ripple", "cogging"},
+    ),
+    "spring or gravity over a short way": (
+        "spring_load",
+        {"stiffness": 0.15},
+        {},
+        [("sine:0.05:0.25", 20.0), ("triangle:0.02:2", 20.0)],
+        {"spring_load", "gravity_load"},
+    ),
+    "run-out of either kind in one direction": (
+        "sun_runout",
+        {"torque": 0.02, "phase": 1.0},
+        {"kind": "conservative"},
+        ONE_RAMP,
+        {"sun_runout(kind=conservative)", "sun_runout(kind=dissipative)"},
+    ),
+    "load or friction in one direction": (
+        "constant_load",
+        {"torque": 0.04},
+        {},
+        [("ramp:0.03", 20.0), ("ramp:0.1", 15.0)],
+        {"constant_load", "coulomb_friction"},
+    ),
+    "warming or gravity in a short ramp": (
+        "thermal_friction",
+        {"fraction": 0.1, "time_constant": 12.0},
+        {},
+        [("ramp:0.1", 8.0)],
+        {"thermal_friction", "gravity_load"},
+    ),
+}
+
+
+class VirtualBench:
+    """The twin's own plant with an effect hidden in it."""
+
+    def __init__(self, stock, effect, parameters, options):
+        self.model = stock.with_effect(effect, parameters, options)
+        self.made = 0
+
+    def record(self, command, seconds):
+        self.made += 1
+        return virtual_bench(self.model, parse_command(command), seconds, seed=self.made)
+
+
+class AnotherBench:
+    """The plant of the accuracy tests, which shares no code with the twin's and whose constants are a little off."""
+
+    def __init__(self, _, effect, parameters, options):
+        machine = drawn_machine(np.random.default_rng(3))
+        self.bench = OtherBench(machine, [Cause(effect, parameters, options)], seed=3)
+
+    def record(self, command, seconds):
+        kind, *numbers = command.split(":")
+        return self.bench.record(Drive(kind, *map(float, numbers)), seconds)
+
+
+CLOSED = [
+    (VirtualBench, "ripple or cogging at one speed"),
+    (VirtualBench, "spring or gravity over a short way"),
+    (VirtualBench, "run-out of either kind in one direction"),
+    (AnotherBench, "ripple or cogging at one speed"),
+    (AnotherBench, "load or friction in one direction"),
+    (AnotherBench, "warming or gravity in a short ramp"),
+]
+
+
+@pytest.fixture(scope="module")
+def ramp(stock):
+    return virtual_bench(stock, parse_command("ramp:0.05"), 8.0, seed=1)
+
+
+@pytest.fixture(scope="module")
+def rippled(stock):
+    """One ramp of a motor with torque ripple, which could be cogging."""
+    _, parameters, _, runs, _ = AMBIGUOUS["ripple or cogging at one speed"]
+    bench = VirtualBench(stock, "torque_ripple", parameters, {})
+    return [bench.record(*run) for run in runs]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "case"), CLOSED)
+def test_the_planned_recording_decides(stock, kind, case):
+    effect, parameters, options, runs, rivals = AMBIGUOUS[case]
+    bench = kind(stock, effect, parameters, options)
+    recordings = [bench.record(*run) for run in runs]
+    before = plan(recordings, stock)
+    assert any(rivals <= set(doubt.rivals) for doubt in before.in_doubt)
+    assert before.proposal.separation and min(before.proposal.separation.values()) >= DECIDED
+    assert not before.inseparable
+
+    recordings.append(bench.record(before.proposal.command, before.proposal.seconds))
+    after = discover(recordings, stock)
+    assert after.added == (effect,)
+    assert doubts(after.equation, after.search, after.rivalries) == ()
+    found = after.parameters[effect]
+    assert found["options"].items() >= options.items()
+    size = next(iter(parameters))
+    assert found[size]["value"] == pytest.approx(parameters[size], rel=0.15)
+
+
+@pytest.mark.slow
+def test_recordings_of_one_direction_ask_for_a_reversal(stock, ramp):
+    asked = plan([ramp], stock)
+    assert asked.verdict == "none"
+    assert asked.in_doubt[0].rivals == ("none", "constant_load")
+    assert "reverses" in asked.proposal.why and asked.next_recording.startswith(asked.proposal.command)
+    speed = virtual_bench(stock, parse_command(asked.proposal.command), asked.proposal.seconds).signals["speed"]
+    assert speed.max() > 0.5 and speed.min() < -0.5
+
+
+def test_nothing_in_doubt_asks_for_nothing(stock):
+    commands = (("ramp:0.1", 15.0), ("triangle:0.04:2", 8.0), ("sine:0.02:1", 8.0))
+    recordings = [virtual_bench(stock, parse_command(c), s, seed=k) for k, (c, s) in enumerate(commands)]
+    planned = plan(recordings, stock)
+    assert planned.in_doubt == () and planned.proposal is None and planned.next_recording == ""
+    found = discover(recordings, stock)
+    assert suggest(found.equation, found.search, found.rivalries, recordings) == ""
+
+
+def test_a_suggestion_begins_with_the_command(stock, rippled):
+    found = discover(rippled, stock)
+    text = suggest(found.equation, found.search, found.rivalries, rippled)
+    command, _, why = text.partition(" for ")
+    assert parse_command(command)
+    assert "torque_ripple and cogging" in why
+
+
+@pytest.mark.slow
+def test_the_proposal_keeps_within_what_was_driven(stock, rippled):
+    driven = driven_limits([observe(recording, stock) for recording in rippled], RATIO)
+    proposal = plan(rippled, stock, limits=driven).proposal
+    assert proposal.beyond == () and min(proposal.separation.values()) >= DECIDED
+    done = _reached(stock, proposal)
+    assert driven.effort(done) <= 1.0
+    assert done.lower > driven.lower - 0.02 and done.upper < 1.03 * driven.upper
+
+
+def test_without_limits_nothing_beyond_is_asked_for_where_less_shows_as_much(stock):
+    bench = VirtualBench(stock, "torque_ripple", {"fraction": 0.03, "phase": 1.0}, {})
+    recording = bench.record("triangle:0.1:10", 20.0)
+    proposal = plan([recording], stock).proposal
+    assert proposal.beyond == () and min(then for _, then in proposal.shows.values()) >= DECIDED
+    assert driven_limits([observe(recording, stock)], RATIO).effort(_reached(stock, proposal)) <= 1.0
+
+
+@pytest.mark.slow
+def test_a_slow_recording_asks_for_what_it_would_not_show(stock):
+    """Nothing of it is in doubt: an encoder that is off its centre does not show while the output hardly turns."""
+    bench = AnotherBench(stock, "encoder_eccentricity", {"amplitude": 4e-4, "phase": 0.65}, {})
+    slow = bench.record("triangle:0.015:2", 20.0)
+    assert discover([slow], stock).added == ()
+    asked = plan([slow], stock)
+    assert "would not show" in asked.in_doubt[0].reason and "encoder_eccentricity" in asked.in_doubt[0].rivals
+    so_far, then = asked.proposal.shows["encoder_eccentricity"]
+    assert so_far < 1.0 and then >= DECIDED
+    assert discover([slow, bench.record(asked.proposal.command, asked.proposal.seconds)], stock).added == (
+        "encoder_eccentricity",
+    )
+
+
+@pytest.mark.slow
+def test_what_goes_beyond_is_told_and_a_limit_forbids_it(stock):
+    effect, parameters, options, runs, _ = AMBIGUOUS["spring or gravity over a short way"]
+    bench = VirtualBench(stock, effect, parameters, options)
+    recordings = [bench.record(command, 10.0) for command, _ in runs]
+    free = plan(recordings, stock)
+    assert any(text.startswith("travel") for text in free.proposal.beyond)
+    driven = driven_limits([observe(recording, stock) for recording in recordings], RATIO)
+    held = plan(recordings, stock, limits=driven)
+    assert held.inseparable == (("spring_load", "gravity_load"),)
+    further = plan(recordings, stock, limits=replace(driven, lower=-1.6, upper=1.6))
+    assert further.proposal.beyond == ()
+    done = _reached(stock, further.proposal)
+    assert done.lower > -1.65 and done.upper < 1.65 and done.speed < 1.1 * driven.speed
+
+
+def _reached(model, proposal):
+    bench = virtual_bench(model, parse_command(proposal.command), proposal.seconds, seed=None)
+    return reached(observe(bench, model), RATIO)
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        LIMITS,
+        replace(LIMITS, lower=0.0, upper=2.0),
+        replace(LIMITS, lower=-0.4, upper=0.0),
+        replace(LIMITS, lower=-0.003, upper=0.003, speed=0.4),
+    ],
+)
+@pytest.mark.parametrize("few", [False, True])
+def test_every_command_of_the_grid_keeps_within_limits(limits, few):
+    time = np.linspace(0.0, 20.0, 20_001)
+    trials = command_grid(limits, 0.005, 16.67, few=few)
+    assert len({trial.command for trial in trials}) == len(trials) > 1
+    for trial in trials:
+        command = parse_command(trial.command)
+        within = time <= trial.seconds
+        values = command(time)[within]
+        position = np.cumsum(values) * 1e-3 if command.speed else values
+        assert position.min() > 1.01 * limits.lower - 1e-3 and position.max() < 1.01 * limits.upper + 1e-3
+        if trial.kind != "step":
+            speed = values if command.speed else np.gradient(values, time[within])
+            assert np.abs(speed).max() < 1.01 * limits.speed
+
+
+def test_round_numbers_do_not_round_up():
+    values = 10.0 ** np.random.default_rng(0).uniform(-6, 3, 200)
+    assert all(0.7 * value < round_number(value) <= value * (1.0 + 1e-9) for value in values)
+    assert round_number(0.0) == round_number(-1.0) == 0.0
+
+
+def test_limits_know_what_exceeds_them():
+    inside = replace(LIMITS, speed=0.05, lower=0.0, upper=0.3, current=0.5)
+    assert LIMITS.effort(inside) == pytest.approx(1.0 / 1.15)  # the acceleration
+    assert LIMITS.exceeded(inside) == ()
+    for name, value in (("speed", 0.12), ("acceleration", 3.0), ("current", 2.0)):
+        beyond = replace(inside, **{name: value})
+        assert LIMITS.effort(beyond) > 1.0
+        assert [text.split()[0] for text in LIMITS.exceeded(beyond)] == [name]
+    assert LIMITS.effort(replace(inside, upper=0.6)) > 1.0
+    assert "travel" in LIMITS.exceeded(replace(inside, lower=-0.2))[0]
+
+
+def test_wider_limits_stop_before_the_stops_and_the_drive(stock):
+    free = widened(LIMITS, stock, 0.0)
+    assert free.speed == 2.0 * LIMITS.speed and free.upper == pytest.approx(20.0 * free.speed) == -free.lower
+    assert free.current == 2.0 * LIMITS.current
+    fast = widened(LIMITS, stock, 0.0, 10.0)
+    assert fast.speed == 10.0 * LIMITS.speed and fast.current == free.current
+    assert (fast.lower, fast.upper) == (free.lower, free.upper)  # stops may be where nothing has been
+    slow = widened(replace(LIMITS, speed=0.01), stock, 0.0, 10.0)
+    assert slow.upper == pytest.approx(LIMITS.upper - LIMITS.lower) == -slow.lower
+    stopped = stock.with_value("transmission.end_stop_upper", 1.0).with_value("transmission.end_stop_lower", -0.05)
+    held = widened(LIMITS, stopped, 0.2)
+    assert held.upper == pytest.approx(0.9 * 0.8)
+    assert held.lower == pytest.approx(-0.9 * 0.25)
+    driven = replace(LIMITS, lower=-0.24)
+    assert widened(driven, stopped, 0.2).lower == driven.lower
+    weak = stock.with_value("drive.speed_limit", 0.15 * RATIO).with_value("drive.current_limit", 0.8)
+    assert widened(LIMITS, weak, 0.0).speed == pytest.approx(MOSTLY * 0.15)
+    assert widened(LIMITS, weak, 0.0).current == pytest.approx(MOSTLY * 0.8)
+
+
+@pytest.mark.parametrize("text", ["ramp:-0.05", "triangle:0.025:2.5", "sine:0.02:0.2", "speed-sine:0.1:0.1"])
+def test_a_command_file_reads_back(tmp_path, text):
+    path = tmp_path / "next.yaml"
+    path.write_bytes(write_command(text, 12.0, "two effects: one 'may' be true # indeed"))
+    command = parse_command(str(path))
+    assert (command.text, command.seconds) == (text, 12.0)
+    time = np.linspace(0.0, 12.0, 100)
+    assert np.array_equal(command(time), parse_command(text)(time))
+    assert path.read_text("utf-8").startswith(f"# {in_words(text)}\n")
+
+
+def test_commands_in_words():
+    assert in_words("triangle:0.04:2") == "position of the output: a triangle of ±0.04 rad/s that turns every 2 s"
+    assert in_words("speed-ramp:0.01") == "speed of the output: a ramp of 0.01 rad/s²"
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("", "command"),
+        ("version: 2\ncommand: ramp:0.05\n", "version"),
+        ("version: 1\n", "command"),
+        ("version: 1\ncommand: other.yaml\n", "other.yaml"),
+        ("version: 1\ncommand: ramp\n", "ramp"),
+        ("version: 1\ncommand: 5\n", "command"),
+        ("version: 1\ncommand: ramp:0.05\nseconds: long\n", "seconds"),
+        ("version: 1\ncommand: ramp:0.05\nseconds: -1\n", "seconds"),
+        ("version: 1\ncommand: ramp:0.05\nspeed: 1\n", "speed"),
+        ("version: [\n", "line"),
+    ],
+)
+def test_a_bad_command_file_is_named_with_its_place(tmp_path, text, named):
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"bad\.yaml") as refused:
+        parse_command(str(path))
+    assert named in str(refused.value) and "\n" not in str(refused.value)
+
+
+def _ema_twin(*arguments, cwd):
+    command = Path(sys.prefix) / "bin" / "ema-twin"
+    return subprocess.run([command, *map(str, arguments)], capture_output=True, text=True, cwd=cwd, check=False)
+
+
+@pytest.mark.slow
+def test_the_command_line_plans_writes_and_simulates(tmp_path, ramp):
+    write_mcap(ramp, tmp_path / "ramp.mcap")
+    planned = _ema_twin(
+        "plan", "ramp.mcap", "--model", "polito_bench", "-o", "next.yaml", "--json", "plan.json", cwd=tmp_path
+    )
+    assert planned.returncode == 0, planned.stderr
+    content = json.loads((tmp_path / "plan.json").read_text())
+    proposal = content["proposal"]
+    for word in ("In doubt", "No recording reverses", f"Record next: {proposal['command']}", "rad/s", "next.yaml"):
+        assert word in planned.stdout
+    assert content["in_doubt"][0]["rivals"] == ["none", "constant_load"]
+    assert content["limits"]["speed"]["value"] == pytest.approx(0.05, rel=0.05)
+    made = _ema_twin("simulate", "--model", "polito_bench", "--command", "next.yaml", "-o", "next.CSV", cwd=tmp_path)
+    assert made.returncode == 0, made.stderr
+    assert f"{proposal['seconds']:.2f} s" in made.stdout
+    again = _ema_twin("plan", "ramp.mcap", "next.CSV", "--model", "polito_bench", "-o", "more.yaml", cwd=tmp_path)
+    assert again.returncode == 0, again.stderr
+    assert "These recordings would not show" in again.stdout and "Stribeck" not in again.stdout
+    assert (tmp_path / "more.yaml").exists()
+    refusals = {
+        ("-o", "next.yaml"): "--force",
+        ("-o", "next.txt"): ".yaml",
+        ("--max-speed", "nan"): "--max-speed",
+        ("--without", "backlashh"): "backlash",
+    }
+    for options, word in refusals.items():
+        refused = _ema_twin("plan", "ramp.mcap", "--model", "polito_bench", *options, cwd=tmp_path)
+        lines = refused.stderr.splitlines()
+        assert refused.returncode == 2 and len(lines) == 1 and lines[0].startswith("error: ") and word in lines[0]
+
+
+def test_recordings_that_cannot_be_judged_are_refused(stock, ramp):
+    with pytest.raises(InputError, match="current"):
+        plan([replace(ramp, signals={"motor_position": ramp.signals["motor_position"]})], stock)
+    still = virtual_bench(stock, parse_command("ramp:0"), 4.0)
+    with pytest.raises(InputError, match="motion"):
+        plan([still], stock)

@@ -1,0 +1,135 @@
+"""Play and eccentric encoders of machines of which nothing is known beforehand: any ratio, gap and sample rate."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.load import load
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.hypothesis import INERTIAS, null_hypothesis
+from ema_twin_sim.identification.local_minima import output_weights, starting
+from ema_twin_sim.measured.observation import observe, observe_all
+from ema_twin_sim.measured.scales import to_own_units
+from ema_twin_sim.model import load_model
+from ema_twin_sim.new_machine.shaft import positions_part, ratio_of_positions, whole_ratio
+from ema_twin_sim.new_machine.speed_lag import speed_lag
+from tests.accuracy.strangers.cases import stranger_cases
+from tests.accuracy.strangers.servo import Servo
+
+PLAY, OFF_CENTRE = (
+    next(case for case in stranger_cases(7, 9, plain=True) if case.hidden == (effect,))
+    for effect in ("backlash", "encoder_eccentricity")
+)
+"""Servos of 8.3e-6 and 2.5e-5 kg m²."""
+
+
+def changed(case, rate, **constants: object):
+    """A stranger's case at another sample rate [Hz], of a servo with other constants."""
+    return replace(case, period=1.0 / rate, servo=replace(case.servo, **constants), knows=())
+
+
+def drafted(case, folder):
+    """A case's recordings, and its model as ``init`` drafts it."""
+    files = case.write(folder)
+    init(str(folder / "servo"), [files[0]])
+    return [load(file, import_map=folder / "servo_map.yaml") for file in files], load_model(folder / "servo.yaml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("ratio", "gap", "rate"),  # rad of the motor, Hz
+    [(1.0, 0.3, 500.0), (5.0, 0.8, 1000.0), (25.9375, 0.03, 250.0), (200.0, 0.2, 500.0)],
+)
+def test_play_is_named_whatever_its_width(ratio, gap, rate, tmp_path):
+    width = gap / ratio
+    recordings, model = drafted(changed(PLAY, rate, ratio=ratio, hidden={"backlash": {"width": width}}), tmp_path)
+    assert model.value("machine.gear_ratio") == pytest.approx(ratio, rel=1e-5)
+    found = discover(recordings, model)
+    assert (found.verdict, found.added) == ("explained", ("backlash",))
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.02)
+
+
+@pytest.mark.parametrize(("ratio", "rate"), [(1.0, 1000.0), (50.0, 250.0)])
+def test_an_encoder_off_its_centre_is_named_beside_any_ratio(ratio, rate, tmp_path):
+    recordings, model = drafted(changed(OFF_CENTRE, rate, ratio=ratio), tmp_path)
+    assert model.value("machine.gear_ratio") == ratio
+    found = discover(recordings, model)
+    assert (found.verdict, found.added) == ("explained", ("encoder_eccentricity",))
+
+
+def test_a_ratio_of_one_has_two_sides_where_its_encoders_part(tmp_path):
+    """Motor and output of a direct drive turn alike; only play between them tells that they are two."""
+    for number, (hidden, sided) in enumerate((({"backlash": {"width": 0.05}}, True), ({}, False))):
+        _, model = drafted(changed(PLAY, 500.0, ratio=1.0, hidden=hidden), tmp_path / str(number))
+        assert (model.value("machine.output_inertia") > 0.0) == sided
+
+
+@pytest.mark.parametrize("ratio", [1.0, 5.0, 25.9375, 160.0])
+@pytest.mark.parametrize("amplitude", [0.0, 5e-3])
+def test_a_ratio_is_found_beside_play_and_an_angle_error(ratio, amplitude):
+    time = np.arange(4000) * 1e-3
+    motor = ratio * 2.5 * np.sin(1.7 * time) * np.minimum(time, 1.0)
+    held, output = 0.0, []
+    for driven in motor:
+        held = min(max(held, driven - 0.1), driven + 0.1)
+        output.append(held / ratio)
+    seen = np.array(output) + amplitude * np.sin(np.array(output) + 1.0)
+    recording = Recording("a", np.rint(time * 1e9).astype(np.int64), {"motor_position": motor, "output_position": seen})
+    found = ratio_of_positions(recording)
+    assert found == pytest.approx(ratio, rel=2e-5)
+    assert whole_ratio(found, recording) == (ratio if ratio != 25.9375 else None)
+    assert positions_part(recording, ratio)
+
+
+@pytest.mark.parametrize("lag", [0.0, 3e-4, 2e-3])
+def test_the_lag_of_a_speed_is_found_below_a_sample(lag):
+    time = np.arange(5000) * 1e-3
+    noise = np.random.default_rng(2)
+    smoothed = [40.0 / math.hypot(1.0, 5.0 * lag) * np.cos(5.0 * time - math.atan(5.0 * lag)), 3.0]
+    position = 8.0 * np.sin(5.0 * time) + 3.0 * time + noise.normal(0.0, 1e-5, 5000)
+    signals = {"motor_position": position, "speed": sum(smoothed) + noise.normal(0.0, 0.02, 5000)}
+    recording = Recording("a", np.rint(time * 1e9).astype(np.int64), signals)
+    if lag == 0.0:
+        assert speed_lag(recording) is None
+    else:
+        assert speed_lag(recording) == pytest.approx(lag, rel=0.1)
+    wrong = replace(recording, signals={**signals, "speed": 9.55 * signals["speed"]})
+    assert speed_lag(wrong) is None
+
+
+def test_a_motor_counter_that_steps_has_lost_no_counts(tmp_path):
+    """At a high rate most samples of a coarse counter repeat the one before, and a count stands out."""
+    case = changed(PLAY, 8000.0, ratio=2.0, hidden={"backlash": {"width": 0.15}})
+    case = replace(case, servo=_slow(case.servo))
+    recordings, model = drafted(case, tmp_path)
+    count = 2.0 * math.pi / 2**12
+    coarse = [
+        replace(r, signals={**r.signals, "motor_position": np.rint(r.signals["motor_position"] / count) * count})
+        for r in recordings
+    ]
+    own, told = to_own_units(coarse, model.with_value("sensors.motor_encoder_counts", 2.0**12))
+    for recording in own:
+        assert not observe(recording, told).encoder_piece.any()
+
+
+def _slow(servo: Servo) -> Servo:
+    return replace(servo, top_speed=0.1 * servo.top_speed)
+
+
+def test_encoders_do_not_tell_how_heavy_all_is_behind_play(tmp_path):
+    """Inertia, friction and contact behind it are told by how they compare: the torque must tell their size."""
+    recordings, model = drafted(changed(PLAY, 500.0, ratio=10.0, hidden={"backlash": {"width": 0.03}}), tmp_path)
+    recordings, model = to_own_units(recordings, model)
+    problem = EquationErrorProblem(observe_all(recordings, model))
+    h = null_hypothesis(model).with_effect("backlash", {}, {"width": 0.03})
+    light, *_, heavy = (starting(h, factors) for factors in output_weights(h))
+    assert sum(heavy.model().value(path) for path in INERTIAS) == pytest.approx(
+        sum(light.model().value(path) for path in INERTIAS)
+    )
+    torque, apart = np.split(np.abs(problem.predict(heavy).rows - problem.predict(light).rows), [problem.size])
+    assert np.max(apart) < 1e-6 < 1.0 < np.max(torque)

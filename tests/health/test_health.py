@@ -1,0 +1,210 @@
+"""The health of a unit, told from its healthy runs alone: made-up units of known damage, and a real ball screw."""
+
+import itertools
+import os
+import re
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.traces.import_map import load_map
+from ema_bench_replay.traces.many_runs import read_runs
+from ema_twin_sim.health import Family, MotionRecord, judge, learn, named_together
+from ema_twin_sim.health.between_tests import predict
+from ema_twin_sim.health.wave import found_wavelength
+
+LEAD = 0.01  # m
+PERIOD = 0.02  # s
+
+
+def run(rng, test, *, friction=1.0, wave=0.02, stick=0.0, hunting=1.0, load=0.0, lag=1.0, offset=0.0, magnitude=False):
+    """Out, rest, back of a made-up axis, with the amperes and metres of nobody's machine."""
+    time = np.arange(0.0, 9.0, PERIOD)
+    command = np.interp(time, [0.0, 3.0, 6.0, 9.0], [0.0, 0.15, 0.15, 0.0])
+    direction = np.sign(np.gradient(command))
+    since = time % 3.0
+    error = direction * 2e-3 * lag * np.exp(-since / 0.15)
+    slow = np.convolve(rng.normal(size=len(time) + 24), np.full(25, 0.2), "valid")
+    resting = np.where(direction == 0.0, hunting, np.sqrt(hunting))
+    error = error + 5e-5 * resting * rng.normal(size=len(time)) + 5e-5 * stick * slow
+    angle = 2.0 * np.pi * command / LEAD
+    effort = direction * (3.0 * friction + offset) * (1.0 + wave * np.cos(angle)) + load
+    effort = effort + 0.06 * resting * rng.normal(size=len(time)) + 0.06 * stick * slow
+    effort = np.abs(effort) if magnitude else effort
+    return MotionRecord(f"run of {test}", test, time, command - error, effort, command=command)
+
+
+def runs(rng, tests, repeats=5, between=0.02, **damage):
+    """Runs of several tests, whose friction differs by a share."""
+    found = []
+    for test in range(tests):
+        off = 3.0 * between * rng.normal()
+        found += [run(rng, f"test {test}", offset=off, **damage) for _ in range(repeats)]
+    return found
+
+
+@pytest.fixture(scope="module")
+def baseline():
+    return learn(runs(np.random.default_rng(1), 8))
+
+
+@pytest.mark.parametrize(
+    ("damage", "family"),
+    [
+        ({"friction": 1.3, "stick": 1.0}, Family.FRICTION_UP),
+        ({"friction": 1.3, "hunting": 0.4}, Family.PRELOAD_UP),
+        ({"friction": 0.7}, Family.FRICTION_DOWN),
+        ({"hunting": 3.0}, Family.PLAY),
+        ({"wave": 0.1}, Family.LOCAL_DAMAGE),
+        ({"load": 1.5}, Family.LOAD),
+    ],
+)
+def test_damage_is_named_by_what_it_does(baseline, damage, family):
+    judged = [judge(one, baseline) for one in runs(np.random.default_rng(2), 4, **damage)]
+    assert all(one.detected for one in judged)
+    assert [one.family for one in judged].count(family) >= 0.9 * len(judged)
+    assert named_together(judged)[0].family is family
+
+
+def test_what_is_judged_is_told_in_words_and_units(baseline):
+    told = judge(run(np.random.default_rng(3), "another", friction=1.3, stick=1.0), baseline)
+    assert told.features["friction"].unit == "A" and told.features["lag"].unit == "m"
+    assert told.distance > 1.0 and told.false_alarm == 0.01
+    assert re.search(r"effort in steady motion is (29|30|31)% above the healthy", " ".join(told.words))
+    assert told.words[-1].endswith("Look at lubricant, seals and bearings.")
+    well = judge(run(np.random.default_rng(4), "another"), baseline)
+    assert not well.detected and well.family is None and well.distance < 1.0
+    assert well.words == ("Healthy: as the 40 recordings of 8 tests it is compared with.",)
+
+
+@pytest.mark.slow
+def test_false_alarms_stay_at_their_rate_where_tests_differ_more_than_runs():
+    """A baseline that took runs for independent would call off most runs of another test."""
+    alarms = []
+    for seed in range(12):
+        rng = np.random.default_rng(100 + seed)
+        learnt = learn(runs(rng, 7, between=0.05), wavelength=LEAD)
+        others = [run(rng, f"other {i}", offset=0.15 * rng.normal()) for i in range(40)]
+        alarms += [judge(one, learnt).detected for one in others]
+    assert np.mean(alarms) <= 0.025
+
+
+def test_degrees_of_freedom_are_those_of_the_tests_where_tests_differ():
+    rng = np.random.default_rng(5)
+    tests = [f"{i}" for i in range(6) for _ in range(50)]
+    shared = np.repeat(rng.normal(size=(6, 2)), 50, axis=0)
+    assert predict(shared + 1e-3 * rng.normal(size=(300, 2)), tests).degrees_of_freedom == pytest.approx(5.0, rel=0.01)
+    assert predict(rng.normal(size=(300, 2)), tests).degrees_of_freedom > 100.0
+
+
+def test_limits_of_few_tests_hold():
+    """Hotelling's limit from six tests: one in a hundred of further tests lies beyond it."""
+    rng = np.random.default_rng(6)
+    beyond = []
+    for _ in range(400):
+        learnt = predict(rng.normal(size=(6, 2)), [f"{i}" for i in range(6)])
+        beyond += [learnt.tail(values) < np.log(0.01) for values in rng.normal(size=(25, 2))]
+    assert np.mean(beyond) == pytest.approx(0.01, abs=0.004)
+
+
+def test_the_lead_of_the_screw_is_found():
+    rng = np.random.default_rng(7)
+    position = np.linspace(0.0, 0.15, 400)
+    strokes = [(np.cos(2.0 * np.pi * (position / LEAD + rng.uniform())) + rng.normal(size=400), position)] * 3
+    assert found_wavelength(strokes) == pytest.approx(LEAD, rel=0.03)
+
+
+def test_a_magnitude_is_told_and_names_no_load():
+    rng = np.random.default_rng(8)
+    learnt = learn(runs(rng, 8, magnitude=True))
+    assert learnt.unsigned and all("load" not in block.features for block in learnt.blocks)
+    told = judge(run(rng, "another", load=1.2, magnitude=True), learnt)
+    assert told.acquisition.unsigned and "taken for a magnitude" in told.words[0]
+    assert told.detected and told.family is Family.UNKNOWN and "Record a current with a sign" in told.words[-1]
+    assert judge(run(rng, "another", friction=1.3, stick=1.0, magnitude=True), learnt).family is Family.FRICTION_UP
+
+
+def changed(record, **parts):
+    values = {name: getattr(record, name) for name in ("time", "position", "effort", "command")}
+    return MotionRecord(record.name, record.test, **(values | parts))
+
+
+def test_acquisition_is_judged_first(baseline):
+    rng = np.random.default_rng(9)
+    worn = run(rng, "another", friction=1.5)
+    clipped = judge(changed(worn, effort=np.clip(worn.effort, -4.0, 4.0)), baseline)
+    assert "clipped" in clipped.words[0] and clipped.family in (None, Family.UNKNOWN)
+    stopped = worn.time.copy()
+    stopped[200:220] = stopped[200]
+    shaken = worn.time + np.where(np.arange(len(worn.time)) % 3 == 0, 0.4 * PERIOD, 0.0)
+    for time in (stopped, shaken):
+        told = judge(changed(worn, time=time), baseline)
+        assert told.detected is None and told.family is None and "clock" in told.words[0]
+    blank = worn.effort.copy()
+    blank[10] = np.nan
+    assert judge(changed(worn, effort=blank), baseline).detected is None
+    fast = judge(changed(worn, time=0.5 * worn.time), baseline)
+    assert fast.detected is None and "sample period is 0.01 s" in fast.words[0]
+
+
+def test_two_encoders_show_play():
+    rng = np.random.default_rng(10)
+
+    def both(test, play):
+        record = run(rng, test)
+        ahead = 0.5 * play * np.sign(np.gradient(record.command)) + 2e-6 * rng.normal(size=len(record.time))
+        return changed(record, motor_position=(record.position + ahead) * 2.0 * np.pi / LEAD)
+
+    learnt = learn([both(f"{i // 4}", 2e-5 * (1.0 + 0.1 * rng.normal())) for i in range(32)])
+    told = judge(both("another", 2e-4), learnt)
+    assert told.detected and told.family is Family.PLAY
+    assert told.features["lost_motion"].value == pytest.approx(1e-4, rel=0.1)
+
+
+def test_a_baseline_of_too_few_tests_is_refused():
+    with pytest.raises(InputError, match="of 2 tests do not tell how tests differ"):
+        learn(runs(np.random.default_rng(11), 2))
+
+
+def ball_screw(folder, condition):
+    """The recordings of a condition at Cranfield's ball screw."""
+    read = read_runs(folder / f"{condition}.csv", load_map("cranfield_ball_screw"))
+    return [MotionRecord.from_recording(one, one.metadata["test"]) for one in read]
+
+
+@pytest.mark.slow
+def test_faults_of_a_real_ball_screw_are_detected_and_named(real):
+    """Learnt from seven of the ten healthy tests, judged on the other three and on all faults."""
+    folder = real / "cranfield_20kg"
+    faults = {
+        "lack_of_lubrication_1": {Family.FRICTION_UP},
+        "lack_of_lubrication_2": {Family.FRICTION_UP},
+        "backlash_1": {Family.PLAY, Family.FRICTION_DOWN, Family.PRELOAD_UP},
+        "backlash_2": {Family.PLAY, Family.FRICTION_DOWN, Family.PRELOAD_UP},
+        "spalling_6": {Family.LOCAL_DAMAGE},
+        "spalling_7": {Family.LOCAL_DAMAGE},
+        "spalling_8": {Family.LOCAL_DAMAGE},
+    }
+    healthy = ball_screw(folder, "normal")
+    worn = {condition: ball_screw(folder, condition) for condition in faults}
+    splits = list(itertools.combinations(range(1, 11), 7))[:: int(os.environ.get("EMA_HEALTH_SPLITS", "24"))]
+    alarms, seen, named, together = [], {c: [] for c in faults}, {c: [] for c in faults}, {c: [] for c in faults}
+    for split in splits:
+        learnt = learn([one for one in healthy if int(one.test) in split], wavelength=5e-3)
+        alarms += [judge(one, learnt).detected for one in healthy if int(one.test) not in split]
+        for condition, families in faults.items():
+            judged = [judge(one, learnt) for one in worn[condition]]
+            seen[condition] += [one.detected for one in judged]
+            named[condition] += [one.family in families for one in judged if one.detected]
+            together[condition].append(named_together(judged)[0].family in families)
+    seen, named = ({c: float(np.mean(v)) for c, v in found.items()} for found in (seen, named))
+    print(
+        f"{len(splits)} splits, false alarms {np.mean(alarms):.2%}", *((c, seen[c], named[c]) for c in faults), sep="\n"
+    )
+    assert np.mean(alarms) <= 0.02 + 1.0 / len(alarms)
+    assert seen["lack_of_lubrication_1"] >= 0.95 and seen["lack_of_lubrication_2"] == 1.0
+    assert seen["backlash_1"] >= 0.93 and seen["backlash_2"] == 1.0
+    assert min(seen[f"spalling_{stage}"] for stage in (6, 7, 8)) >= 0.9
+    assert min(named[c] for c in ("lack_of_lubrication_1", "lack_of_lubrication_2", "backlash_1", "backlash_2")) >= 0.88
+    assert all(np.mean(found) == 1.0 for found in together.values())

@@ -1,0 +1,56 @@
+"""The gains of a speed controller, found where a recording shows its setpoint."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.new_machine.drive_gains import drive_gains
+from tests.accuracy.strangers.servo import Servo, run
+
+SIZES = (1e-6, 1e-4, 1e-2)
+
+
+def _recorded(servo, setpoint, period, noise=1e-4):
+    true, random = run(servo, setpoint, period, 0.0), np.random.default_rng(2)
+    return Recording(
+        "run",
+        np.arange(len(setpoint), dtype=np.int64) * round(period * 1e9),
+        {
+            "current": true.current + random.normal(0.0, noise * servo.top_current, len(setpoint)),
+            "speed": true.speed + random.normal(0.0, noise * servo.top_speed, len(setpoint)),
+            "speed_setpoint": setpoint,
+        },
+    )
+
+
+def _servo(inertia):
+    return Servo(
+        inertia=inertia,
+        viscous=0.01 * inertia,
+        dry=100.0 * inertia,
+        torque_constant=1e3 * inertia,
+        top_speed=300.0,
+        top_current=5.0,
+        ratio=10.0,
+        share_behind=0.3,
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("inertia", SIZES)
+def test_the_gains_of_a_pi_controller_are_found_on_machines_of_all_sizes(inertia):
+    servo, time = _servo(inertia), np.arange(8000) * 5e-4
+    setpoint = 60.0 * np.sin(6.0 * time) + 30.0 * np.sin(40.0 * time)
+    found = drive_gains(_recorded(servo, setpoint, 5e-4), servo.torque_constant)
+    assert found.speed_gain == pytest.approx(servo.bandwidth * inertia, rel=0.1)
+    assert found.integral_time == pytest.approx(servo.integral_time, rel=0.25)
+
+
+def test_a_torque_that_is_no_controllers_tells_no_gains():
+    servo, time = _servo(1e-4), np.arange(4000) * 5e-4
+    recording = _recorded(servo, 60.0 * np.sin(6.0 * time), 5e-4)
+    torque = np.random.default_rng(3).normal(0.0, 1.0, len(time))
+    signals = {**recording.signals, "current": torque}
+    assert drive_gains(Recording("run", recording.stamps, signals), 1.0) is None
+    del signals["speed_setpoint"]
+    assert drive_gains(Recording("run", recording.stamps, signals), 1.0) is None

@@ -1,0 +1,86 @@
+"""A live run ends when its last sample was compared, however slow a node or quick the replay. No test here is timed."""
+
+import time
+
+import pytest
+
+from ema_bench_replay.load import load
+from ema_bench_replay.nodes.spin import steady_timer
+from ema_twin_sim.live.follower import Follower
+from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes import live
+from ema_twin_sim.nodes.monitor import MonitorNode
+
+
+@pytest.fixture
+def short(traces):
+    """0.4 s of a recording: the replay sends it in one burst."""
+    return load(traces[0]).between(0.0, 0.4)
+
+
+def ended(recording, **given):
+    return live.run_live(recording, load_model("polito_bench"), rate=0.0, **given)
+
+
+def assert_whole(result, recording):
+    assert result.complete
+    assert result.counts["compared"] == result.counts["expected"] == result.samples == len(recording)
+    assert result.counts["missing"] == 0
+
+
+def test_a_replay_that_ends_before_the_first_look_around(short, monkeypatch):
+    monkeypatch.setattr(live, "_TICK", 3600.0)
+    assert_whole(ended(short), short)
+
+
+@pytest.mark.slow
+def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
+    monkeypatch.setattr(live, "_PATIENCE", 0.2)
+    answer = Follower.answer
+
+    def slowly(self, *sample):
+        time.sleep(0.01)
+        return answer(self, *sample)
+
+    monkeypatch.setattr(Follower, "answer", slowly)
+    assert_whole(ended(short), short)
+
+
+@pytest.mark.slow
+def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
+    monkeypatch.setattr(live, "_PATIENCE", 0.5)
+    answer = Follower.answer
+
+    def stalled(self, run, sequence, *sample):
+        if sequence == len(short) - 1:
+            time.sleep(2.0)
+        return answer(self, run, sequence, *sample)
+
+    monkeypatch.setattr(Follower, "answer", stalled)
+    assert_whole(ended(short), short)
+
+
+def test_a_monitor_that_gets_its_answers_late(short, monkeypatch):
+    monkeypatch.setattr(live, "_PATIENCE", 1.0)
+    held = []
+    on_twin = MonitorNode._on_twin
+    monkeypatch.setattr(MonitorNode, "_on_twin", lambda self, message: held.append(message))
+
+    def release(monitor):
+        steady_timer(monitor, 0.02, lambda: on_twin(monitor, held.pop(0)) if held else None)
+
+    assert_whole(ended(short, on_start=release), short)
+
+
+def test_what_never_comes_ends_the_run_and_is_counted(short, monkeypatch):
+    monkeypatch.setattr(live, "_PATIENCE", 0.3)
+    on_twin, seen = MonitorNode._on_twin, []
+
+    def deaf(self, message):
+        seen.append(message)
+        if len(seen) <= len(short) - 3:
+            on_twin(self, message)
+
+    monkeypatch.setattr(MonitorNode, "_on_twin", deaf)
+    result = ended(short)
+    assert not result.complete and result.counts["missing"] == 3 and result.samples == len(short) - 3

@@ -1,0 +1,119 @@
+"""Text traces: every format that a drive and Windows may write, values exact."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_bench_replay.traces.number_format import ENGLISH, GERMAN
+from ema_bench_replay.traces.trace_table import read_table
+from tests.trace_text import HEADER, ROWS, SIEMENS, refused
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "utf-16-le"])
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+def test_encodings_of_windows(trace, encoding, newline):
+    text = newline.join(["# Prüfstand", HEADER.replace("r77", "r77 Größe"), *ROWS, ""])
+    recording = load(trace(text.encode(encoding)))
+    assert len(recording) == 4 and recording.signals["current_setpoint"][1] == 0.2
+
+
+def test_preamble_of_comments_and_quoted_text(trace):
+    text = "\n".join(['"Trace of 17.04., axis 1; ramp"', "", "# 2 ms", "sep=;", HEADER, *ROWS, ""])
+    assert len(load(trace(text.encode()))) == 4
+
+
+@pytest.mark.parametrize(
+    ("delimiter", "cells"),
+    [
+        (";", ["0.0", "1,445,660", "0.25"]),
+        (";", ["0.0", "1445660", "0.25"]),
+        ("\t", ["0.0", "1,445,660.0", "2.5e-1"]),
+        ("\t", ["0,0", "1.445.660,0", "0,25"]),
+        (",", ["0.0", "1445660", "0.25"]),
+        (",", ["0.0", '"1,445,660"', "0.25"]),
+        (",", ['"0,0"', '"1.445.660"', '"0,25"']),
+        ("; ", ["0,0", "1.445.660", "0,25"]),
+    ],
+)
+def test_number_formats_and_delimiters(trace, delimiter, cells):
+    second = [cells[0].replace("0", "2", 1), cells[1].replace("660", "661"), cells[2]]
+    lines = [delimiter.join(line) for line in (["X [ms]", "r4821", "r77"], cells, second)]
+    recording = load(trace("\n".join([*lines, ""]).encode()))
+    assert recording.warnings == ()
+    assert recording.output_angle_origin == pytest.approx(2 * math.pi * 1_445_660 / 4e6, rel=1e-12)
+    assert recording.signals["current_setpoint"].tolist() == [0.25, 0.25]
+
+
+def test_thousands_in_a_german_file_are_not_decimals(trace):
+    recording = load(trace(rows=["0,0;812.347;1.445;0,1;0,1;", "2,0;812.348;1.446;0,2;0,2;"]))
+    assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)
+    assert recording.motor_angle_origin == pytest.approx(2 * math.pi * 1445 / 40960)
+
+
+def test_time_tells_what_a_mark_means(trace):
+    header = "X [ms];r4821;"
+    thousands = load(trace(header=header, rows=[f"{t};812.347;" for t in ("998", "999", "1.000", "1.001")]))
+    assert thousands.stamps.tolist() == [0, 1_000_000, 2_000_000, 3_000_000] and thousands.warnings == ()
+    assert thousands.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)
+
+
+def test_open_number_format_is_assumed_and_said(trace):
+    recording = load(trace(header="X [ms];r4821;", rows=["0;812.347;", "2;812.348;"]))
+    assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812_347 / 4e6)
+    [warning] = recording.warnings
+    assert "812.347" in warning and "German thousands" in warning and "number_format" in warning
+
+
+def test_mixed_number_formats_are_refused(trace):
+    rows = ["0,0;812.347;1;0,1234;0.1234;", "2,0;812.347;1;0,1234;0.1234;"]
+    refused(trace(rows=rows), "line 2", "'C5:Drive_axis_1.r76'", "'0.1234' is no number in German (1.234,5) format")
+    far = [f"{i},0;812.347;1;0,1234;0,1234;" for i in range(2000)] + ["2000,0;812.347;1;0,1234;0.1234;"]
+    refused(trace(rows=far), "line 2002", "'C5:Drive_axis_1.r76'", "'0.1234' is no number")
+
+
+@given(
+    st.lists(st.integers(-(10**12), 10**12), min_size=1, max_size=30),
+    st.integers(0, 6),
+    st.sampled_from([GERMAN, ENGLISH]),
+)
+@settings(deadline=None)
+def test_numbers_of_any_size_survive(tmp_path_factory, whole, decimals, form):
+    """What Python reads from the plain text, the fast path and the careful one read too, to the last bit."""
+    exact = [number / 10**decimals for number in whole]
+    english = [f"{value:,.{decimals}f}" for value in exact]
+    marks = str.maketrans(",.", form.thousands + form.decimal)
+    path = tmp_path_factory.mktemp("numbers") / "run.csv"
+    # The second column settles the format, whatever the numbers are.
+    rows = [f"{text.translate(marks)};0{form.decimal}0001;" for text in english]
+    path.write_text("\n".join(["a;b;", *rows, ""]))
+    values = read_table(path).columns[0]
+    plain = [float(text.replace(",", "")) for text in english]
+    assert values.tolist() == plain == [form.value(text.translate(marks)) for text in english]
+
+
+@pytest.mark.slow
+@given(st.text(alphabet="0123456789.,+-eE", min_size=1, max_size=12))
+@settings(max_examples=500, deadline=None)
+def test_the_fast_path_accepts_no_more_than_the_careful_one(tmp_path_factory, cell):
+    path = tmp_path_factory.mktemp("cells") / "run.csv"
+    path.write_text(f"a;b;\n{cell};0,0001;\n{cell};0,0001;\n")
+    try:
+        expected = GERMAN.value(cell)
+    except ValueError:
+        with pytest.raises(InputError):
+            read_table(path)
+    else:
+        assert read_table(path, number_format="german").columns[0].tolist() == [expected, expected]
+
+
+def test_other_delimiters_are_read_where_a_map_names_them(trace, tmp_path):
+    own = tmp_path / "own.yaml"
+    own.write_text(SIEMENS.text.replace("number_format: auto", "number_format: english"))
+    path = trace(header="X [ms];r4821;", rows=["0;812.347;", "2;812.348;"])
+    recording = load(path, import_map=own)
+    assert recording.output_angle_origin == pytest.approx(2 * math.pi * 812.347 / 4e6)
+    assert "fractions" in recording.warnings[0]

@@ -1,0 +1,46 @@
+"""What is said of a search is understood at the first reading, and no sentence contradicts the one beside it."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ema_twin_sim.comparison.running_comparison import share_removed
+from ema_twin_sim.criteria import SUREST
+from ema_twin_sim.discovery.cautions import of_open_constants
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from ema_twin_sim.words.sentences import left_sentence, removed_words, surest_sentence
+
+FLOOR = 15e-3  # A
+
+
+@pytest.mark.parametrize(
+    ("after", "told"), [(33.0 * FLOOR, "over 99.9 %"), (FLOOR, "100.0 %"), (330.0 * FLOOR, "97.1 %")]
+)
+def test_all_of_an_error_is_gone_only_where_the_noise_alone_is_left(after, told):
+    before = 1950.0 * FLOOR
+    assert removed_words(share_removed(before, after, FLOOR), before, after) == told
+
+
+def test_what_the_last_step_leaves_is_told_beside_the_noise():
+    unseen = SimpleNamespace(signal="unexplained_torque", rmse=(3.0, 33.0 * FLOOR), noise_floor=FLOOR, unit="N m")
+    assert left_sentence(unseen).endswith("error of the unexplained torque is still 33 times the sensors' noise.")
+    for quiet in ({"rmse": (3.0, 1.2 * FLOOR)}, {"noise_floor": 0.0}):
+        assert left_sentence(SimpleNamespace(**{**vars(unseen), **quiet})) == ""
+
+
+def test_why_no_answer_is_surer_is_told_and_what_open_constants_cost():
+    assert f"{100.0 * SUREST:.0f} %" in surest_sentence()
+    assert "less than 10 % of the drive's torque" in of_open_constants()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reverses", [False, True])
+def test_what_one_direction_cannot_tell_apart_is_said(stock, reverses):
+    loaded = stock.with_effect("constant_load", {"torque": 0.01})
+    commands = ("ramp:0.05", "sine:0.02:0.5" if reverses else "ramp:0.1")
+    driven = [parse_command(command) for command in commands]
+    runs = [virtual_bench(loaded, one, 5.0, name=f"run {k}", seed=k) for k, one in enumerate(driven)]
+    said = [text for text in discover(runs, stock).warnings if "record a motion there and back" in text]
+    assert len(said) == (0 if reverses else 1)
