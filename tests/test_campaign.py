@@ -21,6 +21,7 @@ from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
 from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
@@ -175,7 +176,7 @@ class TestWork:
         from ema_twin_sim.model import load_model
 
         job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
-        row = judged(job, COMPARE)
+        row = judged(job, COMPARE)[0]
         overall = compare([load(job.recordings[0][0])], load_model("polito_bench")).overall
         assert {e["signal"]: e["rmse"] for e in row["errors"]} == {
             name: error["rmse"] for name, error in overall.items() if not error["driven"]
@@ -184,11 +185,11 @@ class TestWork:
 
     def test_what_cannot_be_judged_has_a_row(self, folder, monkeypatch):
         jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
-        torn = judged(jobs[-1], COMPARE)
+        torn = judged(jobs[-1], COMPARE)[0]
         assert torn["status"] == REFUSED
         assert "torn.CSV" in torn["message"]
         monkeypatch.setattr("ema_twin_sim.campaign.work._of_recordings", lambda recordings: 1 / 0)
-        broken = judged(jobs[0], COMPARE)
+        broken = judged(jobs[0], COMPARE)[0]
         assert (broken["status"], "ZeroDivisionError" in broken["message"]) == (FAILED, True)
 
 
@@ -341,7 +342,7 @@ class TestHistories:
     def test_wear_is_told_with_its_begin_and_when_it_reaches_its_limit(self):
         wear = np.maximum(0.0, np.arange(40) - 20.0)  # one a week from week 20 on
         values = 100.0 + wear + np.random.default_rng(4).normal(size=40)
-        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=15)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=Healthy(15))
         assert 19 <= look.change.begin <= 26
         assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
         assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
@@ -350,7 +351,7 @@ class TestHistories:
         """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""
         values = 100.0 + np.random.default_rng(5).normal(size=40)
         values[25:] += 8.0
-        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=20)
+        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(20))
         assert look.change.begin == 25
         assert look.share == pytest.approx(0.08, abs=0.02)
 

@@ -73,7 +73,7 @@ METHOD = {
     "discovery/search/search.py": "ENTRANTS SECOND_LOOKS NEXT_TO_NOTHING",
     "discovery/search/search_order.py": "MORE THOUGHTS",
     "discovery/search/unknown.py": "MOST_ROUNDS TRIED",
-    "health/baseline.py": "_FEWEST_TESTS _VANISHING",
+    "health/baseline.py": "FEWEST_TESTS _VANISHING",
     "health/change_point.py": "_FEWEST _LARGEST",
     "health/false_alarms.py": "FALSE_ALARM FALSE_ALARM_OF_HISTORY",
     "health/drift.py": "_FEWEST",

@@ -16,11 +16,10 @@ from ..criteria import NEARLY_ALL
 from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
+from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
 
-BASELINE = 3
-"""One in so many of the first values are what the later ones are held against, unless it is said which are healthy."""
 FEWEST_HEALTHY = 4
 """Values that tell how much healthy ones scatter."""
 _DAY = 86400.0  # s
@@ -110,15 +109,9 @@ def _history(owner: str, name: str, unit: str, its: Sequence[tuple[float | None,
     return History(owner, name, unit, times, values, errors, dated, tuple(one[3] for one in its))
 
 
-def outlook(of: History, limit: float | None = None, healthy: int | None = None) -> Outlook:
-    """What a history says, held against its first values: the ``healthy`` ones, or one in three of them.
-
-    Raises InputError where so few are said to be healthy that they tell no scatter.
-    """
-    count = max(FEWEST_HEALTHY, len(of.values) // BASELINE) if healthy is None else healthy
-    count = min(count, len(of.values))
-    if count < FEWEST_HEALTHY:
-        raise InputError(f"{count} healthy results tell no scatter; give {FEWEST_HEALTHY} or more")
+def outlook(of: History, limit: float | None = None, healthy: Healthy = BY_DEFAULT) -> Outlook:
+    """What a history says, held against its first values: the ``healthy`` ones."""
+    count = healthy.first(of.names, FEWEST_HEALTHY)
     level = _mean(of.values[:count], of.errors[:count])
     errors = of.errors * _share_that_differs(of.values[:count], of.errors[:count], level)
     change = change_point(of.values, errors, count) if len(of.values) > count else None
@@ -150,7 +143,7 @@ def _share_that_differs(values: np.ndarray, errors: np.ndarray, level: float) ->
     return min(1.0, float(np.sqrt(scatter / stats.chi2.ppf(1.0 - NEARLY_ALL, len(values) - 1))))
 
 
-def outlooks(unit: Unit, limits: Mapping[str, float], healthy: int | None = None) -> list[Outlook]:
+def outlooks(unit: Unit, limits: Mapping[str, float], healthy: Healthy = BY_DEFAULT) -> list[Outlook]:
     """What all histories of a unit say, those that changed most in their standard errors first."""
     found = [outlook(history, limits.get(history.path), healthy) for history in histories(unit)]
     return sorted(found, key=lambda one: -abs(one.change.distance) if one.change else 0.0)
