@@ -28,6 +28,7 @@ from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
+from tests.dask_cluster import own_cluster
 
 RECORDINGS = Path(__file__).parent / "recordings"
 COMPARE = Task("compare", "polito_bench")
@@ -315,6 +316,31 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     files = [row for file in tmp_path.rglob("*.parquet") for row in pq.read_table(file)["key"].to_pylist()]
     assert len(files) == len({*files}) == 40
     assert not [*tmp_path.rglob("*.part")]
+
+
+def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
+    recording = sorted(RECORDINGS.glob("*.CSV"))[0]
+    for k in range(40):
+        unit = tmp_path / "runs" / f"U{k % 4}"
+        unit.mkdir(parents=True, exist_ok=True)
+        shutil.copy(recording, unit / f"{k}.CSV")
+    asked = (tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "r", "--do", "compare", "--scheduler")
+    with own_cluster(tmp_path / "first") as own:
+        first = _command(*asked, own.address)
+        _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
+        own.scheduler.kill()
+        _, errors = first.communicate(timeout=120)
+        assert first.returncode == 2, errors
+        assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+        own.workers[0].wait(timeout=120)  # with its scheduler
+    done = Store(tmp_path / "r").settled()
+    assert 5 <= len(done) < 40
+    with own_cluster(tmp_path / "second") as own:
+        told, errors = _command(*asked, own.address).communicate(timeout=300)
+    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
+    assert again == len(done) and f"{40 - again} judged" in told, errors
+    keys = [key for file in tmp_path.rglob("*.parquet") for key in pq.read_table(file)["key"].to_pylist()]
+    assert len(keys) == len({*keys}) == 40
 
 
 class TestHistories:
