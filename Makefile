@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-all test-pictures docs bench kill accuracy figures pictures blueprints lock clean
+.PHONY: help setup demo test test-all test-pictures docs bench kill accuracy wear figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -46,6 +46,9 @@ kill: setup ## nodes are killed beside a bench that plays: how long it halts, wh
 
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
+
+wear: setup ## fleets that run to failure: how early wear is named, false alarms, what is left; ARGS="--seed 3", "--simulated 20"
+	@$(RUN) -m tests.run_to_failure.run $(ARGS)
 
 figures: setup ## the figures and numbers of docs/physics.md; ARGS="--speed" measures what a step costs too
 	@$(RUN) -m docs.figures $(ARGS)

@@ -8,6 +8,8 @@ from pathlib import Path
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
+_TRACES = (".csv", ".txt", ".tsv")
+
 
 def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens") -> Recording:
     """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
@@ -27,10 +29,27 @@ def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens
 
         recording = read_bag(path if len(files) == 1 else files)
         return recording if recording.of_points else recording.from_zero()  # as a trace is read, and a live twin counts
-    if path.suffix.lower() in (".csv", ".txt", ".tsv"):
+    if path.suffix.lower() in _TRACES:
         from ema_bench_replay.traces.import_map import load_map
         from ema_bench_replay.traces.trace_csv import read_trace
 
         return read_trace(path, load_map(import_map))
     kind = f"a file of kind {path.suffix!r}" if path.suffix else "a file without extension"
     raise InputError(f"{path}: {kind} is no recording; give a .csv trace, an .mcap or the folder that import wrote")
+
+
+def load_runs(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens") -> list[Recording]:
+    """All recordings of a file: more than one where it is a CSV and its import map tells by which column runs part.
+
+    Otherwise as ``load``.
+    """
+    file = Path(path) if isinstance(path, (str, Path)) else Path(path[0])
+    if file.suffix.lower() in _TRACES and file.is_file():
+        from ema_bench_replay.traces.import_map import load_map
+
+        held = load_map(import_map)
+        if held.run is not None:
+            from ema_bench_replay.traces.many_runs import read_runs
+
+            return read_runs(file, held)
+    return [load(path, import_map=import_map)]

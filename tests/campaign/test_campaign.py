@@ -21,12 +21,14 @@ from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
 from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
+from tests.dask_cluster import own_cluster
 
 RECORDINGS = Path(__file__).parents[1] / "recordings"
 COMPARE = Task("compare", "polito_bench")
@@ -175,7 +177,7 @@ class TestWork:
         from ema_twin_sim.model import load_model
 
         job = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)[0]
-        row = judged(job, COMPARE)
+        row = judged(job, COMPARE)[0]
         overall = compare([load(job.recordings[0][0])], load_model("polito_bench")).overall
         assert {e["signal"]: e["rmse"] for e in row["errors"]} == {
             name: error["rmse"] for name, error in overall.items() if not error["driven"]
@@ -184,11 +186,11 @@ class TestWork:
 
     def test_what_cannot_be_judged_has_a_row(self, folder, monkeypatch):
         jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
-        torn = judged(jobs[-1], COMPARE)
+        torn = judged(jobs[-1], COMPARE)[0]
         assert torn["status"] == REFUSED
         assert "torn.CSV" in torn["message"]
         monkeypatch.setattr("ema_twin_sim.campaign.work._of_recordings", lambda recordings: 1 / 0)
-        broken = judged(jobs[0], COMPARE)
+        broken = judged(jobs[0], COMPARE)[0]
         assert (broken["status"], "ZeroDivisionError" in broken["message"]) == (FAILED, True)
 
 
@@ -322,6 +324,31 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     assert not [*tmp_path.rglob("*.part")]
 
 
+def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
+    recording = sorted(RECORDINGS.glob("*.CSV"))[0]
+    for k in range(40):
+        unit = tmp_path / "runs" / f"U{k % 4}"
+        unit.mkdir(parents=True, exist_ok=True)
+        shutil.copy(recording, unit / f"{k}.CSV")
+    asked = (tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "r", "--do", "compare", "--scheduler")
+    with own_cluster(tmp_path / "first") as own:
+        first = _command(*asked, own.address)
+        _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
+        own.scheduler.kill()
+        _, errors = first.communicate(timeout=120)
+        assert first.returncode == 2, errors
+        assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+        own.workers[0].wait(timeout=120)  # with its scheduler
+    done = Store(tmp_path / "r").settled()
+    assert 5 <= len(done) < 40
+    with own_cluster(tmp_path / "second") as own:
+        told, errors = _command(*asked, own.address).communicate(timeout=300)
+    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
+    assert again == len(done) and f"{40 - again} judged" in told, errors
+    keys = [key for file in tmp_path.rglob("*.parquet") for key in pq.read_table(file)["key"].to_pylist()]
+    assert len(keys) == len({*keys}) == 40
+
+
 class TestHistories:
     @staticmethod
     def a_unit(values, std=1.0, dated=True):
@@ -347,7 +374,7 @@ class TestHistories:
     def test_wear_is_told_with_its_begin_and_when_it_reaches_its_limit(self):
         wear = np.maximum(0.0, np.arange(40) - 20.0)  # one a week from week 20 on
         values = 100.0 + wear + np.random.default_rng(4).normal(size=40)
-        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=15)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=Healthy(15))
         assert 19 <= look.change.begin <= 26
         assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
         assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
@@ -356,7 +383,7 @@ class TestHistories:
         """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""
         values = 100.0 + np.random.default_rng(5).normal(size=40)
         values[25:] += 8.0
-        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=20)
+        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(20))
         assert look.change.begin == 25
         assert look.share == pytest.approx(0.08, abs=0.02)
 

@@ -53,7 +53,7 @@ def units():
 @pytest.fixture
 def pages(units, tmp_path):
     ahead = {unit.name: outlooks(unit, {"backlash.width": 4e-3}) for unit in units}
-    overview = write_fleet(tmp_path / "fleet", units, ahead)
+    overview = write_fleet(tmp_path / "fleet", units, ahead, dict.fromkeys(ahead))
     links = re.findall(r'href="(units/[^"]+)"', overview.read_text())
     return overview, {unquote(unquote(link)): overview.parent / unquote(link) for link in links}
 
@@ -90,4 +90,4 @@ def test_the_pages_load_nothing(pages):
 def test_an_overview_that_exists_is_not_replaced(pages, units):
     overview, _ = pages
     with pytest.raises(InputError, match="exists already"):
-        write_fleet(overview.parent, units, {unit.name: [] for unit in units})
+        write_fleet(overview.parent, units, {unit.name: [] for unit in units}, {unit.name: None for unit in units})

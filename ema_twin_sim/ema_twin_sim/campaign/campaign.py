@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING
 from ..parallel import one_after_another
 from .engine import Outcome, run
 from .jobs import Job, Task
+from .results import DONE, FAILED, REFUSED
 from .store import Store
-from .work import judged, lost
+from .work import Row, judged, lost
 
 if TYPE_CHECKING:
     from distributed import Client
+
+_ORDER = (FAILED, DONE, REFUSED)
 
 
 def campaign(client: Client, jobs: Sequence[Job], task: Task, store: Path) -> Iterator[Outcome]:
@@ -24,12 +27,16 @@ def campaign(client: Client, jobs: Sequence[Job], task: Task, store: Path) -> It
 
 def _batch(jobs: Sequence[Job], task: Task, store: Path) -> list[Outcome]:
     one_after_another()  # the other cores have workers of their own
-    rows = [judged(job, task) for job in jobs]
-    Store(store).write(rows)
-    return [
-        Outcome(job, row["status"], row.get("message") or "", row["seconds"])
-        for job, row in zip(jobs, rows, strict=True)
-    ]
+    each = [judged(job, task) for job in jobs]
+    Store(store).write([row for rows in each for row in rows])
+    return [outcome(job, rows) for job, rows in zip(jobs, each, strict=True)]
+
+
+def outcome(job: Job, rows: Sequence[Row]) -> Outcome:
+    """How a job went whose rows these are: done where any of them is, and nothing failed."""
+    worst = min(rows, key=lambda row: _ORDER.index(row["status"]))
+    seconds = sum(row["seconds"] for row in rows)
+    return Outcome(job, worst["status"], worst.get("message") or "", seconds)
 
 
 def _lost(job: Job, reason: str, task: Task, store: Path) -> Outcome:

@@ -99,7 +99,6 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
     InputError where the scheduler is lost; what was done is in the store then.
     """
     from distributed import as_completed
-    from distributed.client import FutureCancelledError
     from distributed.scheduler import KilledWorker
 
     waiting = iter(jobs)
@@ -121,35 +120,49 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
         held[future] = batch
         done.add(future)
 
-    feed()
+    with _scheduler_lost():
+        feed()
     while held:
         was_alone = len(held) == 1 and len(next(iter(held.values()))) == 1
         future = next(done)
         batch = held.pop(future)
         try:
-            outcomes = future.result()
+            with _scheduler_lost():
+                outcomes = future.result()
         except KilledWorker:
             if was_alone:
                 outcomes = [lost(batch[0], f"{DEATHS + 1} workers died over it")]
             else:
                 doubted += batch
                 outcomes = []
-        except FutureCancelledError:
-            raise InputError(
-                "the scheduler is gone; start the campaign again: what was done is kept, and not done again"
-            ) from None
         took = [outcome.seconds for outcome in outcomes]
         if took:
             mean = sum(took) / len(took)
             seconds = mean if seconds is None else 0.5 * (seconds + mean)
         future.release()
         yield from outcomes
-        feed()
+        with _scheduler_lost():
+            feed()
+
+
+@contextmanager
+def _scheduler_lost() -> Iterator[None]:
+    """Turn what a client says in one way or another where its scheduler is no more into InputError."""
+    from distributed.client import FutureCancelledError
+    from distributed.comm import CommClosedError
+
+    try:
+        yield
+    except (FutureCancelledError, CommClosedError, TimeoutError):
+        raise InputError(
+            "the scheduler is gone; start the campaign again: what was done is kept, and not done again"
+        ) from None
 
 
 def _quieten() -> None:
     """Keep the cluster's own log from what the user reads: what matters of it is told in a row."""
     import logging
 
-    for name in ("distributed", "tornado", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] in ("distributed", "tornado", "asyncio"):
+            logging.getLogger(name).setLevel(logging.CRITICAL)

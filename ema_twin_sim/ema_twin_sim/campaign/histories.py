@@ -7,20 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy import stats
 
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
-from ..criteria import NEARLY_ALL
 from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
+from ..health.false_alarms import FALSE_ALARM_OF_HISTORY
 from ..health.remaining_life import Margin, RemainingLife, margin, remaining_life
+from .healthy import BY_DEFAULT, Healthy
 from .results import DONE
 from .units import Unit
 
-BASELINE = 3
-"""One in so many of the first values are what the later ones are held against, unless it is said which are healthy."""
 FEWEST_HEALTHY = 4
 """Values that tell how much healthy ones scatter."""
 _DAY = 86400.0  # s
@@ -30,7 +28,8 @@ _DAY = 86400.0  # s
 class History:
     """One number of a unit: ``values`` (n,) with standard errors (n,) in its SI ``unit``, at rising ``times`` (n,).
 
-    Times are days since the first; or how many results came before, where not all are dated.
+    Times are days since the first, and recordings of a day are one value; or, where not all are dated, times are how
+    many results came before.
     """
 
     owner: str
@@ -40,7 +39,9 @@ class History:
     values: np.ndarray
     errors: np.ndarray
     dated: bool
-    names: tuple[str, ...]  # of the recordings
+    healthy: int  # how many of the first values the others are held against
+    shared: float  # what of the errors all recordings of the unit share: it makes no two of them differ
+    names: tuple[str, ...]  # of the recordings; the first of each day
 
     @property
     def path(self) -> str:
@@ -87,7 +88,7 @@ class Outlook:
         }
 
 
-def histories(unit: Unit) -> list[History]:
+def histories(unit: Unit, healthy: Healthy = BY_DEFAULT) -> list[History]:
     """The numbers of a unit that have a standard error in enough of its results to be followed."""
     found: dict[tuple[str, str, str], list[tuple[float | None, float, float, str]]] = {}
     for row in unit.rows:
@@ -99,30 +100,52 @@ def histories(unit: Unit) -> list[History]:
                 continue
             at = None if row["time"] is None else row["time"].timestamp()
             found.setdefault((held["owner"], held["name"], held["unit"]), []).append((at, value, std, row["name"]))
-    return [_history(*path, its) for path, its in found.items() if len(its) > FEWEST_HEALTHY]
+    return [_history(*path, its, healthy) for path, its in found.items() if len(its) > FEWEST_HEALTHY]
 
 
-def _history(owner: str, name: str, unit: str, its: Sequence[tuple[float | None, float, float, str]]) -> History:
+def _history(
+    owner: str, name: str, unit: str, its: Sequence[tuple[float | None, float, float, str]], healthy: Healthy
+) -> History:
     days = np.array([np.nan if at is None else at / _DAY for at, *_ in its])
-    dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
-    times = days - days[0] if dated else np.arange(len(its), dtype=float)
+    names = [one[3] for one in its]
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
-    return History(owner, name, unit, times, values, errors, dated, tuple(one[3] for one in its))
+    dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
+    count = healthy.first(names, FEWEST_HEALTHY)
+    differ = np.diff(values[:count]) / np.sqrt(2.0)
+    if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
+        repeats = np.diff(np.floor(days)) == 0.0
+        differ = np.diff(values)[repeats] / np.sqrt(2.0) if repeats.any() else differ
+        days, values, errors = _by_day(firsts, days, values, errors)
+        names = [names[first] for first in firsts]
+        count = max(FEWEST_HEALTHY, int(np.sum(np.append(firsts[1:], len(its)) <= count)))
+    shared = float(np.sqrt(max(0.0, float(np.mean(errors**2)) - float(np.mean(differ**2)))))
+    times = days - days[0] if dated else np.arange(len(its), dtype=float)
+    return History(owner, name, unit, times, values, errors, dated, count, shared, tuple(names))
 
 
-def outlook(of: History, limit: float | None = None, healthy: int | None = None) -> Outlook:
-    """What a history says, held against its first values: the ``healthy`` ones, or one in three of them.
+def _by_day(
+    firsts: np.ndarray, days: np.ndarray, values: np.ndarray, errors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Means over the recordings of a day, of which ``firsts`` are the first.
 
-    Raises InputError where so few are said to be healthy that they tell no scatter.
+    Those of a day are no independent witnesses of another one, so that a mean's error is that of a single one.
     """
-    count = max(FEWEST_HEALTHY, len(of.values) // BASELINE) if healthy is None else healthy
-    count = min(count, len(of.values))
-    if count < FEWEST_HEALTHY:
-        raise InputError(f"{count} healthy results tell no scatter; give {FEWEST_HEALTHY} or more")
+    counts = np.diff(firsts, append=len(days))
+    weights = errors**-2.0
+    sums = np.add.reduceat(weights, firsts)
+    means = [np.add.reduceat(weights * of, firsts) / sums for of in (days, values)]
+    return means[0], means[1], np.sqrt(counts / sums)
+
+
+def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_ALARM_OF_HISTORY) -> Outlook:
+    """What a history says, held against its healthy values.
+
+    The rate is that of changes that are told of a value by chance.
+    """
+    count = of.healthy
     level = _mean(of.values[:count], of.errors[:count])
-    errors = of.errors * _share_that_differs(of.values[:count], of.errors[:count], level)
-    change = change_point(of.values, errors, count) if len(of.values) > count else None
-    trend = drift(of.times, of.values, errors)
+    change = change_point(of.values, of.errors, count, false_alarm) if len(of.values) > count else None
+    trend = drift(of.times, of.values, of.errors)
     return Outlook(
         of,
         level,
@@ -131,7 +154,7 @@ def outlook(of: History, limit: float | None = None, healthy: int | None = None)
         change,
         trend if trend.is_trend else None,
         None if limit is None or limit == level else margin(trend, level, limit),
-        None if limit is None else remaining_life(trend, limit),
+        None if limit is None else remaining_life(trend, limit, limit_error=of.shared),
     )
 
 
@@ -140,19 +163,14 @@ def _mean(values: np.ndarray, errors: np.ndarray) -> float:
     return float(np.average(values, weights=errors**-2.0))
 
 
-def _share_that_differs(values: np.ndarray, errors: np.ndarray, level: float) -> float:
-    """What of standard errors (n,) tells two healthy values apart, at the most: one, or less.
+def outlooks(unit: Unit, limits: Mapping[str, float], healthy: Healthy = BY_DEFAULT) -> list[Outlook]:
+    """What all histories of a unit say, those that changed most in their standard errors first.
 
-    What recordings of a unit share, a constant's tolerance above all, is in the standard error of each and in no
-    difference of two. By how much values scatter about their ``level`` bounds what is left.
+    By chance, one in 1 / FALSE_ALARM_OF_HISTORY results has any number changed: each number has its share of that.
     """
-    scatter = float(np.sum(((values - level) / errors) ** 2))
-    return min(1.0, float(np.sqrt(scatter / stats.chi2.ppf(1.0 - NEARLY_ALL, len(values) - 1))))
-
-
-def outlooks(unit: Unit, limits: Mapping[str, float], healthy: int | None = None) -> list[Outlook]:
-    """What all histories of a unit say, those that changed most in their standard errors first."""
-    found = [outlook(history, limits.get(history.path), healthy) for history in histories(unit)]
+    held = histories(unit, healthy)
+    rate = FALSE_ALARM_OF_HISTORY / max(len(held), 1)
+    found = [outlook(history, limits.get(history.path), rate) for history in held]
     return sorted(found, key=lambda one: -abs(one.change.distance) if one.change else 0.0)
 
 

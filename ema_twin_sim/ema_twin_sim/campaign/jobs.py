@@ -10,15 +10,19 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import NamedTuple
 
 from ema_bench_replay.bags.bag_parts import recordings_in
 from ema_bench_replay.errors import InputError
 
 from ..model.model_file import model_files
 
-VERBS = ("compare", "fit", "diagnose", "discover")
-TOGETHER = ("recording", "folder", "unit")
-GROUPS = {"unit", "time"}
+HEALTH = "health"
+"""Features of each recording, by which a unit is judged beside its own healthy ones: without a model."""
+VERBS = ("compare", "fit", "diagnose", "discover", HEALTH)
+APART = "recording"
+TOGETHER = (APART, "folder", "unit")
+GROUPS = {"unit", "time", "test"}
 """The groups that a pattern of names may have."""
 _KEY_BYTES = 16
 
@@ -28,14 +32,16 @@ class Task:
     """What is done with every job: a verb beside a model."""
 
     verb: str  # one of VERBS
-    model: str  # a file, or a name in config/models
+    model: str  # a file, or a name in config/models; empty where health alone is asked for
     import_map: str = "siemens"
     without: tuple[str, ...] = ()
+    wavelength: float | None = None  # m or rad, of what repeats with the position; None: as the model tells
 
     def identity(self) -> str:
         """What tells this task from another: a model's content counts, not where it lies."""
-        content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in model_files(self.model)]
-        return json.dumps([self.verb, content, self.import_map, sorted(self.without)])
+        files = model_files(self.model) if self.model else ()
+        content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in files]
+        return json.dumps([self.verb, content, self.import_map, sorted(self.without), self.wavelength])
 
 
 @dataclass(frozen=True)
@@ -47,14 +53,25 @@ class Job:
     name: str  # of the recording, of its folder, or of the unit
     recordings: tuple[tuple[str, ...], ...]  # the path of each, or the files of one that a recorder has split
     time: datetime | None = None  # that the name tells; None where only the recording may
+    test: str | None = None  # the same: what was set up once
+    apart: bool = True  # whether each run of a file that holds many has a result of its own
+
+
+class Place(NamedTuple):
+    """Where a recording belongs, as far as its path tells."""
+
+    unit: str
+    time: datetime | None
+    test: str | None
 
 
 @dataclass(frozen=True)
 class Grouping:
     """How a folder's recordings are told apart: by a pattern of their paths, and by what is judged together.
 
-    Without a ``pattern`` a unit is a folder of ``folder``, or that itself. A pattern is searched for in each path
-    beneath ``folder``; its groups ``unit`` and, if it has one, ``time`` (as ISO 8601 writes it) are taken.
+    Without a ``pattern`` a unit is a folder of ``folder``, or that itself, and a test a folder of a unit. A pattern is
+    searched for in each path beneath ``folder``; its groups ``unit`` and, if it has them, ``time`` (as ISO 8601 writes
+    it) and ``test`` are taken.
     """
 
     folder: Path
@@ -75,24 +92,30 @@ class Grouping:
         except re.error as error:
             raise InputError(f"--unit {pattern}: is no regular expression ({error})") from None
         if "unit" not in compiled.groupindex or not {*compiled.groupindex} <= GROUPS:
-            raise InputError(f"--unit {pattern}: give one with a group (?P<unit>...), and (?P<time>...) if you like")
+            raise InputError(
+                f"--unit {pattern}: give one with a group (?P<unit>...), and (?P<time>...) or (?P<test>...) if you like"
+            )
         return cls(folder, compiled, together)
 
-    def place(self, file: Path) -> tuple[str, datetime | None] | None:
-        """The (unit, time) of a recording; None where the pattern is not in its path."""
+    def place(self, file: Path) -> Place | None:
+        """Where a recording belongs; None where the pattern is not in its path."""
         path = file.relative_to(self.folder)
         if self.pattern is None:
-            return (path.parts[0] if len(path.parts) > 1 else self.folder.resolve().name), None
+            if len(path.parts) == 1:
+                return Place(self.folder.resolve().name, None, None)
+            unit, *between, _ = path.parts
+            return Place(unit, None, "/".join(between) or None)
         found = self.pattern.search(path.as_posix())
         if found is None or not found["unit"]:
             return None
+        test = (found["test"] or None) if "test" in self.pattern.groupindex else None
         if "time" not in self.pattern.groupindex or not found["time"]:
-            return found["unit"], None
+            return Place(found["unit"], None, test)
         try:
             when = datetime.fromisoformat(found["time"])
         except ValueError:
             raise InputError(f"{file}: {found['time']} is no time; write it as ISO 8601 does: 2026-03-31") from None
-        return found["unit"], when if when.tzinfo else when.replace(tzinfo=timezone.utc)
+        return Place(found["unit"], when if when.tzinfo else when.replace(tzinfo=timezone.utc), test)
 
     def group(self, file: Path, unit: str) -> str:
         """The name of what a recording is judged with."""
@@ -128,7 +151,7 @@ def find_jobs(
 
     Raises InputError where there is none.
     """
-    of: dict[tuple[str, str], list[tuple[tuple[Path, ...], datetime | None]]] = {}
+    of: dict[tuple[str, str], list[tuple[tuple[Path, ...], Place]]] = {}
     strays: list[Path] = []
     count = 0
     for parts in find_recordings(grouping.folder, skipped):
@@ -137,8 +160,7 @@ def find_jobs(
         if place is None:
             strays.append(parts[0])
             continue
-        unit, when = place
-        of.setdefault((unit, grouping.group(parts[0], unit)), []).append((parts, when))
+        of.setdefault((place.unit, grouping.group(parts[0], place.unit)), []).append((parts, place))
     if not count:
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if strays:
@@ -150,7 +172,9 @@ def find_jobs(
             unit,
             name,
             tuple(tuple(map(str, parts)) for parts, _ in recordings),
-            min((when for _, when in recordings if when is not None), default=None),
+            min((place.time for _, place in recordings if place.time is not None), default=None),
+            recordings[0][1].test,
+            grouping.together == APART,
         )
         for (unit, name), recordings in of.items()
     ]

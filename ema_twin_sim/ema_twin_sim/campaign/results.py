@@ -1,10 +1,10 @@
-"""Results: what is known of one job, as a row of the store's table."""
+"""Results: what is known of one job, or of one run of a file that holds many, as a row of the store's table."""
 
 from __future__ import annotations
 
 import pyarrow as pa
 
-SCHEMA_VERSION = "1"
+SCHEMA_VERSION = "2"
 """Another number for every change that a reader of older files would trip over."""
 
 DONE, REFUSED, FAILED = "done", "refused", "failed"
@@ -30,6 +30,34 @@ _PARAMETER = pa.struct(
 )
 _CAUSE = pa.struct([("effect", pa.string()), ("probability", pa.float64())])
 
+_FEATURE = pa.struct(
+    [
+        ("name", pa.string()),
+        ("value", pa.float64()),  # in the unit; of a logarithm, of the size in that unit
+        ("unit", pa.string()),
+        ("logarithm", pa.bool_()),
+        ("of_effort", pa.bool_()),  # whether it needs the effort
+    ]
+)
+_HEALTH = pa.struct(
+    [
+        ("test", pa.string()),  # what was set up once: a day, a mounting, a series of repeats
+        ("usable", pa.bool_()),  # whether anything may be said of the unit by it
+        ("effort_usable", pa.bool_()),
+        ("unsigned", pa.bool_()),  # whether the effort is a magnitude
+        ("findings", pa.list_(pa.string())),  # about its acquisition
+        ("wavelength", pa.float64()),  # m or rad, of the wave that was looked for; null where none was
+        ("period", pa.float64()),  # s, of its samples
+        ("travel", pa.float64()),  # m or rad
+        ("top_speed", pa.float64()),  # m/s or rad/s
+        ("forward", pa.float64()),  # mean effort against the motion each way, A or N m
+        ("backward", pa.float64()),
+        ("position_unit", pa.string()),
+        ("effort_unit", pa.string()),
+        ("features", pa.list_(_FEATURE)),
+    ]
+)
+
 SCHEMA = pa.schema(
     [
         ("key", pa.string()),
@@ -52,6 +80,7 @@ SCHEMA = pa.schema(
         ("errors", pa.list_(_ERROR)),
         ("beyond_noise", pa.list_(_BEYOND)),  # signals that stand out of the sensors' noise, the worst first
         ("parameters", pa.list_(_PARAMETER)),
+        ("health", _HEALTH),  # of the verb health: what a unit's own healthy recordings are judged by
         ("warnings", pa.list_(pa.string())),
         ("seconds", pa.float64()),  # that the work took
         ("done_at", pa.timestamp("us", "UTC")),

@@ -11,6 +11,7 @@ import platform
 import uuid
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -71,15 +72,13 @@ class Store:
             self._write(pa.Table.from_pylist([dict(row) for row in its], SCHEMA), unit)
 
     def settled(self) -> set[str]:
-        """The keys of all jobs that were done or refused: to do again is only what failed."""
-        keys: set[str] = set()
-        for table in self._tables(["key", "status"]):
-            keys |= {
-                key
-                for key, status in zip(table["key"].to_pylist(), table["status"].to_pylist(), strict=True)
-                if status != FAILED
-            }
-        return keys
+        """The keys of all jobs of which a try failed in nothing: to do again is only what failed."""
+        tries: dict[str, dict[datetime, bool]] = {}
+        for table in self._tables(["key", "status", "done_at"]):
+            for key, status, done_at in zip(*(column.to_pylist() for column in table.columns), strict=True):
+                of = tries.setdefault(key, {})
+                of[done_at] = of.get(done_at, True) and status != FAILED
+        return {key for key, of in tries.items() if any(of.values())}
 
     def merge_files(self) -> None:
         """Make one file of a unit's many, and remove what writers that were killed had begun.
@@ -112,7 +111,8 @@ class Store:
             pattern = f"{self._files}/*/*.parquet".replace("'", "''")
             database.execute(
                 f"CREATE VIEW results AS SELECT * FROM read_parquet('{pattern}', hive_partitioning = false) "
-                "QUALIFY row_number() OVER (PARTITION BY unit, name, task, model ORDER BY done_at DESC) = 1"
+                "QUALIFY row_number() OVER (PARTITION BY unit, name, task, model ORDER BY done_at DESC) = 1 "
+                "AND done_at = max(done_at) OVER (PARTITION BY key)"
             )
             yield database
 
@@ -203,8 +203,12 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _latest(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The latest row of each job; what was done counts before what failed later."""
-    best: dict[str, dict[str, Any]] = {}
-    for row in sorted(rows, key=lambda row: (row["status"] == DONE, row["done_at"])):
-        best[row["key"]] = row
-    return list(best.values())
+    """The rows of each job's latest try; what was done counts before what failed later."""
+    tries: dict[str, dict[datetime, dict[str, dict[str, Any]]]] = {}
+    for row in rows:
+        tries.setdefault(row["key"], {}).setdefault(row["done_at"], {})[row["name"]] = row
+    found: list[dict[str, Any]] = []
+    for of in tries.values():
+        best = max(of, key=lambda at: (all(row["status"] == DONE for row in of[at].values()), at))
+        found += of[best].values()
+    return found

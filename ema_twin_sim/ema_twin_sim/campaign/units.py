@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from ..listing import listed
 from .results import DONE, FAILED, REFUSED
 
 Row = Mapping[str, Any]
+_NUMBER = re.compile(r"(\d+)", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -89,9 +91,17 @@ def units_of(rows: Iterable[Row]) -> list[Unit]:
     """The units of results that stand in the order of their units; the one with most beyond the noise first."""
     units = []
     for name, its in groupby(rows, key=lambda row: row["unit"]):
-        of = tuple(its)
+        of = tuple(sorted(its, key=_when))
         units.append(Unit(name, of, tuple(_remarks(of))))
     return sorted(units, key=lambda unit: (-(unit.beyond_noise or 0.0), unit.name))
+
+
+def _when(row: Row) -> tuple[bool, float, list[tuple[int, str]]]:
+    """What a row is sorted by: its time, else its name, in which numbers count as such."""
+    time = row["time"]
+    pieces = _NUMBER.split(row["name"])
+    name = [(int(piece), "") if k % 2 else (-1, piece) for k, piece in enumerate(pieces)]
+    return time is None, 0.0 if time is None else time.timestamp(), name
 
 
 def _remarks(rows: Sequence[Row]) -> Iterable[str]:

@@ -1,8 +1,9 @@
-"""Work: one job, from its files to the row that is kept of it. Whatever happens, there is a row."""
+"""Work: one job, from its files to the rows that are kept of it. Whatever happens, there is one."""
 
 from __future__ import annotations
 
 import hashlib
+import math
 import time
 from collections.abc import Mapping, Sequence
 from datetime import datetime, timezone
@@ -13,13 +14,16 @@ from typing import Any
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.load import load
-from ema_bench_replay.recording import NO_DATE, Recording
+from ema_bench_replay.load import load_runs
+from ema_bench_replay.recording import NO_DATE, TEST, Recording
 
+from ..health.motion_record import MotionRecord
+from ..health.run_features import run_features
 from ..model import Model, load_model
 from ..model.model_file import model_files
 from ..version import VERSION
-from .jobs import Job, Task
+from .health_rows import health_row
+from .jobs import HEALTH, Job, Task
 from .results import DONE, FAILED, REFUSED
 
 _LEAST_SAMPLES = 2
@@ -28,27 +32,86 @@ _HASH_BYTES = 16
 Row = dict[str, Any]
 
 
-def judged(job: Job, task: Task) -> Row:
-    """The row of a job: what was found, or why nothing could be."""
+def judged(job: Job, task: Task) -> list[Row]:
+    """The rows of a job: what was found, or why nothing could be; one, or one for each run of a file that holds many.
+
+    All have the job's key, and the moment in which it was done.
+    """
     begun = time.perf_counter()
     row = blank(job, task)
     try:
-        recordings = [load([*map(Path, parts)], import_map=task.import_map) for parts in job.recordings]
+        recordings = [run for parts in job.recordings for run in load_runs([*map(Path, parts)],
+                                                                           import_map=task.import_map)]  # fmt: skip
+    except InputError as error:
+        rows = [row | {"status": REFUSED, "message": str(error)}]
+    except Exception as error:  # one recording stops no campaign
+        rows = [row | _failed(error)]
+    else:
+        if job.apart and len(recordings) > 1:
+            rows = [_judged(row | {"name": _run_name(job, one)}, [one], job, task) for one in recordings]
+        else:
+            rows = [_judged(row, recordings, job, task)]
+    seconds = (time.perf_counter() - begun) / len(rows)
+    at = datetime.now(timezone.utc)
+    return [row | {"seconds": seconds, "done_at": at} for row in rows]
+
+
+def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> Row:
+    try:
         row |= _of_recordings(recordings)
         row["warnings"] = [warning for recording in recordings for warning in recording.warnings]
         if job.time is not None:
             row["time"] = job.time
         if short := [r.name for r in recordings if len(r) < _LEAST_SAMPLES]:
             raise InputError(f"{short[0]}: holds {_LEAST_SAMPLES - 1} sample; leave it out")
-        model = _model(task.model, _modified(task.model))
-        row |= _VERBS[task.verb](recordings, model, task.without)
+        model = _model(task.model, _modified(task.model)) if task.model else None
+        if task.verb == HEALTH:
+            row["health"] = _health(recordings[0], model, row, job, task)
+        else:
+            assert model is not None  # the verbs but health have one
+            row |= _VERBS[task.verb](recordings, model, task.without)
         row["status"] = DONE
     except InputError as error:
         row |= {"status": REFUSED, "message": str(error)}
     except Exception as error:  # one recording stops no campaign
-        row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
-    row |= {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
+        row |= _failed(error)
     return row
+
+
+def _failed(error: Exception) -> Row:
+    return {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
+
+
+def _run_name(job: Job, run: Recording) -> str:
+    """A run of a file that holds many: by its test, where the file tells it, and its number."""
+    number = run.name.rpartition("_")[2]
+    test = f" test {run.metadata[TEST]}" if TEST in run.metadata else ""
+    return f"{job.name}{test} run {number}"
+
+
+def _health(recording: Recording, model: Model | None, row: Row, job: Job, task: Task) -> Row:
+    """The features by which a recording's unit is judged."""
+    record = MotionRecord.from_recording(recording, _test(recording, row, job))
+    wavelength = _wavelength(record, model, recording) if task.wavelength is None else task.wavelength
+    return health_row(run_features(record, wavelength))
+
+
+def _test(recording: Recording, row: Row, job: Job) -> str:
+    """What was set up once: as the file tells, the path, or the day; else each recording is a test of its own."""
+    if TEST in recording.metadata:
+        return f"{job.name} test {recording.metadata[TEST]}"
+    if job.test is not None:
+        return job.test
+    return row["name"] if row["time"] is None else f"{row['time']:%Y-%m-%d}"
+
+
+def _wavelength(record: MotionRecord, model: Model | None, recording: Recording) -> float:
+    """A turn of the motor, in the position's unit, where it is known; else NaN."""
+    if recording.motion == "linear":
+        return math.nan
+    if record.place == "motor_position":
+        return 2.0 * math.pi
+    return math.nan if model is None else 2.0 * math.pi / model.value("machine.gear_ratio")
 
 
 def blank(job: Job, task: Task) -> Row:

@@ -31,6 +31,8 @@ ema-twin campaign tests --model press.yaml --map press -o results --do fit --uni
 
 ema-twin campaign tests --model press.yaml -o results --watch     (and each recording that comes)
 
+ema-twin campaign rig --do health --map rig.yaml --wavelength 0.005 -o results     (no model; the lead is 5 mm)
+
 ema-twin campaign /data/tests --model /data/press.yaml -o /data/results --scheduler tcp://10.0.0.1:8786
 
 Then: ema-twin units results"""
@@ -54,16 +56,24 @@ def _together(incomplete: str) -> list[str]:
 
 def run(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that holds the units' recordings.")],
-    model: options.ModelName,
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
     ],
+    model: Annotated[
+        str | None,
+        typer.Option(
+            "--model",
+            "-m",
+            help="Model file, or a name in config/models; health needs none.",
+            autocompletion=options.model_names,
+        ),
+    ] = None,
     do: Annotated[
         str,
         typer.Option(
             "--do",
             metavar="VERB",
-            help="What is done: compare, fit, diagnose or discover.",
+            help="What is done: compare, fit, diagnose or discover; or health, by a unit's own healthy recordings.",
             autocompletion=_verbs,
         ),
     ] = "discover",
@@ -73,7 +83,8 @@ def run(
             "--unit",
             metavar="PATTERN",
             help="Where in a recording's path its unit stands: a regular expression with (?P<unit>...) and, if the "
-            "path tells when it was recorded, (?P<time>...). By default a unit is a folder in FOLDER.",
+            "path tells when it was recorded or in which test, (?P<time>...) and (?P<test>...). By default a unit is a "
+            "folder in FOLDER, and a test a folder in that.",
         ),
     ] = None,
     together: Annotated[
@@ -87,6 +98,16 @@ def run(
     ] = "recording",
     import_map: options.ImportMap = "siemens",
     without: options.Without = None,
+    wavelength: Annotated[
+        float | None,
+        typer.Option(
+            "--wavelength",
+            metavar="M|RAD",
+            parser=options.number(1e-9, options.LARGEST, "m or rad"),
+            help="Of health: after how much of the position the machine repeats itself, as the lead of a screw; by "
+            "default a turn of a rotary machine's motor.",
+        ),
+    ] = None,
     workers: Annotated[
         int,
         typer.Option(
@@ -115,7 +136,7 @@ def run(
     from ema_bench_replay.errors import InputError
 
     from ..campaign.engine import cluster
-    from ..campaign.jobs import VERBS, Grouping, Task
+    from ..campaign.jobs import APART, HEALTH, VERBS, Grouping, Task
     from ..campaign.store import Store
     from ..effects import find_effect
     from ..model import load_model
@@ -123,12 +144,18 @@ def run(
 
     if do not in VERBS:
         raise InputError(f"--do {do}: is not known; give {', '.join(VERBS[:-1])} or {VERBS[-1]}")
-    load_model(model)
+    if model is not None:
+        load_model(model)
+    elif do != HEALTH:
+        raise InputError(f"--do {do}: needs a model; give one with --model, or --do {HEALTH}")
+    if do == HEALTH and together != APART:
+        raise InputError(f"--together {together}: health is told of each recording by itself; leave it out")
     task = Task(
         do,
-        str(model_files(model)[0].resolve()),
+        "" if model is None else str(model_files(model)[0].resolve()),
         str(find_configuration("maps", import_map).resolve()),
         tuple(find_effect(id, "--without").id for id in without or ()),
+        wavelength,
     )
     grouping = Grouping.of(folder.resolve(), unit, together)
     store = Store.made(output)

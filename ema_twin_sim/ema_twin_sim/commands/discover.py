@@ -22,7 +22,6 @@ ema-twin discover runs/*.CSV --model polito_bench -o better.yaml --json found.js
 ema-twin discover recordings --model polito_bench -o better.yaml --without spring_load --with position_friction.py"""
 
 
-
 def run(
     runs: options.Runs,
     model: options.ModelName,

@@ -23,7 +23,6 @@ Paths are those of the ROS parameters: effects.backlash.width, machine.motor_ine
  of its numbers."""
 
 
-
 def run(
     runs: options.Runs,
     model: options.ModelName,

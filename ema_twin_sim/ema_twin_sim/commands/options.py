@@ -44,7 +44,8 @@ def whole(lower: int, upper: int) -> Callable[[str], int]:
     return parsed
 
 
-def _model_names(incomplete: str) -> list[str]:
+def model_names(incomplete: str) -> list[str]:
+    """Models of the configuration whose names begin like this, for tab completion."""
     from ema_bench_replay.configuration import configuration_names
 
     return [name for name in configuration_names("models") if name.startswith(incomplete)]
@@ -67,11 +68,11 @@ Models = Annotated[
         "--model",
         "-m",
         help="Model file, or a name in config/models; give several to see them side by side.",
-        autocompletion=_model_names,
+        autocompletion=model_names,
     ),
 ]
 ModelName = Annotated[
-    str, typer.Option("--model", "-m", help="Model file, or a name in config/models.", autocompletion=_model_names)
+    str, typer.Option("--model", "-m", help="Model file, or a name in config/models.", autocompletion=model_names)
 ]
 EffectName = Annotated[
     str,

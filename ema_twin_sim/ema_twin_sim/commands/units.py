@@ -11,13 +11,22 @@ from rich.markup import escape
 
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
-from ..words.units import change_of, life_words, missing_words, number_words
+from ..words.units import (
+    change_of,
+    change_words,
+    health_words,
+    life_words,
+    missing_words,
+    named_words,
+    number_words,
+)
 from . import options
 from .output import console, say, warn
 from .tables import ReportTable
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
+    from ..campaign.unit_health import UnitHealth
     from ..campaign.units import Unit
 
 EXAMPLES = """Examples:
@@ -30,7 +39,9 @@ ema-twin units results --unit EMA-007     (its recordings, one by one, and how i
 
 ema-twin units results --page fleet     (then open fleet/index.html)
 
-ema-twin units results --limits limits.yaml --healthy 10     (limits.yaml: backlash.width: 0.004)"""
+ema-twin units results --limits limits.yaml --healthy 10     (limits.yaml: backlash.width: 0.004)
+
+ema-twin units results --unit rig --healthy "^normal"     (after campaign --do health: what its other tests are like)"""
 
 _MONTH = 30.0  # days
 
@@ -43,12 +54,12 @@ def run(
         typer.Option("--limits", metavar="FILE.yaml", help="Limits of numbers, in SI units: backlash.width: 0.004"),
     ] = None,
     healthy: Annotated[
-        int | None,
+        str | None,
         typer.Option(
             "--healthy",
-            metavar="N",
-            parser=options.whole(4, 10**9),
-            help="The first N results of each unit are healthy; by default a third of them, four at least.",
+            metavar="N|PATTERN",
+            help="Which results of each unit are healthy: the first N, or those in whose name a regular expression is "
+            "found; by default the first third.",
         ),
     ] = None,
     page: Annotated[
@@ -65,43 +76,63 @@ def run(
     """
     from ema_bench_replay.errors import InputError
 
-    from ..campaign.histories import outlooks, read_limits
+    from ..campaign.healthy import Healthy
+    from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
     from ..campaign.store import Store
+    from ..campaign.unit_health import unit_health
     from ..campaign.units import units_of
     from .inputs import write_json
 
     of_numbers = read_limits(limits)
+    known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
     if unit is not None:
         found = [one for one in found if one.name == unit]
         if not found:
             raise InputError(f"{results}: holds no unit '{unit}'; ema-twin units {results} lists them")
-    ahead = {one.name: outlooks(one, of_numbers, healthy) for one in found}
+    ahead = {one.name: outlooks(one, of_numbers, known_good) for one in found}
+    health = {one.name: unit_health(one, known_good) for one in found}
     for path in of_numbers.keys() - {look.history.path for looks in ahead.values() for look in looks}:
         warn(f"{limits}: {path} is no number that was followed in any of these units")
     if unit is not None:
         _show_recordings(found[0])
+        _show_health(health[unit])
         _show_numbers(ahead[unit])
     else:
-        _show(found, ahead)
+        _show(found, ahead, health)
     for one in found:
         for remark in one.remarks:
+            warn(f"{one.name}: {remark}")
+        for remark in () if (of := health[one.name]) is None else of.remarks:
             warn(f"{one.name}: {remark}")
     if page is not None:
         from ..report.fleet import write_fleet
 
-        overview = write_fleet(page, found, ahead, force=force)
+        overview = write_fleet(page, found, ahead, health, force=force)
         say(f"{overview}: open it in any browser")
-    write_json(json, [{**one.as_json(), "numbers": [look.as_json() for look in ahead[one.name]]} for one in found])
+    write_json(json, [_json(one, ahead[one.name], health[one.name]) for one in found])
 
 
-def _show(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> None:
+def _json(one: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> dict[str, object]:
+    return {
+        **one.as_json(),
+        "numbers": [look.as_json() for look in looks],
+        "health": None if health is None else health.as_json(),
+    }
+
+
+def _show(
+    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+) -> None:
     table = ReportTable(f"{len(units)} units, the ones with most beyond the sensors' noise first")
     table.words("unit")
     table.numbers("judged", "refused", "failed")
     table.words("last recorded", "missing in")
     table.numbers("beyond noise")
     table.words("changed", widest=40)
+    judged = any(health.values())
+    if judged:
+        table.words("health", widest=40)
     for one in units:
         table.add_row(
             escape(one.name),
@@ -112,6 +143,7 @@ def _show(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> None
             missing_words(one),
             "" if one.beyond_noise is None else f"{one.beyond_noise:.1f} ×",
             _changed(ahead[one.name]),
+            *([escape(health_words(health[one.name]))] if judged else []),
         )
     console.print(table)
     say("Beyond noise: the largest error of a signal in its last recording, in times the sensors' noise.")
@@ -143,6 +175,32 @@ def _show_recordings(one: Unit) -> None:
             escape(row["message"] or ""),
         )
     console.print(table)
+
+
+def _show_health(health: UnitHealth | None) -> None:
+    """What the tests of a unit say beside its healthy ones."""
+    if health is None or not health.tests:
+        return
+    for one in health.baselines:
+        say(
+            f"\nIts health, beside {one.runs} healthy recordings of {one.tests} tests. Of a healthy unit, "
+            f"{100.0 * one.false_alarm:g} % are called off; of these, {100.0 * one.false_alarms_left_out:.0f} % were "
+            "when their own test was left out."
+        )
+    table = ReportTable()
+    table.words("test")
+    table.numbers("off", "farthest")
+    table.words("named", "what changed")
+    for test in health.tests:
+        table.add_row(
+            escape(test.name),
+            f"{test.detected}/{test.judged}",
+            f"{test.worst.distance:.1f} ×" if test.judged else "",
+            named_words(test),
+            escape(change_words(test)),
+        )
+    console.print(table)
+    say("Farthest: the distance from the healthy ones, in times of the limit's.")
 
 
 def _show_numbers(looks: Sequence[Outlook]) -> None:

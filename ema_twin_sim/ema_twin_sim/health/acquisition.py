@@ -20,6 +20,11 @@ class Acquisition:
     unsigned: bool  # whether the effort is a magnitude
     findings: tuple[str, ...]
 
+    @property
+    def fit_to_learn_from(self) -> bool:
+        """Whether a healthy run tells what healthy is."""
+        return self.usable and self.effort_usable
+
 
 def judge_acquisition(record: MotionRecord) -> Acquisition:
     """Look at the clock, at samples that are no numbers, at clipping and at the sign of the effort."""

@@ -15,9 +15,9 @@ from ..criteria import MOSTLY, NEARLY_ALL
 from .acquisition import judge_acquisition
 from .between_tests import Prediction, predict
 from .false_alarms import FALSE_ALARM
-from .features import Features, features_of, stroke_efforts
+from .features import Features, stroke_efforts
 from .motion_record import MotionRecord
-from .phases import phases_of
+from .run_features import RunFeatures, run_features
 from .wave import found_wavelength
 
 RUNNING = (
@@ -30,7 +30,7 @@ ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
 SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
 """What helps to name a change and calls none off: parts of what is judged already."""
-_FEWEST_TESTS = 3
+FEWEST_TESTS = 3
 _VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
 
 
@@ -74,21 +74,37 @@ def learn(
     The wavelength, in the position's unit, is the lead of a screw or 2π of a turning shaft; unless it is given it is
     found. Raises InputError where the runs do not suffice.
     """
-    kept, warnings = [], []
-    for record in records:
-        acquisition = judge_acquisition(record)
-        if acquisition.usable and acquisition.effort_usable:
-            kept.append((record, acquisition.unsigned))
-        else:
-            warnings.append(f"{record.name}: not learnt from. {' '.join(acquisition.findings)}")
-    tests = [record.test for record, _ in kept]
-    number = len(set(tests))
-    if number < _FEWEST_TESTS:
-        raise InputError(f"healthy recordings of {number} tests do not tell how tests differ; give {_FEWEST_TESTS}")
-    unsigned = sum(flag for _, flag in kept) > 0.5 * len(kept)
+    judged = [(record, judge_acquisition(record)) for record in records]
+    fit = [(record, acquisition.unsigned) for record, acquisition in judged if acquisition.fit_to_learn_from]
+    unsigned = _mostly([flag for _, flag in fit])
     if wavelength is None:
-        wavelength = found_wavelength([stroke for record, _ in kept for stroke in stroke_efforts(record, unsigned)])
-    all_features = [features_of(record, wavelength, unsigned) for record, _ in kept]
+        strokes = [stroke for record, _ in fit for stroke in stroke_efforts(record, unsigned)]
+        wavelength = found_wavelength(strokes) if strokes else np.nan
+    return learn_from([run_features(record, wavelength, unsigned) for record in records], false_alarm=false_alarm)
+
+
+def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM) -> Baseline:
+    """The same from runs that were read before, all with one wavelength.
+
+    Raises InputError where they do not suffice, or do not go together.
+    """
+    kept, warnings = [], []
+    for run in runs:
+        if run.acquisition.fit_to_learn_from:
+            kept.append(run)
+        else:
+            warnings.append(f"{run.name}: not learnt from. {' '.join(run.acquisition.findings)}")
+    tests = [run.test for run in kept]
+    number = len(set(tests))
+    if number < FEWEST_TESTS:
+        raise InputError(f"healthy recordings of {number} tests do not tell how tests differ; give {FEWEST_TESTS}")
+    unsigned = _mostly([run.unsigned for run in kept])
+    if odd := next((run for run in kept if run.unsigned != unsigned), None):
+        raise InputError(f"{odd.name}: {other_sign(odd)}; leave it out of the healthy ones")
+    wavelength = kept[0].wavelength
+    if not np.array_equal([run.wavelength for run in kept], [wavelength] * len(kept), equal_nan=True):
+        raise InputError("healthy recordings were read with several wavelengths; read all of them with one")
+    all_features = [run.features for run in kept if run.features is not None]
     names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in features.values for features in all_features))
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
@@ -98,7 +114,7 @@ def learn(
     judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
     columns = [moving.index(name) for name in judged]
     blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
-    motions = np.array([_motion(record) for record, _ in kept])
+    motions = np.array([run.motion for run in kept])
     return Baseline(
         features=tuple(moving),
         prediction=predict(values, tests),
@@ -114,6 +130,13 @@ def learn(
         motion=tuple(np.median(motions, axis=0)),
         warnings=tuple(warnings),
     )
+
+
+def other_sign(run: RunFeatures) -> str:
+    """How the effort of a run differs from that of others, one of which is a magnitude."""
+    if run.unsigned:
+        return "The effort is a magnitude and that of the healthy recordings has a sign"
+    return "The effort has a sign and that of the healthy recordings is a magnitude"
 
 
 def tails(
@@ -142,7 +165,7 @@ def _limits(
     rates = _rates(blocks, false_alarm)
     labels = np.asarray(tests)
     left_out = np.zeros((len(values), len(blocks)))
-    if len(set(tests)) > _FEWEST_TESTS - 1:
+    if len(set(tests)) > FEWEST_TESTS - 1:
         for test in dict.fromkeys(tests):
             others = labels != test
             prediction = predict(values[others], [name for name in tests if name != test])
@@ -177,9 +200,8 @@ def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
     ]
 
 
-def _motion(record: MotionRecord) -> tuple[float, float, float]:
-    phases = phases_of(record)
-    return float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+def _mostly(flags: Sequence[bool]) -> bool:
+    return sum(flags) > 0.5 * len(flags)
 
 
 def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarray:

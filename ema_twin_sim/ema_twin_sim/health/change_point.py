@@ -1,10 +1,10 @@
 """Change points of a feature or a parameter over time, at a stated rate of false alarms.
 
 The first values are the baseline; each later value asks whether the mean of the last 1, 2, 4, … values still is the
-baseline's (a generalised likelihood ratio over windows). Its error holds the baseline's own, whose scatter, where it
-exceeds the standard errors that were given, widens them; few baseline values make Student's tail. The limit is the
-one whose mean time to a false alarm is the reciprocal of the rate, by Siegmund and Venkatraman, The Annals of
-Statistics 23, 1995, equation 2.4, for all windows: those that are left out here alarm less.
+baseline's (a generalised likelihood ratio over windows). Its error holds the baseline's own. How much values scatter is
+told by the baseline more than by the standard errors that were given; few baseline values make Student's tail. The
+limit is the one whose mean time to a false alarm is the reciprocal of the rate, by Siegmund and Venkatraman, The Annals
+of Statistics 23, 1995, equation 2.4, for all windows: those that are left out here alarm less.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from scipy import integrate, optimize, stats
 
 from ema_bench_replay.errors import InputError
 
-from ..criteria import LIKELY, NEARLY_ALL
+from ..criteria import LIKELY
 from .false_alarms import FALSE_ALARM_OF_HISTORY
 
 _FEWEST = 4  # baseline values
+_BELIEVED = 2.0  # degrees of freedom of errors that were told
 _LARGEST = 12.0  # standard errors: no rate asks for more
 
 
@@ -53,23 +54,25 @@ def change_point(
     scatter = float(np.sum(weights * (values[:baseline] - mean) ** 2))
     widened, freedom = inflation(scatter, baseline - 1)
     limit = alarm_limit(false_alarm)
+    as_student = float(stats.t.isf(stats.norm.sf(limit), freedom))
     for last in range(baseline, len(values)):
         for length in _windows(last - baseline + 1):
             rows = slice(last - length + 1, last + 1)
-            distance = _distance(values[rows], errors[rows], mean, 1.0 / weights.sum(), widened, freedom)[0]
-            if abs(distance) > limit:
+            size, error = _off(values[rows], errors[rows], mean, 1.0 / weights.sum(), widened)
+            if abs(size) > as_student * error:
+                distance = float(stats.norm.isf(stats.t.sf(abs(size) / error, freedom)))
                 return _located(values, errors, baseline, last, mean, 1.0 / weights.sum(), widened, distance, limit)
     return None
 
 
-def inflation(scatter: float, freedom: int) -> tuple[float, float]:
+def inflation(scatter: float, freedom: float) -> tuple[float, float]:
     """By what errors are to be multiplied, and the degrees of freedom then, from a sum of squares in those errors.
 
-    Errors that were given are believed, unless their scatter is larger than chance allows.
+    What was told of errors counts as much as a few values: days differ by what no fit knows, and what all recordings
+    of a unit share is in each error and in no difference of two.
     """
-    if freedom > 0 and scatter > stats.chi2.ppf(NEARLY_ALL, freedom):
-        return float(np.sqrt(scatter / freedom)), float(freedom)
-    return 1.0, np.inf
+    known = _BELIEVED + freedom
+    return float(np.sqrt((_BELIEVED + scatter) / known)), float(known)
 
 
 @cache
@@ -97,17 +100,11 @@ def _windows(most: int) -> list[int]:
     return sorted({min(2**power, most) for power in range(most.bit_length() + 1)})
 
 
-def _distance(
-    values: np.ndarray, errors: np.ndarray, mean: float, variance: float, widened: float, freedom: float
-) -> tuple[float, float, float]:
-    """(distance in equivalent normal standard errors, size, its error) of a window's mean from the baseline's."""
-    weights = 1.0 / errors**2
-    size = float(np.sum(weights * values) / weights.sum()) - mean
-    error = widened * float(np.sqrt(1.0 / weights.sum() + variance))
-    distance = size / error
-    if np.isfinite(freedom):
-        distance = float(np.sign(distance) * stats.norm.isf(stats.t.sf(abs(distance), freedom)))
-    return distance, size, error
+def _off(values: np.ndarray, errors: np.ndarray, mean: float, variance: float, widened: float) -> tuple[float, float]:
+    """(size, its standard error) of a window's mean beside the baseline's."""
+    weights = errors**-2.0
+    total = float(weights.sum())
+    return float(values @ weights) / total - mean, widened * (1.0 / total + variance) ** 0.5
 
 
 def _located(
@@ -124,7 +121,5 @@ def _located(
     best = int(np.argmax(gains))
     likely = begins[np.array(gains) >= gains[best] - LIKELY]
     rows = slice(int(begins[best]), last + 1)
-    _, size, error = _distance(values[rows], errors[rows], mean, variance, widened, np.inf)
-    return ChangePoint(
-        last, int(begins[best]), int(likely.min()), int(likely.max()), size, error, float(abs(distance)), limit
-    )
+    size, error = _off(values[rows], errors[rows], mean, variance, widened)
+    return ChangePoint(last, int(begins[best]), int(likely.min()), int(likely.max()), size, error, distance, limit)

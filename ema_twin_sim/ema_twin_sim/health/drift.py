@@ -1,8 +1,11 @@
-"""Drift of a feature or a parameter: level, then a line from an onset on that nobody knows.
+"""Drift of a feature or a parameter: a level, then wear from an onset on that nobody knows, by a law that nobody knows.
 
-For each possible onset (every time that was recorded, but the last two) level and slope are a weighted least squares
-fit. Onsets are weighted by their likelihood, with the width of what else fits integrated out (Laplace), so that what is
-told of the slope or of a later value holds the doubt about the onset.
+Wear goes with a power of the time since its onset, or exponentially where damage makes damage; and it goes in random
+steps, as a gamma process does, whose size is not known either. For each possible onset, law and size of the steps the
+level, the change until now and what the steps have come to are a Kalman filter's, each weighted by its marginal
+likelihood and, laws, by how usual they are: what is told of the slope or of a later value holds the doubt about all.
+How much values scatter is told by their second differences, which hardly see wear, and by the errors that were given.
+(Gamma processes of wear: van Noortwijk, Reliability Engineering & System Safety 94, 2009.)
 """
 
 from __future__ import annotations
@@ -18,43 +21,78 @@ from ..criteria import CONTRADICTED
 from .change_point import inflation
 
 _FEWEST = 5  # values
+_ONSETS = 40  # that are tried at most
+_POWERS = np.exp2(np.arange(-2.0, 5.0) / 3.0)  # 0.63 to 2.5, by thirds of an octave
+_RATES = np.array([0.5, 1.0, 2.0, 3.5])  # of exponential growth until now
+_USUAL = np.append(np.exp(-0.5 * np.log2(_POWERS) ** 2), np.ones(len(_RATES)))  # laws: a power of one most of all
+_STEPS = np.array([0.0, 0.05, 0.1, 0.2])  # of random steps: standard deviation of the wear until now, of itself
+_HARDLY = 1e-4  # of the likeliest: less likely ones count nothing
+_SECOND_DIFFERENCES = 18.0 / 35.0  # degrees of freedom of each, which share values
+_DIFFUSE = 30.0  # times the range of the values: level and change are not known before
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """How wear goes on from its onsets (k,), with powers (k,) or rates (k,) of the time; a rate of 0 is a power."""
+
+    onsets: np.ndarray
+    powers: np.ndarray
+    rates: np.ndarray
+    last: float  # the time at which the wear until now is 1
+
+    def gone(self, time: float | np.ndarray) -> np.ndarray:
+        """Wear (k, ...) at times (...), in that until the last one."""
+        shape = (-1, *[1] * np.ndim(time))
+        onsets, powers, rates = (of.reshape(shape) for of in (self.onsets, self.powers, self.rates))
+        since = np.maximum(0.0, time - onsets) / (self.last - onsets)
+        safe = np.where(rates > 0.0, rates, 1.0)
+        with np.errstate(over="ignore"):
+            growth = np.expm1(np.minimum(safe * since, 600.0)) / np.expm1(safe)
+        return np.where(rates > 0.0, growth, since**powers)
+
+    @property
+    def by_time(self) -> np.ndarray:
+        """What turns the wear until now into its rate at the last time (k,)."""
+        safe = np.where(self.rates > 0.0, self.rates, 1.0)
+        return np.where(self.rates > 0.0, safe / -np.expm1(-safe), self.powers) / (self.last - self.onsets)
+
+    def of(self, which: np.ndarray) -> Law:
+        """Some of them."""
+        return Law(self.onsets[which], self.powers[which], self.rates[which], self.last)
 
 
 @dataclass(frozen=True, eq=False)
 class Drift:
-    """What the values do over time; with its parts by onset (k,)."""
+    """What the values do over time; with its parts (k,) by onset, law and size of random steps."""
 
     times: np.ndarray  # (n,)
-    onsets: np.ndarray  # (k,), in the times' unit
+    law: Law
     weights: np.ndarray  # (k,), of sum 1
-    fits: np.ndarray  # (k, 2): level and slope of each
-    covariances: np.ndarray  # (k, 2, 2)
-    freedom: float  # degrees of freedom of the errors' size; infinite where they were given and hold
+    fits: np.ndarray  # (k, 3): level, change by the law until the last time, change by random steps
+    covariances: np.ndarray  # (k, 3, 3)
+    steps: np.ndarray  # (k,) variance of random steps for as much wear as until the last time
+    freedom: float  # degrees of freedom of the errors' size
+    is_trend: bool  # whether the change is beyond chance: each part's in its own error, as likely as it is
 
     @property
     def slope(self) -> float:
-        """Per time, after the onset."""
-        return float(self.weights @ self.fits[:, 1])
+        """Per time, at the last one."""
+        return float(self.weights @ (self.fits[:, 1] * self.law.by_time))
 
     @property
     def slope_error(self) -> float:
-        """Standard error, with the doubt about the onset."""
-        spread = self.weights @ (self.covariances[:, 1, 1] + (self.fits[:, 1] - self.slope) ** 2)
+        """Standard error, with the doubt about onset and law."""
+        slopes = self.fits[:, 1] * self.law.by_time
+        spread = self.weights @ (self.covariances[:, 1, 1] * self.law.by_time**2 + (slopes - self.slope) ** 2)
         return float(np.sqrt(spread))
 
-    @property
-    def is_trend(self) -> bool:
-        """Whether the slope is beyond chance: each onset's in its own error, as likely as it is."""
-        distance = np.abs(self.fits[:, 1]) / np.sqrt(self.covariances[:, 1, 1])
-        return bool(float(self.weights @ distance) > CONTRADICTED)
-
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Value and standard error (k,) at a time, by each onset."""
-        since = np.maximum(0.0, time - self.onsets)
-        rows = np.column_stack([np.ones_like(since), since])
+        """Value and standard error (k,) at the last time or after it, by each part."""
+        gone = self.law.gone(time)
+        rows = np.column_stack([np.ones_like(gone), gone, np.ones_like(gone)])
         values = np.einsum("ij,ij->i", rows, self.fits)
-        errors = np.sqrt(np.einsum("ij,ijk,ik->i", rows, self.covariances, rows))
-        return values, errors
+        variances = np.einsum("ij,ijk,ik->i", rows, self.covariances, rows)
+        return values, np.sqrt(variances + self.steps * np.maximum(0.0, gone - 1.0))
 
     def now(self) -> tuple[float, float]:
         """Value and standard error at the last time."""
@@ -68,26 +106,79 @@ def drift(times: np.ndarray, values: np.ndarray, errors: np.ndarray) -> Drift:
     times, values, errors = (np.asarray(x, dtype=np.float64) for x in (times, values, errors))
     if len(times) < _FEWEST or not (np.diff(times) > 0.0).all():
         raise InputError(f"{len(times)} values at rising times show no drift; give {_FEWEST}")
-    onsets = times[:-2]
-    fits, covariances, misfits = [], [], []
-    for onset in onsets:
-        rows = np.column_stack([np.ones(len(times)), np.maximum(0.0, times - onset)]) / errors[:, None]
-        covariance = np.linalg.inv(rows.T @ rows)
-        fit = covariance @ (rows.T @ (values / errors))
-        fits.append(fit)
-        covariances.append(covariance)
-        misfits.append(float(np.sum((values / errors - rows @ fit) ** 2)))
-    least = min(misfits)
-    widened, freedom = inflation(least, len(times) - 3)
-    spread = np.array(covariances) * widened**2
-    logs = -0.5 * (np.array(misfits) - least) / widened**2
-    weights = np.exp(logs)
-    return Drift(times, onsets, weights / weights.sum(), np.array(fits), spread, freedom)
+    curved = values[:-2] - 2.0 * values[1:-1] + values[2:]
+    expected = errors[:-2] ** 2 + 4.0 * errors[1:-1] ** 2 + errors[2:] ** 2
+    share = _SECOND_DIFFERENCES
+    widened, freedom = inflation(share * float(np.sum(curved**2 / expected)), share * len(curved))
+    errors = widened * errors
+    candidates = times[: -2 : max(1, len(times) // _ONSETS)]
+    number = len(_POWERS) + len(_RATES)
+    law = Law(
+        np.repeat(candidates, number),
+        np.tile(np.append(_POWERS, np.ones(len(_RATES))), len(candidates)),
+        np.tile(np.append(np.zeros(len(_POWERS)), _RATES), len(candidates)),
+        float(times[-1]),
+    )
+    usual = np.log(np.tile(_USUAL, len(candidates)))
+    plain = _filtered(law, np.zeros(len(usual)), times, values, errors)
+    weights = _weights(plain[2] + usual)
+    distance = np.abs(plain[0][:, 1]) / np.sqrt(plain[1][:, 1, 1])
+    if float(weights @ distance) <= CONTRADICTED:
+        return _kept(times, law, weights, *plain[:2], np.zeros(len(usual)), freedom, is_trend=False)
+    which = np.repeat(np.arange(len(usual)), len(_STEPS))
+    steps = (np.tile(_STEPS, len(usual)) * plain[0][which, 1]) ** 2
+    fits, covariances, likelihoods = _filtered(law.of(which), steps, times, values, errors)
+    weights = _weights(likelihoods + usual[which])
+    return _kept(times, law.of(which), weights, fits, covariances, steps, freedom, is_trend=True)
+
+
+def _filtered(
+    law: Law, steps: np.ndarray, times: np.ndarray, values: np.ndarray, errors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(states (k, 3), covariances (k, 3, 3), logarithms of the likelihood (k,)) after all values.
+
+    The random steps are a random walk whose variance grows as the wear does.
+    """
+    gone = law.gone(times)
+    grown = steps[:, None] * np.diff(gone, prepend=gone[:, :1], axis=1)
+    middle = float(np.mean(values))
+    diffuse = (_DIFFUSE * (float(np.ptp(values)) + float(errors.max()))) ** 2
+    states = np.zeros((len(steps), 3))
+    covariances = np.zeros((len(steps), 3, 3))
+    covariances[:, 0, 0] = covariances[:, 1, 1] = diffuse
+    likelihoods = np.zeros(len(steps))
+    for k in range(len(times)):
+        covariances[:, 2, 2] += grown[:, k]
+        row = np.ones((len(steps), 3))
+        row[:, 1] = gone[:, k]
+        seen = np.einsum("kij,kj->ki", covariances, row)
+        variance = np.einsum("ki,ki->k", row, seen) + errors[k] ** 2
+        off = values[k] - middle - np.einsum("ki,ki->k", row, states)
+        gain = seen / variance[:, None]
+        states += gain * off[:, None]
+        covariances -= gain[:, :, None] * seen[:, None, :]
+        likelihoods -= 0.5 * (off**2 / variance + np.log(variance))
+    states[:, 0] += middle
+    return states, covariances, likelihoods
+
+
+def _weights(logarithms: np.ndarray) -> np.ndarray:
+    weights = np.exp(logarithms - logarithms.max())
+    return np.asarray(weights / weights.sum())
+
+
+def _kept(
+    times: np.ndarray, law: Law, weights: np.ndarray, fits: np.ndarray, covariances: np.ndarray, steps: np.ndarray,
+    freedom: float, *, is_trend: bool,
+) -> Drift:  # fmt: skip
+    """Without what is hardly likely."""
+    kept = weights > _HARDLY * weights.max()
+    shares = weights[kept] / weights[kept].sum()
+    return Drift(times, law.of(kept), shares, fits[kept], covariances[kept], steps[kept], freedom, is_trend)
 
 
 def slope_tail(found: Drift) -> float:
     """Probability that the slope is on the other side of zero than it seems."""
     distance = found.fits[:, 1] / np.sqrt(found.covariances[:, 1, 1])
-    tail = stats.t.cdf(distance, found.freedom) if np.isfinite(found.freedom) else stats.norm.cdf(distance)
-    up = float(found.weights @ tail)
+    up = float(found.weights @ stats.t.cdf(distance, found.freedom))
     return min(up, 1.0 - up)

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
-from .acquisition import Acquisition, judge_acquisition
-from .baseline import Baseline, tails
+from .acquisition import Acquisition
+from .baseline import Baseline, other_sign, tails
 from .families import Family, Ranked, rank
-from .features import Feature, Features, features_of
+from .features import Feature, Features
 from .motion_record import MotionRecord
-from .phases import phases_of
+from .run_features import RunFeatures, alike, run_features
 
 _WORDS = {
     "friction": "effort in steady motion",
@@ -75,12 +75,16 @@ class HealthJudgement:
 
 def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
     """Judge one run of the unit that a baseline was learnt from."""
-    acquisition = judge_acquisition(record)
-    if not acquisition.usable:
-        return _not_judged(record, baseline, acquisition, acquisition.findings)
-    if other := another_motion(record, baseline):
-        return _not_judged(record, baseline, acquisition, (*acquisition.findings, other))
-    features = features_of(record, baseline.wavelength, baseline.unsigned)
+    return judge_run(run_features(record, baseline.wavelength, baseline.unsigned), baseline)
+
+
+def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
+    """Judge one run that was read with the wavelength of the baseline."""
+    acquisition, features = run.acquisition, run.features
+    if features is None:
+        return _not_judged(run, baseline, acquisition.findings)
+    if other := not_alike(run, baseline):
+        return _not_judged(run, baseline, (*acquisition.findings, other))
     values = baseline.vector(features)
     if not acquisition.effort_usable:
         of_effort = [features.values[name].of_effort if name in features.values else True for name in baseline.features]
@@ -88,7 +92,7 @@ def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
     limits = np.array([block.limit for block in baseline.blocks])
     found = np.array(tails(baseline.prediction, baseline.features, [b.features for b in baseline.blocks], values))
     if not np.isfinite(found).any():
-        return _not_judged(record, baseline, acquisition, acquisition.findings)
+        return _not_judged(run, baseline, acquisition.findings)
     detected = bool((found[np.isfinite(found)] < limits[np.isfinite(found)]).any())
     offs = (values - baseline.prediction.mean) / baseline.prediction.spread
     changes = tuple(_change(name, features, baseline, off) for name, off in zip(baseline.features, offs, strict=True)
@@ -96,7 +100,7 @@ def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
     ranked = rank({c.name: c.standard_deviations for c in changes if not (acquisition.unsigned and c.name == "load")})
     family, why = _named(ranked, offs, features, baseline, acquisition) if detected else (None, ())
     return HealthJudgement(
-        record.name, record.test, acquisition, features.values, changes, detected, baseline.false_alarm,
+        run.name, run.test, acquisition, features.values, changes, detected, baseline.false_alarm,
         float(np.nanmax(found / limits)), family,
         ranked[0].probability if ranked and family not in (None, Family.UNKNOWN) else 0.0,
         ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why),
@@ -119,13 +123,15 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
 
 
-def another_motion(record: MotionRecord, baseline: Baseline) -> str:
-    """How a run's motion differs from the healthy ones', so that its features do not compare; nothing where it fits."""
-    phases = phases_of(record)
-    own = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
-    units = "s", record.position_unit, f"{record.position_unit}/s"
-    for what, unit, mine, theirs in zip(("sample period", "travel", "speed"), units, own, baseline.motion, strict=True):
-        if abs(mine - theirs) > PART * theirs:
+def not_alike(run: RunFeatures, baseline: Baseline) -> str:
+    """How a run differs from the healthy ones, so that its features do not compare; nothing where they do."""
+    if run.unsigned != baseline.unsigned:
+        return f"{other_sign(run)}; record as the healthy ones were."
+    units = "s", run.position_unit, f"{run.position_unit}/s"
+    for what, unit, mine, theirs in zip(
+        ("sample period", "travel", "speed"), units, run.motion, baseline.motion, strict=True
+    ):
+        if not alike(mine, theirs):
             return (
                 f"The {what} is {mine:.3g} {unit} and that of the healthy recordings {theirs:.3g} {unit}; repeat their "
                 "test, or learn another baseline."
@@ -187,9 +193,7 @@ def _change(name: str, features: Features, baseline: Baseline, off: float) -> Ch
     return Change(name, value, feature.unit, healthy, float(off))
 
 
-def _not_judged(
-    record: MotionRecord, baseline: Baseline, acquisition: Acquisition, words: tuple[str, ...]
-) -> HealthJudgement:
+def _not_judged(run: RunFeatures, baseline: Baseline, words: tuple[str, ...]) -> HealthJudgement:
     return HealthJudgement(
-        record.name, record.test, acquisition, {}, (), None, baseline.false_alarm, np.nan, None, 0.0, (), words
+        run.name, run.test, run.acquisition, {}, (), None, baseline.false_alarm, np.nan, None, 0.0, (), words
     )

@@ -32,6 +32,7 @@ class MotionRecord:
     position_unit: str = "m"
     effort_unit: str = "A"
     unsigned: bool | None = None  # None: not told; a magnitude is then one that never changes its sign
+    place: str = "output_position"  # the signal that the position is
 
     def __post_init__(self) -> None:
         for name in ("time", "position", "effort", "command", "motor_position"):
@@ -71,5 +72,6 @@ class MotionRecord:
             motor_position=signals["motor_position"] if both else None,
             position_unit=signal_unit(place, recording.motion),
             effort_unit=signal_unit(effort, recording.motion),
+            place=place,
             unsigned=True if f"{effort}{KIND}" in recording.metadata else None,
         )

@@ -15,7 +15,7 @@ from scipy import stats
 from .drift import Drift
 
 _BEYOND = 1e4  # times the history's length: longer is for ever
-_HALVINGS = 60
+_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -42,35 +42,39 @@ def margin(found: Drift, healthy: float, limit: float) -> Margin:
     return Margin((limit - value) / (limit - healthy), error / abs(limit - healthy))
 
 
-def remaining_life(found: Drift, limit: float, probability: float = 0.9) -> RemainingLife | None:
-    """When the values reach a limit that they are drifting to, or None where they show no trend to it."""
+def remaining_life(
+    found: Drift, limit: float, probability: float = 0.9, limit_error: float = 0.0
+) -> RemainingLife | None:
+    """When the values reach a limit that they are drifting to, or None where they show no trend to it.
+
+    The standard error of the limit is what all values share: they tell each other, and not the limit, more exactly.
+    """
     side = float(np.sign(limit - found.now()[0])) or 1.0
     if not found.is_trend or side * found.slope <= 0.0:
         return None
     tail = 0.5 * (1.0 - probability)
-    moments = [_when(found, limit, side, share) for share in (tail, 0.5, 1.0 - tail)]
+    moments = [_when(found, limit, limit_error, side, share) for share in (tail, 0.5, 1.0 - tail)]
     return RemainingLife(moments[1], moments[0], moments[2], probability)
 
 
-def passed(found: Drift, limit: float, side: float, after: float) -> float:
+def passed(found: Drift, limit: float, limit_error: float, side: float, after: float) -> float:
     """Chance that the limit is passed so long after the last time."""
     values, errors = found.at(float(found.times[-1]) + after)
-    distance = side * (values - limit) / errors
-    chance = stats.t.cdf(distance, found.freedom) if np.isfinite(found.freedom) else stats.norm.cdf(distance)
-    return float(found.weights @ chance)
+    distance = side * (values - limit) / np.hypot(errors, limit_error)
+    return float(found.weights @ stats.t.cdf(distance, found.freedom))
 
 
-def _when(found: Drift, limit: float, side: float, share: float) -> float:
+def _when(found: Drift, limit: float, limit_error: float, side: float, share: float) -> float:
     """The time after the last at which the limit is passed with that chance."""
     low, high = 0.0, float(found.times[-1] - found.times[0])
     longest = _BEYOND * high
-    if passed(found, limit, side, low) >= share:
+    if passed(found, limit, limit_error, side, low) >= share:
         return 0.0
-    while passed(found, limit, side, high) < share:
+    while passed(found, limit, limit_error, side, high) < share:
         low, high = high, 2.0 * high
         if high > longest:
             return np.inf
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if passed(found, limit, side, middle) >= share else (middle, high)
+        low, high = (low, middle) if passed(found, limit, limit_error, side, middle) >= share else (middle, high)
     return high

@@ -6,7 +6,7 @@ A unit's page goes the way of ISO 13374: what was acquired, the unit's state, it
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
@@ -15,10 +15,19 @@ from ema_bench_replay.outputs import new_file
 
 from ..campaign.histories import Outlook
 from ..campaign.store import file_name
+from ..campaign.unit_health import UnitHealth
 from ..campaign.units import Unit
 from ..quantities import estimate, quantity
 from ..words.sentences import effect_words
-from ..words.units import change_of, life_words, missing_words, number_words
+from ..words.units import (
+    change_of,
+    change_words,
+    health_words,
+    life_words,
+    missing_words,
+    named_words,
+    number_words,
+)
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
 
@@ -32,16 +41,21 @@ _FILTER = (
 
 
 def write_fleet(
-    folder: Path, units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], *, force: bool = False
+    folder: Path,
+    units: Sequence[Unit],
+    ahead: Mapping[str, Sequence[Outlook]],
+    health: Mapping[str, UnitHealth | None],
+    *,
+    force: bool = False,
 ) -> Path:
     """Write the pages; the one of all units is returned.
 
     Raises InputError where it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
-    _write(overview, _overview(units, ahead), force)
+    _write(overview, _overview(units, ahead, health), force)
     for unit in units:
-        _write(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name]), force=True)
+        _write(folder / _UNITS / _file(unit), _unit(unit, ahead[unit.name], health[unit.name]), force=True)
     return overview
 
 
@@ -66,7 +80,9 @@ def _page(title: str, *body: str, script: str = "") -> str:
     )
 
 
-def _overview(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> str:
+def _overview(
+    units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
+) -> str:
     changed = sum(any(look.change for look in ahead[unit.name]) for unit in units)
     lacking = sum(bool(unit.missing) for unit in units)
     refused = sum(unit.refused + unit.failed for unit in units)
@@ -83,17 +99,19 @@ def _overview(units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]]) -> 
             missing_words(unit),
             "" if unit.beyond_noise is None else f"{unit.beyond_noise:.1f} ×",
             ", ".join(f"{number_words(look)} {change_of(look)}" for look in ahead[unit.name] if look.change),
+            health_words(health[unit.name]),
         )
         for unit in units
     ]
-    head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed")
-    found = table(head, rows, words=(0, 3, 4, 6))
+    head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed", "health")
+    found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
     return _page(f"{len(units)} units", tag("p", lead, class_="lead"), box, found, script=_FILTER)
 
 
-def _unit(unit: Unit, looks: Sequence[Outlook]) -> str:
+def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> str:
     changed = [look for look in looks if look.change is not None]
+    remarks = [*unit.remarks, *(() if health is None else health.remarks)]
     leading = [look for look in looks if look.life is not None or look.trend is not None]
     return _page(
         unit.name,
@@ -102,9 +120,9 @@ def _unit(unit: Unit, looks: Sequence[Outlook]) -> str:
             "acquisition",
             "Acquisition",
             tag("p", f"{unit.judged} results, {unit.refused} refused, {unit.failed} failed."),
-            items(*unit.remarks) if unit.remarks else tag("p", "Nothing speaks against taking them together."),
+            items(*remarks) if remarks else tag("p", "Nothing speaks against taking them together."),
         ),
-        section("state", "State", tag("p", _state(unit))),
+        section("state", "State", tag("p", _state(unit)), *_tests(health)),
         section(
             "health",
             "Health",
@@ -117,7 +135,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook]) -> str:
             "Prognosis",
             items(*(_leads(look) for look in leading)) if leading else tag("p", "No number shows a trend."),
         ),
-        section("advice", "Advice", items(*_advice(unit, changed, leading))),
+        section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
         section("results", "Results", _results(unit)),
     )
 
@@ -128,6 +146,25 @@ def _state(unit: Unit) -> str:
     if unit.beyond_noise <= 1.0:
         return "In its last result, nothing stands out of the sensors' noise."
     return f"In its last result, an error stands out of the sensors' noise by {unit.beyond_noise:.1f} times."
+
+
+def _tests(health: UnitHealth | None) -> Iterator[Markup]:
+    """How a unit's tests are beside its healthy ones."""
+    if health is None or not health.tests:
+        return
+    for one in health.baselines:
+        yield tag("p", f"Beside {one.runs} healthy recordings of {one.tests} tests:")
+    rows = [
+        (
+            test.name,
+            f"{test.detected}/{test.judged}",
+            f"{test.worst.distance:.1f} ×" if test.judged else "",
+            named_words(test),
+            change_words(test),
+        )
+        for test in health.tests
+    ]
+    yield table(("test", "off", "distance of the limit's", "named", "what changed"), rows, words=(0, 3, 4))
 
 
 def _unchanged(looks: Sequence[Outlook]) -> str:
@@ -149,12 +186,14 @@ def _leads(look: Outlook) -> str:
     return f"{text} It reaches its limit in {life_words(look)} (90 %)." if look.life else text
 
 
-def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook]) -> list[str]:
+def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], health: UnitHealth | None) -> list[str]:
     ending = [look for look in leading if look.life is not None and math.isfinite(look.life.median)]
     told = [f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}." for look in ending]
     told += [
         f"Look at what makes {number_words(look)} change: {effect_words(look.history.owner)}." for look in changed[:3]
     ]
+    if health is not None and health.off:
+        told.append(health.off[-1].worst.words[-1])
     if unit.missing:
         told.append("Add what is missing to its model, and follow its numbers: campaign --do fit.")
     if unit.refused + unit.failed:

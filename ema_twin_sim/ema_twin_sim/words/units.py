@@ -10,6 +10,7 @@ from .sentences import effect_words
 
 if TYPE_CHECKING:
     from ..campaign.histories import Outlook
+    from ..campaign.unit_health import JudgedTest, UnitHealth
     from ..campaign.units import Unit
 
 _SHOWN = 3
@@ -37,6 +38,32 @@ def life_words(look: Outlook) -> str:
     unit = "days" if look.history.dated else "results"
     latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
     return f"{look.life.earliest:.0f} to {latest} {unit}"
+
+
+def named_words(test: JudgedTest) -> str:
+    """What a test's recordings are named together: *play 97 %*; empty where none is off."""
+    if not test.detected:
+        return ""
+    named = test.named
+    return "unknown" if named is None else f"{named.family.value} {100.0 * named.probability:.0f} %"
+
+
+def change_words(test: JudgedTest) -> str:
+    """What is not as in the healthy recordings in a test's farthest one, or why it could not be judged."""
+    worst = test.worst
+    if worst.detected is None:
+        return " ".join(worst.words)
+    return worst.words[len(worst.acquisition.findings)] if test.detected else ""
+
+
+def health_words(health: UnitHealth | None) -> str:
+    """In how many tests a unit is not as its healthy ones, and what the last of these is named."""
+    if health is None or not health.baselines:
+        return ""
+    if not health.off:
+        return f"as its healthy tests ({len(health.tests)} others)"
+    last = health.off[-1]
+    return f"{len(health.off)}/{len(health.tests)} tests off, last {last.name}: {named_words(last)}"
 
 
 def missing_words(unit: Unit) -> str:

@@ -1,0 +1,65 @@
+"""What health read of a run, as the store keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ..health.acquisition import Acquisition
+from ..health.features import Feature, Features
+from ..health.run_features import RunFeatures
+
+_MOTION = ("period", "travel", "top_speed")
+
+
+def health_row(run: RunFeatures) -> dict[str, Any]:
+    """The column ``health`` of a result."""
+    acquisition, features = run.acquisition, run.features
+    return {
+        "test": run.test,
+        "usable": acquisition.usable,
+        "effort_usable": acquisition.effort_usable,
+        "unsigned": run.unsigned,
+        "findings": list(acquisition.findings),
+        "wavelength": _known(run.wavelength),
+        **{name: _known(value) for name, value in zip(_MOTION, run.motion, strict=True)},
+        **({} if features is None else dict(zip(("forward", "backward"), map(_known, features.sides), strict=True))),
+        "position_unit": run.position_unit,
+        "effort_unit": run.effort_unit,
+        "features": None
+        if features is None
+        else [{"name": name, **feature._asdict()} for name, feature in features.values.items()],
+    }
+
+
+def run_of(name: str, held: Mapping[str, Any]) -> RunFeatures:
+    """The run of a column ``health``."""
+    features = None
+    if held["features"] is not None:
+        values = {
+            one["name"]: Feature(one["value"], one["unit"], one["logarithm"], one["of_effort"])
+            for one in held["features"]
+        }
+        features = Features(values, (_number(held["forward"]), _number(held["backward"])))
+    period, travel, top_speed = (_number(held[what]) for what in _MOTION)
+    return RunFeatures(
+        name=name,
+        test=held["test"],
+        acquisition=Acquisition(held["usable"], held["effort_usable"], held["unsigned"], tuple(held["findings"] or ())),
+        features=features,
+        wavelength=_number(held["wavelength"]),
+        unsigned=held["unsigned"],
+        motion=(period, travel, top_speed),
+        position_unit=held["position_unit"],
+        effort_unit=held["effort_unit"],
+    )
+
+
+def _known(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else value

@@ -1,0 +1,148 @@
+"""A unit's health: each of its recordings judged beside its own healthy ones, from what the store keeps of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ema_bench_replay.errors import InputError
+
+from ..health.baseline import FEWEST_TESTS, Baseline, learn_from
+from ..health.families import Ranked
+from ..health.judgement import HealthJudgement, judge_run, named_together
+from ..health.run_features import RunFeatures, same_motion
+from .health_rows import run_of
+from .healthy import Healthy
+from .results import DONE
+from .units import Unit
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedTest:
+    """The recordings of one test that were judged: none of them was learnt from."""
+
+    name: str
+    runs: tuple[HealthJudgement, ...]
+
+    @property
+    def judged(self) -> int:
+        """How many could be."""
+        return sum(run.detected is not None for run in self.runs)
+
+    @property
+    def detected(self) -> int:
+        """How many are not as the healthy ones."""
+        return sum(bool(run.detected) for run in self.runs)
+
+    @property
+    def named(self) -> Ranked | None:
+        """The family by all of these together; None where nothing was detected, or no family explains it."""
+        ranked = named_together(self.runs) if self.detected else ()
+        return ranked[0] if ranked and ranked[0].explained > 0.0 else None
+
+    @property
+    def worst(self) -> HealthJudgement:
+        """The recording that is farthest from the healthy ones."""
+        return max(self.runs, key=lambda run: -1.0 if run.detected is None else run.distance)
+
+    def as_json(self) -> dict[str, object]:
+        """Absent numbers are null."""
+        named = self.named
+        return {
+            "test": self.name,
+            "recordings": len(self.runs),
+            "judged": self.judged,
+            "detected": self.detected,
+            "family": None if named is None else named.family.value,
+            "probability": None if named is None else named.probability,
+            "runs": [_run_json(run) for run in self.runs],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class UnitHealth:
+    """What a unit's recordings say of its health: a baseline for each kind of motion, and the tests in their order."""
+
+    baselines: tuple[Baseline, ...]
+    tests: tuple[JudgedTest, ...]
+    remarks: tuple[str, ...]  # what could not be learnt from, or judged
+
+    @property
+    def off(self) -> tuple[JudgedTest, ...]:
+        """The tests of which most recordings are not as the healthy ones."""
+        return tuple(test for test in self.tests if 2 * test.detected > test.judged)
+
+    def as_json(self) -> dict[str, object]:
+        """SI units."""
+        return {
+            "healthy": [
+                {
+                    "tests": one.tests,
+                    "recordings": one.runs,
+                    "false_alarm": one.false_alarm,
+                    "false_alarms_left_out": one.false_alarms_left_out,
+                }
+                for one in self.baselines
+            ],
+            "tests": [test.as_json() for test in self.tests],
+            "remarks": list(self.remarks),
+        }
+
+
+def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
+    """The health of a unit; None where the campaign read none (``--do health``)."""
+    runs = [run_of(row["name"], row["health"]) for row in unit.rows if row["status"] == DONE and row["health"]]
+    if not runs:
+        return None
+    flags = healthy.among([run.name for run in runs], [run.test for run in runs], FEWEST_TESTS)
+    kinds = _kinds(run for run, flag in zip(runs, flags, strict=True) if flag)
+    learnt: list[tuple[RunFeatures, Baseline]] = []
+    remarks = []
+    for kind in kinds:
+        try:
+            baseline = learn_from(kind)
+        except InputError as error:
+            remarks.append(f"{kind[0].name} and {len(kind) - 1} others: no health is learnt from them: {error}")
+            continue
+        learnt.append((kind[0], baseline))
+        remarks += baseline.warnings
+    remarks += dict.fromkeys(
+        finding for run in runs if run.features is not None for finding in run.acquisition.findings
+    )
+    if not kinds:
+        remarks.append("no recording is said to be healthy: its health is not judged; see --healthy")
+    tests: dict[str, list[HealthJudgement]] = {}
+    for run, flag in zip(runs, flags, strict=True):
+        if learnt and not flag:
+            tests.setdefault(run.test, []).append(_judged(run, learnt))
+    baselines = tuple(baseline for _, baseline in learnt)
+    return UnitHealth(baselines, tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()), tuple(remarks))
+
+
+def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
+    """Runs of one motion each: those of another are another test, and tell nothing of these."""
+    kinds: list[list[RunFeatures]] = []
+    for run in runs:
+        if run.features is not None:
+            kind = next((kind for kind in kinds if same_motion(run, kind[0])), None)
+            kinds.append([run]) if kind is None else kind.append(run)
+    return kinds
+
+
+def _judged(run: RunFeatures, learnt: Sequence[tuple[RunFeatures, Baseline]]) -> HealthJudgement:
+    """By the baseline of the same motion; the first one tells what is not alike where there is none."""
+    same = (baseline for first, baseline in learnt if same_motion(run, first))
+    return judge_run(run, next(same, learnt[0][1]))
+
+
+def _run_json(run: HealthJudgement) -> Mapping[str, Any]:
+    return {
+        "name": run.name,
+        "detected": run.detected,
+        "distance": None if run.detected is None else run.distance,
+        "family": None if run.family is None else run.family.value,
+        "probability": run.sureness,
+        "changes": {change.name: change.standard_deviations for change in run.changes},
+        "words": list(run.words),
+    }

@@ -1,0 +1,55 @@
+"""What health asks of a run, once its samples have been read: kept as numbers, it is judged again without them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..criteria import PART
+from .acquisition import Acquisition, judge_acquisition
+from .features import Features, features_of
+from .motion_record import MotionRecord
+from .phases import phases_of
+
+
+@dataclass(frozen=True, eq=False)
+class RunFeatures:
+    """The acquisition, the features and the motion of one run of a unit."""
+
+    name: str
+    test: str
+    acquisition: Acquisition
+    features: Features | None  # None where the acquisition is not usable
+    wavelength: float  # m or rad, of the wave that was looked for; NaN where none was
+    unsigned: bool  # whether the features are those of a magnitude
+    motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
+    position_unit: str
+    effort_unit: str
+
+
+def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None = None) -> RunFeatures:
+    """Read a run. The wavelength is in the position's unit, NaN for none; an effort is taken for a magnitude as it is
+    told, else as the run itself tells.
+    """
+    acquisition = judge_acquisition(record)
+    taken = acquisition.unsigned if unsigned is None else unsigned
+    features, motion = None, (np.nan, np.nan, np.nan)
+    if acquisition.usable:
+        phases = phases_of(record)
+        features = features_of(record, wavelength, taken)
+        motion = float(np.median(np.diff(record.time))), phases.travel, phases.top_speed
+    return RunFeatures(
+        record.name, record.test, acquisition, features, wavelength, taken, motion, record.position_unit,
+        record.effort_unit,
+    )  # fmt: skip
+
+
+def same_motion(one: RunFeatures, other: RunFeatures) -> bool:
+    """Whether two runs are of one kind of test, so that their features compare."""
+    return one.unsigned == other.unsigned and all(map(alike, one.motion, other.motion))
+
+
+def alike(mine: float, theirs: float) -> bool:
+    """Whether a run's sample period, travel or speed is that of others."""
+    return abs(mine - theirs) <= PART * theirs
