@@ -33,7 +33,7 @@ _BEGUN = 100_000
 
 
 class BenchProcesses:
-    """The four nodes; the recording is played over and over.
+    """The four nodes; a recording is played over and over.
 
     Attributes:
         arrivals: monotonic times [s] of the bench's samples.
@@ -41,9 +41,11 @@ class BenchProcesses:
         figures: the last figures of each node's diagnostics, by their names.
     """
 
-    def __init__(self, rate: float, folder: Path) -> None:
+    def __init__(
+        self, rate: float, folder: Path, recording: Path = _RECORDING, recorded_rate: float = _RECORDED_RATE
+    ) -> None:
         """Play `rate` samples a second; bags go into `folder`. Waits until all nodes work together."""
-        self._speed, self._folder = rate / _RECORDED_RATE, folder
+        self._speed, self._folder, self._recording = rate / recorded_rate, folder, recording
         self._processes: dict[str, subprocess.Popen[str]] = {}
         self._begun: dict[str, tuple[float, int, int]] = {}
         self._bags = 0
@@ -66,7 +68,7 @@ class BenchProcesses:
 
     def start(self, name: str) -> None:
         """Start a node's process; what it says goes to nobody."""
-        parameters = {"replay": [f"recording:={_RECORDING}", "loop:=true", f"rate:={self._speed}"]}
+        parameters = {"replay": [f"recording:={self._recording}", "loop:=true", f"rate:={self._speed}"]}
         parameters["replay"] += ["subscribers:=4", "patience:=60.0"]
         if name == "record":
             self._bags += 1
@@ -75,6 +77,16 @@ class BenchProcesses:
         process = start_process(MODULES[name], *parameters.get(name, []))
         threading.Thread(target=process.stderr.read, daemon=True).start()
         self._processes[name] = process
+
+    @property
+    def processes(self) -> dict[str, int]:
+        """Numbers of the nodes' processes."""
+        return {name: process.pid for name, process in self._processes.items()}
+
+    @property
+    def health(self) -> Health:
+        """The monitor's last."""
+        return self._health[1]
 
     def kill(self, *names: str) -> float:
         """End nodes' processes by SIGKILL; returns when [s, monotonic]."""

@@ -221,7 +221,9 @@ class McapScan:
             if following > end:
                 break
             if opcode == Opcode.MESSAGE:
-                if channel in wanted:
+                if following < place + _MESSAGE_HEAD:
+                    self.damage = "a record is damaged"
+                elif channel in wanted:
                     offsets.append(place + _MESSAGE_HEAD)
                     sizes.append(length + _RECORD.size - _MESSAGE_HEAD)
                     times.append(time)

@@ -1,0 +1,165 @@
+"""``make soak``: the four nodes run at rate 1 for a long time: what their memory, their samples and their time do.
+
+python -m tests.soak [--minutes 60] [--rate 1000]
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from collections import deque
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.sample_codec import read_state
+from ema_twin_msgs.msg import EmaState
+from ema_twin_sim.model.model_file import load_model
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests import ros_domain  # noqa: F401 - before ROS starts
+from tests.bench_processes import BenchProcesses
+
+HISTORY = 150_000
+"""Samples that the monitor keeps for a diagnosis: the largest of all buffers."""
+_SETTLED = 10.0
+"""s after which the samples that were sent before the listener came are behind it."""
+_LOOK = 1.0
+"""s between two looks at the memory."""
+
+
+def long_run(folder: Path, rate: float, seconds: float) -> Path:
+    """A recording of the stock model at so many samples a second, as an MCAP."""
+    model = load_model("polito_bench").with_value("sensors.sample_period", 1.0 / rate)
+    path = folder / "long.mcap"
+    write_mcap(virtual_bench(model, parse_command("sine:0.02:0.5"), seconds, name="long"), path)
+    return path
+
+
+class Soak:
+    """Watches the nodes.
+
+    Attributes:
+        memory: (time [s] since the start, bytes by process) of each look; only what the process made, no files.
+        late: by how much [s] the twin's samples came later than the first did, by their stamps; one a second.
+    """
+
+    def __init__(self, bench: BenchProcesses) -> None:
+        self._bench = bench
+        self._start: tuple[float, int] | None = None
+        self._last = 0.0
+        self.memory: list[tuple[float, dict[str, int]]] = []
+        self.late: list[tuple[float, float]] = []
+        self._recent: deque[float] = deque(maxlen=2000)
+        bench.graph.nodes[0].create_subscription(EmaState, "/twin/state", self._on_twin, qos.STATE, raw=True)
+
+    def watch(self, seconds: float) -> None:
+        """Look on for so long."""
+        begun = time.monotonic()
+        while (passed := time.monotonic() - begun) < seconds:
+            self.memory.append((passed, _memory(self._bench.processes)))
+            self._bench.graph.spin_for(_LOOK)
+
+    def _on_twin(self, message: bytes) -> None:
+        now, stamp = time.monotonic(), read_state(message).stamp
+        if self._start is None:
+            self._start = now, stamp
+        passed = now - self._start[0]
+        self._recent.append(passed - (stamp - self._start[1]) * 1e-9)
+        if now - self._last > 1.0:
+            self._last = now
+            self.late.append((passed, min(self._recent)))  # what is left is the clocks', not the scheduler's
+            self._recent.clear()
+
+
+def _memory(processes: dict[str, int]) -> dict[str, int]:
+    """Bytes of each process and of those that it has started."""
+    found = {}
+    for name, number in processes.items():
+        for child, pid in enumerate((number, *_children(number))):
+            try:
+                lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+            except OSError:
+                continue
+            kilobytes = next((line.split()[1] for line in lines if line.startswith("RssAnon")), "0")
+            found[name if not child else f"{name}: its {child}. child"] = int(kilobytes) << 10
+    return found
+
+
+def _children(number: int) -> list[int]:
+    try:
+        return [int(word) for word in Path(f"/proc/{number}/task/{number}/children").read_text().split()]
+    except OSError:
+        return []
+
+
+def growth(memory: list[tuple[float, dict[str, int]]], name: str, full: float) -> tuple[float, float] | None:
+    """Growth [MiB] of a process after `full` s, from the first to the last tenth of that time; and its size then."""
+    sizes = [held[name] / 2**20 for passed, held in memory if passed > full and name in held]
+    tenth = len(sizes) // 10
+    if not tenth:
+        return None
+    return median(sizes[-tenth:]) - median(sizes[:tenth]), median(sizes[-tenth:])
+
+
+def main() -> int:
+    """Run and print what was found; status 1 where samples were lost or a process grew by more than 1 MiB."""
+    parser = argparse.ArgumentParser(prog="make soak", description=__doc__.partition("\n")[0])
+    parser.add_argument("--minutes", type=float, default=5.0, help="how long; 60 is what is promised")
+    parser.add_argument("--rate", type=float, default=1000.0, help="samples a second")
+    asked = parser.parse_args()
+    seconds = asked.minutes * 60.0
+    full = HISTORY / asked.rate + 30.0
+    with tempfile.TemporaryDirectory() as made:
+        folder = Path(made)
+        recording = long_run(folder, asked.rate, seconds + 60.0)
+        bench = BenchProcesses(asked.rate, folder, recording, asked.rate)
+        try:
+            soak = Soak(bench)
+            soak.watch(seconds)
+            bench.graph.spin_for(2.0)
+            wrong = report(bench, soak, full)
+        finally:
+            bench.close()
+    return wrong
+
+
+def report(bench: BenchProcesses, soak: Soak, full: float) -> int:
+    """Print what was found; returns 1 where a promise was broken."""
+    wrong = 0
+    print(f"memory, from {full:.0f} s on, when all buffers are full")
+    for name in sorted({name for _, held in soak.memory for name in held}):
+        if found := growth(soak.memory, name, full):
+            wrong |= found[0] > 1.0
+            print(f"  {name:28} {found[1]:7.1f} MiB, grew by {found[0]:+.2f} MiB")
+    health = bench.health
+    print(f"samples: {health.compared} compared, {health.missing} missing; run {health.run}")
+    wrong |= health.missing > 0
+    for node in ("twin", "monitor", "record", "replay"):
+        for key, value in bench.figures.get(node, {}).items():
+            if any(
+                word in key for word in ("lost", "late", "twice", "behind", "went back", "wrong stamp", "not written")
+            ):
+                print(f"  {node}: {key}: {value}")
+    passed, late = np.array([(t, by) for t, by in soak.late if t > _SETTLED]).reshape(-1, 2).T
+    if len(late) > 20:
+        late -= late[:10].mean()
+        slope = np.polyfit(passed, late, 1)[0]
+        print(
+            f"time: the twin's samples came {1e3 * late[-10:].mean():.2f} ms later at the end than at the start;"
+            f" drift {slope * 3.6e6:+.2f} ms an hour over {passed[-1] / 60:.1f} min, at most {1e3 * late.max():.1f} ms"
+        )
+    print(f"bench: longest halt {bench.longest_halt(bench.arrivals[0], bench.arrivals[-1]):.2f} s")
+    return int(wrong)
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    os._exit(status)  # Fast DDS need not take leave of processes that were killed
