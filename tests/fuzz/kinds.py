@@ -19,8 +19,8 @@ from ema_bench_replay.load import load
 from ema_bench_replay.nodes.incoming import Incoming
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_bench_replay.traces.import_map import load_map
+from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.model.model_file import load_model
-from ema_twin_sim.nodes.follower import Follower
 from ema_twin_sim.own_effects.effect_file import _read
 from ema_twin_sim.own_effects.table import checked_table
 from ema_twin_sim.simulation.command import parse_command, write_command
