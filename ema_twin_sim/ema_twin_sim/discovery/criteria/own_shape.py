@@ -51,7 +51,7 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
         if parted <= INTERPOLATED**2:  # as little as that, a spring or lines part them too
             return False
         little = (1.0 - NEARLY_ALL) * parted
-        if any(_of_these(f, part) > max(little * (part.stop - part.start), _lines(part)) for part in parts):
+        if any(_of_these(f, part) > little * (part.stop - part.start) for part in parts):
             return False
         return _mostly(problem, f, fit(problem, f.hypothesis.put({f"effects.{name}.{width.name}": 0.0}), 0))
     return all(_of_these(f, part) <= _lines(part) for part in parts) and _mostly(problem, f, bare)
