@@ -93,9 +93,9 @@ def test_switching_an_effect_compiles_no_kernel(stock, id):
     compiled = len(advance.signatures)
     twin = Twin(stock, "setpoint")
     twin.start({"speed": 0.0, "current": 0.0, "speed_setpoint": 1.0})
-    twin.set_enabled(id, True)
+    twin.change({f"effects.{id}.enabled": True})
     twin.advance(2_000_000, {"speed_setpoint": 1.0})
-    twin.set_enabled(id, False)
+    twin.change({f"effects.{id}.enabled": False})
     twin.advance(2_000_000, {"speed_setpoint": 1.0})
     assert len(advance.signatures) == compiled == 1
 

@@ -105,6 +105,6 @@ def test_a_late_encoder_switched_on_in_a_running_twin_slams_nothing(stock):
     currents = []
     for k in range(1, 1000):
         if k == 500:
-            twin.set_enabled("encoder_delay", True)
+            twin.change({"effects.encoder_delay.enabled": True})
         currents.append(twin.advance(2_000_000, {"output_command": 0.05 * 2e-3 * k})["current"])
     assert max(currents[480:]) < 2.0 * currents[480]

@@ -109,6 +109,6 @@ def test_a_parameter_acts_on_the_next_sample(recording, model):
     plain, changed = Follower(model), Follower(model)
     for index, stamp, sample in samples(recording.between(0.0, 0.2)):
         if index == 50:
-            changed.twin.set_enabled("stribeck_friction", True)
+            changed.twin.change({"effects.stribeck_friction.enabled": True})
         one, other = plain.answer(1, index, stamp, sample), changed.answer(1, index, stamp, sample)
         assert (one["current"] == other["current"]) == (index < 50), index

@@ -139,14 +139,6 @@ class Twin:
                 found.append(ParameterDescription(path, value, unit, lower, upper, p.description))
         return found
 
-    def set_parameter(self, path: str, value: float) -> None:
-        """Set one number from the next sample on. Raises InputError with the range where it is impossible."""
-        self._take(self._model.with_value(path, value))
-
-    def set_enabled(self, name: str, enabled: bool) -> None:
-        """Switch an effect from the next sample on."""
-        self._take(self._model.with_enabled(name, enabled))
-
     def change(self, settings: Mapping[str, bool | float | str]) -> None:
         """Make several changes at once from the next sample on (see ``Model.with_setting``); none where one is refused.
 
