@@ -54,6 +54,7 @@ METHOD = {
     "fitting/starts.py": "FINALISTS STEPS TRIED",
     "fitting/uncertainty.py": "RIDGE",
     "fitting/unseen.py": "LAST",
+    "discovery/criteria/own_shape.py": "TEETH_STEPS",
     "discovery/criteria/episodes.py": "SHORTEST HOLES",
     "discovery/criteria/worth.py": "STRAY_ROWS",
     "discovery/diagnose.py": "BLOCK DRAWS RANKED SIMULATED",

@@ -6,7 +6,7 @@ import pytest
 from ema_twin_sim import load_model, parse_command, virtual_bench
 from ema_twin_sim.discovery.followed import with_followed_numbers
 from ema_twin_sim.discovery.search.trace import Round, Search
-from ema_twin_sim.discovery.split import ClosedLoop, held_at
+from ema_twin_sim.discovery.split import ClosedLoop
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -37,7 +37,7 @@ def searched(machine, width, **told):
     null = null_hypothesis(model)
     bare = fit(problem, null, 0)
     play = fit(problem, null.with_effect("backlash", {}, {"width": width}), 0)
-    play = fit(problem, held_at(play.hypothesis, play.hypothesis.teeth_of_the_file()), 0)
+    play = fit(problem, play.hypothesis.holding(play.hypothesis.teeth_of_the_file()), 0)
     return ClosedLoop(recordings, model), Search(play, (Round(bare, (), play),))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_twin_sim.discovery.criteria.explained import apart
-from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, parts_the_encoders
+from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, only_teeth, parts_the_encoders
 from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
@@ -113,3 +113,4 @@ def test_play_stands_beside_lines_that_err_and_not_for_a_soft_spring(hidden, par
     f = settle(fit(start.problem, null.with_effect("backlash", {}, {"width": 3e-3}), 20))
     assert apart(f.problem, f, start)
     assert parts_the_encoders(f.problem, f, "backlash") == stands
+    assert only_teeth(f.problem, f, "backlash") != stands

@@ -8,8 +8,7 @@ teeth, are held against the fitted ones in the closed loop, and those that follo
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -50,21 +49,15 @@ def with_best_split(loop: ClosedLoop, found: Search) -> Search:
     best = found.fit
     if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
-    shared = held_at(best.hypothesis, best.hypothesis.as_the_file_shares())
+    shared = best.hypothesis.holding(best.hypothesis.as_the_file_shares())
     shared = best.hypothesis.at(fit(found.problem, shared).hypothesis.values)  # all numbers free again, where they are
     teeth = shared.teeth_of_the_file()
-    others = [shared, *([held_at(shared, teeth)] if teeth else [])]
+    others = [shared, *([shared.holding(teeth)] if teeth else [])]
     fitted, *errors = loop.errors((best.hypothesis, *others))
     least = int(np.argmin(errors))
     if not errors[least] < (1.0 - NEGLIGIBLE) * fitted:
         return found
     return found.with_numbers(fit(found.problem, others[least], 0))
-
-
-def held_at(h: Hypothesis, values: Mapping[str, float]) -> Hypothesis:
-    """A hypothesis with some numbers, by path, held at values."""
-    free = tuple(replace(f, lower=values[f.path], upper=values[f.path]) if f.path in values else f for f in h.free)
-    return replace(h, free=free).put(values)
 
 
 def loop_error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:

@@ -17,7 +17,7 @@ from ..identification.estimates import standard_errors
 from ..identification.fit import Fit, fit
 from ..identification.hypothesis import LAG, Hypothesis
 from .search.trace import Search
-from .split import ClosedLoop, held_at
+from .split import ClosedLoop
 
 
 def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
@@ -41,7 +41,7 @@ def beside_constants_as_filed(found: Search) -> Search:
     """
     h = found.fit.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None}
-    return found.with_numbers(fit(found.problem, held_at(h, values), 0))
+    return found.with_numbers(fit(found.problem, h.holding(values), 0))
 
 
 def freed(found: Search, of: Search) -> Search:
@@ -59,7 +59,7 @@ def _as_filed(best: Fit) -> Fit | None:
         return None
     h = best.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
-    with_teeth = held_at(h, h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
+    with_teeth = h.holding(h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
     return _fitted_beside(best.problem, with_teeth, values)
 
 
@@ -77,5 +77,5 @@ def _put_back(best: Fit) -> Fit | None:
 
 def _fitted_beside(problem: EquationErrorProblem, h: Hypothesis, values: Mapping[str, float]) -> Fit:
     """The fit with some numbers, by path, held at values; in the end they are free again, where they are."""
-    rest = fit(problem, held_at(h, values))
+    rest = fit(problem, h.holding(values))
     return fit(problem, h.at(rest.hypothesis.values), 0)

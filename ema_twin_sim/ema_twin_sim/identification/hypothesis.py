@@ -72,6 +72,14 @@ class Hypothesis:
         """The same hypothesis with those of the free numbers that ``values`` names, by path, at other values."""
         return self.at(np.array([values.get(path, value) for path, value in self.by_path.items()]))
 
+    def holding(self, values: Mapping[str, float]) -> Hypothesis:
+        """The same hypothesis with some numbers, by path, held at values."""
+        free = tuple(
+            replace(one, lower=values[one.path], upper=values[one.path]) if one.path in values else one
+            for one in self.free
+        )
+        return replace(self, free=free).put(values)
+
     def lag(self) -> float:
         """Time [s] by which the current runs ahead of the motion."""
         return self.by_path.get(LAG, 0.0)

@@ -24,6 +24,8 @@ from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_shows
 from .worth import ENCODER_ONLY
 
+TEETH_STEPS = 8
+
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     """The added effects that explain what they do by their own shape; also those over what there is no basis for."""
@@ -36,25 +38,37 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
     A spring or an angle error must explain most of it, and leave no more than an encoder's lines may: an encoder that
     errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the place of play,
     leaves much more where the output is thrown. What play leaves in any recording must be little beside
-    that, since what is thrown against its teeth leaves more than lines do, and its width must explain most of it: its
-    teeth wind up as a spring does, and with a width besides, they take up what is left of a spring beside such errors.
-    Not so of a late encoder, which a gearbox that winds up looks like.
+    that, since what is thrown against its teeth leaves more than lines do. Not so of a late encoder, which a gearbox
+    that winds up looks like.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or effect.delays:
         return False
     parts = [part for part in problem.encoder_parts if part.stop > part.start]
     bare = fit(problem, f.hypothesis.without(name))
-    width = effect.parameters[0]
-    if effect.id in COMPLIANT_EFFECTS and width.unit == "rad":
+    if is_play(f, name):
         parted = _of_the_encoders(problem, bare) / (problem.rows - problem.size)
         if parted <= INTERPOLATED**2:  # as little as that, a spring or lines part them too
             return False
         little = (1.0 - NEARLY_ALL) * parted
-        if any(_of_these(f, part) > little * (part.stop - part.start) for part in parts):
-            return False
-        return _mostly(problem, f, fit(problem, f.hypothesis.put({f"effects.{name}.{width.name}": 0.0}), 0))
+        return all(_of_these(f, part) <= little * (part.stop - part.start) for part in parts)
     return all(_of_these(f, part) <= _lines(part) for part in parts) and _mostly(problem, f, bare)
+
+
+def is_play(f: Fit, name: str) -> bool:
+    """Whether an added effect is play: what lets the encoders part has a width."""
+    effect = catalogue()[f.hypothesis.instance(name).effect]
+    return effect.id in COMPLIANT_EFFECTS and effect.parameters[0].unit == "rad"
+
+
+def only_teeth(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether play's teeth alone, without its width, explain a good part of how the encoders part as play does.
+
+    They wind up as a spring does, and with a width besides they take up what is left of a spring beside such errors.
+    """
+    width = catalogue()[f.hypothesis.instance(name).effect].parameters[0]
+    teeth = fit(problem, f.hypothesis.holding({f"effects.{name}.{width.name}": 0.0}), TEETH_STEPS)
+    return not _mostly(problem, f, teeth)
 
 
 def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

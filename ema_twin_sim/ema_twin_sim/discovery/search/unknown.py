@@ -15,7 +15,7 @@ from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
-from ..criteria.own_shape import by_own_shape, parts_the_encoders
+from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
 from .search import LIKE_STRUCTURE, add_best, less, significant, with_what_made_room
@@ -100,6 +100,7 @@ def _doubtful(found: Search) -> list[str]:
     drawn = {name for name in stands if added[name].effect in LIKE_STRUCTURE} if lags else set()
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
+    stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
         return [name for name in added if name in doubtful or name in drawn]
