@@ -24,7 +24,7 @@ from ema_twin_sim.model.model_file import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 from tests import ros_domain  # noqa: F401 - before ROS starts
-from tests.bench_processes import BenchProcesses
+from tests.bench_processes import MODULES, BenchProcesses
 
 HISTORY = 150_000
 """Samples that the monitor keeps for a diagnosis: the largest of all buffers."""
@@ -99,13 +99,10 @@ def _children(number: int) -> list[int]:
         return []
 
 
-def growth(memory: list[tuple[float, dict[str, int]]], name: str, full: float) -> tuple[float, float] | None:
-    """Growth [MiB] of a process after `full` s, from the first to the last tenth of that time; and its size then."""
+def sizes_in_time(memory: list[tuple[float, dict[str, int]]], name: str, full: float) -> list[float]:
+    """Sizes [MiB] of a process: medians of five equal stretches of the time after `full` s; none where it is short."""
     sizes = [held[name] / 2**20 for passed, held in memory if passed > full and name in held]
-    tenth = len(sizes) // 10
-    if not tenth:
-        return None
-    return median(sizes[-tenth:]) - median(sizes[:tenth]), median(sizes[-tenth:])
+    return [float(median(part)) for part in np.array_split(sizes, 5)] if len(sizes) >= 10 else []
 
 
 def main() -> int:
@@ -135,9 +132,10 @@ def report(bench: BenchProcesses, soak: Soak, full: float) -> int:
     wrong = 0
     print(f"memory, from {full:.0f} s on, when all buffers are full")
     for name in sorted({name for _, held in soak.memory for name in held}):
-        if found := growth(soak.memory, name, full):
-            wrong |= found[0] > 1.0
-            print(f"  {name:28} {found[1]:7.1f} MiB, grew by {found[0]:+.2f} MiB")
+        if sizes := sizes_in_time(soak.memory, name, full):
+            wrong |= sizes[-1] - sizes[0] > 1.0
+            course = " ".join(f"{size:7.2f}" for size in sizes)
+            print(f"  {name:24} {course} MiB, grew by {sizes[-1] - sizes[0]:+.2f} MiB")
     health = bench.health
     print(f"samples: {health.compared} compared, {health.missing} missing; run {health.run}")
     wrong |= health.missing > 0
@@ -149,12 +147,14 @@ def report(bench: BenchProcesses, soak: Soak, full: float) -> int:
                 print(f"  {node}: {key}: {value}")
     passed, late = np.array([(t, by) for t, by in soak.late if t > _SETTLED]).reshape(-1, 2).T
     if len(late) > 20:
-        late -= late[:10].mean()
-        slope = np.polyfit(passed, late, 1)[0]
-        print(
-            f"time: the twin's samples came {1e3 * late[-10:].mean():.2f} ms later at the end than at the start;"
-            f" drift {slope * 3.6e6:+.2f} ms an hour over {passed[-1] / 60:.1f} min, at most {1e3 * late.max():.1f} ms"
-        )
+        late -= late.min()
+        fifths = [part.min() for part in np.array_split(late, 5)]
+        course = " ".join(f"{1e3 * by:.2f}" for by in fifths)
+        print(f"time: the twin's earliest sample in each fifth of {passed[-1] / 60:.1f} min came {course} ms late,")
+        print(f"  by the stamps; the earliest of a second {late.max():.2f} s late at most")
+    for node in MODULES:
+        last = max((told for told in bench.told if told[1] == node), default=(0.0, node, "nothing"))
+        print(f"  {node} tells: {last[2]}")
     print(f"bench: longest halt {bench.longest_halt(bench.arrivals[0], bench.arrivals[-1]):.2f} s")
     return int(wrong)
 

@@ -65,7 +65,7 @@ def _process(name: str, folder: Path, inputs: int, seed: int, guided: bool) -> d
             number = _HEAD.unpack(head)[0] if len(head) == _HEAD.size else 0
             if number != begun:
                 begun, since = number, time.monotonic()
-            elif time.monotonic() - since > PATIENCE + (60.0 if not begun else 0.0):
+            elif time.monotonic() - since > PATIENCE + (300.0 if not begun else 0.0):
                 process.send_signal(signal.SIGKILL)
                 process.wait()
     report = folder / "report.json"

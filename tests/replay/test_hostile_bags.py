@@ -1,5 +1,10 @@
 """Bags that no writer makes: what random inputs found."""
 
+import struct
+
+import pytest
+from mcap.writer import CompressionType
+
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.bags.mcap_scan import McapScan
 from tests.bags import some_samples, write_other
@@ -18,3 +23,14 @@ def test_a_message_that_is_shorter_than_its_own_head_is_damage(tmp_path):
     assert len(list(scan.messages())) == len(some_samples()) - 1
     assert scan.damage == "a record is damaged"
     assert len(read_bag(path)) == len(some_samples()) - 1
+
+
+@pytest.mark.parametrize("compression", [CompressionType.LZ4, CompressionType.ZSTD])
+def test_a_summary_that_begins_at_the_chunks_unpacks_none(compression, tmp_path, monkeypatch):
+    """The library would unpack them without bounds, and raise what it does not tell of."""
+    path = write_other(tmp_path / "run.mcap", some_samples(), compression=compression)
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<Q", data, len(data) - len(MAGIC) - 20, len(MAGIC))  # the footer's summary_start
+    path.write_bytes(data)
+    monkeypatch.setattr("mcap.stream_reader.breakup_chunk", lambda *_, **__: pytest.fail("the library unpacks"))
+    assert len(read_bag(path)) == len(some_samples())

@@ -19,8 +19,8 @@ import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
 from mcap.records import Channel, Chunk, Metadata, Schema
+from mcap.stream_reader import StreamReader
 
 from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.errors import InputError
@@ -30,6 +30,7 @@ _LARGEST_CHUNK = 256 << 20  # bytes, unpacked; writers make chunks of some MiB
 _LARGEST_RATIO = 10_000  # of unpacked to packed bytes: what is only zeros packs no tighter
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<BQHIQ")  # opcode, length, channel, sequence, log time
+_FOOTER = struct.Struct("<BQQQI")  # opcode, length, starts of the summary and of its offsets, checksum
 _WHOLE_HEAD = struct.Struct("<BQHIQQ")  # the same, and the publish time
 _MESSAGE_HEAD = _WHOLE_HEAD.size  # bytes of a message record before its data
 # What the library's parsers raise where bytes are not what they should be.
@@ -69,14 +70,8 @@ class McapScan:
         self.metadata: list[Metadata] = []
         self.damage: str | None = None
         self.torn = 0
-        with self._open() as file:
-            try:
-                summary = SeekingReader(file).get_summary()
-            except _UNREADABLE:
-                summary = None
-        if summary and summary.channels:
-            self.schemas, self.channels = dict(summary.schemas), dict(summary.channels)
-        else:
+        if not self._take_summary():
+            self.schemas, self.channels = {}, {}
             for data in self._contents():
                 self._messages(data, set())
 
@@ -102,6 +97,26 @@ class McapScan:
             return self.path.open("rb")
         except OSError as error:
             raise InputError(f"{self.path}: cannot be read ({error.strerror}); check its permissions") from None
+
+    def _take_summary(self) -> bool:
+        """Take schemas and channels from the file's summary; false where it has none that holds a channel."""
+        with self._open() as file:
+            try:
+                file.seek(-(_FOOTER.size + len(MAGIC)), 2)
+                opcode, _, start, _, _ = _FOOTER.unpack(file.read(_FOOTER.size))
+                if opcode != Opcode.FOOTER or not start:
+                    return False
+                file.seek(start)
+                for record in StreamReader(file, skip_magic=True, emit_chunks=True).records:
+                    if isinstance(record, Chunk):  # which the library would unpack without bounds
+                        return False
+                    if isinstance(record, Schema):
+                        self.schemas[record.id] = record
+                    elif isinstance(record, Channel):
+                        self.channels[record.id] = record
+            except _UNREADABLE:
+                return False
+        return bool(self.channels)
 
     def _contents(self) -> Iterator[bytes]:
         """Records with messages, decompressed; other records are taken in on the way."""
