@@ -17,11 +17,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_triangular, toeplitz
 
 from ema_twin_sim.criteria import SIGNIFICANT
 from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.effects import catalogue
+from ema_twin_sim.identification.cramer_rao import fisher_information
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import Fit, fit, prior_rows
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -43,8 +43,6 @@ MULTIPLES = (1.5, 3.0, 5.0, 10.0, 20.0, 50.0)
 BENCHES = 10
 ENOUGH = 0.8
 """Named in this share of the benches, a size counts as detected."""
-LAGS = 0.1
-"""Of a recording, over which its noise may be correlated: resolves ten periods in it."""
 SMALL = 0.01
 """Times the usual size, at which slopes are taken."""
 
@@ -133,33 +131,9 @@ def _standard_error(problem: EquationErrorProblem, true: Fit, f: Fit, size: str)
     ]
     _, priors = prior_rows(f.hypothesis)
     information = (priors.T @ priors)[np.ix_(asked, asked)]
-    for k, part in problem.parts:
-        o = problem.observations[k]
-        at = o.rows if part.start < problem.size else o.encoder_rows
-        white = whitened(at, true.residual[part], f.jacobian[part][:, asked])
-        information += white.T @ white
+    information += fisher_information(problem, true.residual, f.jacobian[:, asked])
     place = [f.hypothesis.free[k].path.rpartition(".")[2] for k in asked].index(size)
     return math.sqrt(float(scaled_inverse(information, 1e-12)[place, place]))
-
-
-def whitened(at: np.ndarray, noise: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Slopes (m, k) in units of a ``noise`` (m,) that is correlated; rows stand ``at`` samples (m,), some are missing.
-
-    Parzen's window keeps the estimated covariance one.
-    """
-    step = int(np.diff(at).min())
-    place = (at - at[0]) // step
-    grid, there = np.zeros(place[-1] + 1), np.zeros(place[-1] + 1)
-    grid[place], there[place] = noise, 1.0
-    lags = max(2, round(LAGS * len(grid)))
-    size = 2 * len(grid)
-    power = np.abs(np.fft.rfft(grid, size)) ** 2
-    correlation = np.fft.irfft(power, size)[: len(grid)] / there.sum()
-    u = np.arange(len(grid)) / lags
-    window = np.where(u <= 0.5, 1.0 - 6.0 * u**2 + 6.0 * u**3, 2.0 * np.clip(1.0 - u, 0.0, 1.0) ** 3)
-    covariance = toeplitz(correlation * window)[np.ix_(place, place)]
-    covariance += 1e-9 * covariance[0, 0] * np.eye(len(place))
-    return solve_triangular(np.linalg.cholesky(covariance), slopes, lower=True)
 
 
 def limited_bench(id: str, seed: int, number: int) -> Case:

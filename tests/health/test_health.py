@@ -162,6 +162,21 @@ def test_two_encoders_show_play():
     assert told.features["lost_motion"].value == pytest.approx(1e-4, rel=0.1)
 
 
+def test_play_is_seen_beside_encoders_that_hardly_scatter():
+    """Healthy encoders that part by less than a ten-millionth of a metre are no simulation's rounding."""
+    rng = np.random.default_rng(12)
+
+    def both(test, play):
+        record = run(rng, test)
+        ahead = 0.5 * play * np.sign(np.gradient(record.command)) + 1e-6 * rng.normal(size=len(record.time))
+        return changed(record, motor_position=(record.position + ahead) * 2.0 * np.pi / LEAD)
+
+    learnt = learn([both(f"{i // 4}", 0.0) for i in range(32)])
+    assert "lost_motion" in learnt.features
+    assert learnt.prediction.spread[learnt.features.index("lost_motion")] < 1e-7
+    assert judge(both("another", 2e-5), learnt).family is Family.PLAY
+
+
 def test_a_baseline_of_too_few_tests_is_refused():
     with pytest.raises(InputError, match="of 2 tests do not tell how tests differ"):
         learn(runs(np.random.default_rng(11), 2))

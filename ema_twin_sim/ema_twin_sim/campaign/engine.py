@@ -1,6 +1,6 @@
 """The engine: jobs in batches over the workers of a dask cluster, fed as it goes.
 
-A cluster's task costs about a millisecond, and its whole graph is looked at before the first one starts: so jobs go in
+A cluster's task costs milliseconds, and its whole graph is looked at before the first one starts: so jobs go in
 batches of a second's work or more, a few for every worker, and the next batch when one is done. What a batch finds, its
 worker writes to the store: the campaign hears only how it went, and may end at any moment.
 """
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
     from .jobs import Job
 
 BATCH = 1.0
-"""Seconds of work in a batch: a thousand times what a task costs."""
+"""Seconds of work in a batch at least: a hundred times what a task costs."""
+TASK = 0.01
+"""Seconds that scheduler and client together may have for a batch: with more workers, batches last longer, so that one
+scheduler keeps up."""
 AHEAD = 2
 """Batches for every thread of a worker: one that it works on, one that waits for it."""
 LARGEST = 1000
@@ -109,7 +112,8 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
 
     def feed() -> None:
         threads = max(sum(client.nthreads().values()), 1)
-        size = 1 if seconds is None else min(max(round(BATCH / max(seconds, BATCH / LARGEST)), 1), LARGEST)
+        batch_time = max(BATCH, TASK * threads)
+        size = 1 if seconds is None else min(max(round(batch_time / max(seconds, batch_time / LARGEST)), 1), LARGEST)
         while len(held) < AHEAD * threads and (batch := list(islice(waiting, size))):
             give(batch)
         if not held and doubted:

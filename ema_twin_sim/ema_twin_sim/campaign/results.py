@@ -58,6 +58,8 @@ _HEALTH = pa.struct(
     ]
 )
 
+_SETTING = pa.struct([("path", pa.string()), ("value", pa.float64()), ("unit", pa.string())])
+
 SCHEMA = pa.schema(
     [
         ("key", pa.string()),
@@ -81,6 +83,9 @@ SCHEMA = pa.schema(
         ("beyond_noise", pa.list_(_BEYOND)),  # signals that stand out of the sensors' noise, the worst first
         ("parameters", pa.list_(_PARAMETER)),
         ("health", _HEALTH),  # of the verb health: what a unit's own healthy recordings are judged by
+        ("settings", pa.list_(_SETTING)),  # of the verb sweep: what was put into the model that was simulated
+        ("lacked", pa.list_(pa.string())),  # of sweep: the effects that it has beside those of the model
+        ("bounds", pa.list_(_PARAMETER)),  # of sweep: each number, and the least standard error that it can have
         ("warnings", pa.list_(pa.string())),
         ("seconds", pa.float64()),  # that the work took
         ("done_at", pa.timestamp("us", "UTC")),

@@ -90,15 +90,24 @@ class UnitHealth:
         }
 
 
-def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
-    """The health of a unit; None where the campaign read none (``--do health``)."""
-    runs = [run_of(row["name"], row["health"]) for row in unit.rows if row["status"] == DONE and row["health"]]
-    if not runs:
-        return None
-    flags = healthy.among([run.name for run in runs], [run.test for run in runs], FEWEST_TESTS)
-    kinds = _kinds(run for run, flag in zip(runs, flags, strict=True) if flag)
+@dataclass(frozen=True, eq=False)
+class Learnt:
+    """What a unit's healthy recordings tell: of each motion a run of it, and the baseline."""
+
+    kinds: tuple[tuple[RunFeatures, Baseline], ...]
+    remarks: tuple[str, ...]  # what could not be learnt from
+
+    def judge(self, run: RunFeatures) -> HealthJudgement:
+        """By the baseline of the same motion; the first one tells what is not alike where there is none."""
+        same = (baseline for first, baseline in self.kinds if same_motion(run, first))
+        return judge_run(run, next(same, self.kinds[0][1]))
+
+
+def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
+    """The baselines of healthy runs."""
+    kinds = _kinds(runs)
     learnt: list[tuple[RunFeatures, Baseline]] = []
-    remarks = []
+    remarks: list[str] = []
     for kind in kinds:
         try:
             baseline = learn_from(kind)
@@ -107,17 +116,35 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
             continue
         learnt.append((kind[0], baseline))
         remarks += baseline.warnings
-    remarks += dict.fromkeys(
-        finding for run in runs if run.features is not None for finding in run.acquisition.findings
-    )
     if not kinds:
         remarks.append("no recording is said to be healthy: its health is not judged; see --healthy")
+    return Learnt(tuple(learnt), tuple(remarks))
+
+
+def healthy_runs(unit: Unit, healthy: Healthy) -> tuple[list[RunFeatures], list[bool]]:
+    """The runs of a unit that the campaign read for its health, and of each whether it is healthy."""
+    runs = [run_of(row["name"], row["health"]) for row in unit.rows if row["status"] == DONE and row["health"]]
+    return runs, healthy.among([run.name for run in runs], [run.test for run in runs], FEWEST_TESTS)
+
+
+def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
+    """The health of a unit; None where the campaign read none (``--do health``)."""
+    runs, flags = healthy_runs(unit, healthy)
+    if not runs:
+        return None
+    learnt = learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag])
+    acquisition = dict.fromkeys(
+        finding for run in runs if run.features is not None for finding in run.acquisition.findings
+    )
     tests: dict[str, list[HealthJudgement]] = {}
     for run, flag in zip(runs, flags, strict=True):
-        if learnt and not flag:
-            tests.setdefault(run.test, []).append(_judged(run, learnt))
-    baselines = tuple(baseline for _, baseline in learnt)
-    return UnitHealth(baselines, tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()), tuple(remarks))
+        if learnt.kinds and not flag:
+            tests.setdefault(run.test, []).append(learnt.judge(run))
+    return UnitHealth(
+        tuple(baseline for _, baseline in learnt.kinds),
+        tuple(JudgedTest(name, tuple(its)) for name, its in tests.items()),
+        (*learnt.remarks, *acquisition),
+    )
 
 
 def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
@@ -128,12 +155,6 @@ def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
             kind = next((kind for kind in kinds if same_motion(run, kind[0])), None)
             kinds.append([run]) if kind is None else kind.append(run)
     return kinds
-
-
-def _judged(run: RunFeatures, learnt: Sequence[tuple[RunFeatures, Baseline]]) -> HealthJudgement:
-    """By the baseline of the same motion; the first one tells what is not alike where there is none."""
-    same = (baseline for first, baseline in learnt if same_motion(run, first))
-    return judge_run(run, next(same, learnt[0][1]))
 
 
 def _run_json(run: HealthJudgement) -> Mapping[str, Any]:

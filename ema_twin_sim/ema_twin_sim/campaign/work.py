@@ -197,7 +197,8 @@ def _diagnosed(recordings: Sequence[Recording], model: Model, without: Sequence[
     return _discovery(found) | {"causes": ranked + others}
 
 
-def _discovered(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> Row:
+def discovered(recordings: Sequence[Recording], model: Model, without: Sequence[str] = ()) -> Row:
+    """What a model lacks, and the numbers that were found."""
     from ..discovery.discover import discover
 
     return _discovery(discover(recordings, model, without=without))
@@ -215,7 +216,7 @@ def _discovery(found: Any) -> Row:
     }
 
 
-_VERBS = {"compare": _compared, "fit": _fitted, "diagnose": _diagnosed, "discover": _discovered}
+_VERBS = {"compare": _compared, "fit": _fitted, "diagnose": _diagnosed, "discover": discovered}
 
 
 def _errors(signals: Mapping[str, Any]) -> list[Row]:

@@ -37,6 +37,7 @@ from . import (
     remove,
     report,
     simulate,
+    sweep,
     units,
 )
 from .output import tell_of_compiling
@@ -51,7 +52,7 @@ app = typer.Typer(
     "add what is missing, watch the error fall.",
 )
 for verb in (
-    init, import_, compare, diagnose, discover, report, fit, plan, campaign, units, live, simulate, add, remove,
+    init, import_, compare, diagnose, discover, report, fit, plan, campaign, units, sweep, live, simulate, add, remove,
     effects, info, diff, export, recover, demo,
 ):  # fmt: skip
     name = verb.__name__.rpartition(".")[2].rstrip("_")

@@ -31,7 +31,7 @@ of tests less one as degrees of freedom, since such numbers depend on how a run 
 SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
 """What helps to name a change and calls none off: parts of what is judged already."""
 FEWEST_TESTS = 3
-_VANISHING = 1e-7  # of the unit's own effort, or in a logarithm: what varies less than that is a simulation
+_VANISHING = 1e-7  # of the unit's own effort or travel, or in a logarithm: what varies less is a simulation
 
 
 @dataclass(frozen=True)
@@ -109,12 +109,13 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
     values = np.array([_vector(features, names, scale) for features in all_features])
-    moving = [name for name, spread in zip(names, values.std(axis=0), strict=True) if spread > _VANISHING]
+    motions = np.array([run.motion for run in kept])
+    sizes = _sizes(all_features[0], names, float(np.median(motions[:, 1])))
+    moving = [name for name, spread in zip(names, values.std(axis=0) / sizes, strict=True) if spread > _VANISHING]
     values = values[:, [names.index(name) for name in moving]]
     judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
     columns = [moving.index(name) for name in judged]
     blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
-    motions = np.array([run.motion for run in kept])
     return Baseline(
         features=tuple(moving),
         prediction=predict(values, tests),
@@ -202,6 +203,12 @@ def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
 
 def _mostly(flags: Sequence[bool]) -> bool:
     return sum(flags) > 0.5 * len(flags)
+
+
+def _sizes(features: Features, names: Sequence[str], travel: float) -> np.ndarray:
+    """What scatters (p,) of numbers are small beside: the travel where they are lengths or angles, else one."""
+    lengths = [not features.values[name].of_effort and not features.values[name].logarithm for name in names]
+    return np.where(lengths, travel, 1.0)
 
 
 def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarray:

@@ -20,9 +20,12 @@ from .hypothesis import INERTIAS
 from .uncertainty import covariance
 
 
-def standard_errors(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
-    """Standard errors of the free numbers, by path; those that are held at a value have none."""
-    known = covariance(problem, f)
+def standard_errors(problem: EquationErrorProblem, f: Fit, known: np.ndarray | None = None) -> dict[str, float]:
+    """Standard errors of the free numbers, by path; those that are held at a value have none.
+
+    They are those of the fit, or of a covariance (k, k) that is ``known``.
+    """
+    known = covariance(problem, f) if known is None else known
     spread = np.sqrt(np.diag(known))
     sure = {free.path: float(s) for free, s in zip(f.hypothesis.free, spread, strict=True) if free.lower < free.upper}
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import ParameterEvent, SetParametersResult
 from rclpy.context import Context
@@ -47,8 +49,15 @@ PARAMETERS = (
     Declaration("services", True, "serve monitor/diagnose and monitor/apply"),
     Declaration("twin", "twin", "name of the twin's node, whose parameters the services read and set"),
     Declaration("history", 150_000, "samples kept for a diagnosis: 5 minutes at 500 Hz", "1", 1000, 1_000_000),
+    Declaration("results", "", "a campaign's results, by whose healthy recordings the running unit is judged"),
+    Declaration("unit", "", "which of their units runs here; needed where they hold several"),
+    Declaration("healthy", "", "which of its recordings are healthy: as units --healthy has it"),
+    Declaration("judged_after", 60.0, "length of a run after which its last part is judged", "s", 1.0, 3600.0),
     Declaration("capacity", 10_000, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
 )
+
+if TYPE_CHECKING:
+    from .unit_watch import UnitWatch
 
 _HEALTH_PERIOD = 0.1
 """s."""
@@ -70,6 +79,7 @@ class MonitorNode(Node):
         comparison: the statistics of the present run.
         diagnosis_services: diagnoses and applies; None where they are switched off.
         announced: what `bench/run` last told; None before.
+        unit_watch: judges the health of the unit that runs; None where no results were given.
         on_pair: called for every pair, where given.
     """
 
@@ -126,6 +136,13 @@ class MonitorNode(Node):
         own = self.get_namespace().rstrip("/")
         self._twin_name = given["twin"] if given["twin"].startswith("/") else f"{own}/{given['twin']}"
         self.create_subscription(ParameterEvent, "/parameter_events", self._on_change, qos_profile_parameter_events)
+        self.unit_watch: UnitWatch | None = None
+        self._judged_after, self._judged_at = round(given["judged_after"] * 1e9), 0
+        if given["results"]:
+            from .unit_watch import UnitWatch  # with libraries that no other monitor needs
+
+            self.unit_watch = UnitWatch.opened(Path(given["results"]), given["unit"], given["healthy"])
+            diagnostics.Diagnostics(self, "health of the unit", self.unit_watch.unit, self._report_unit)
         steady_timer(self, _HEALTH_PERIOD, self._publish_health)
 
     @property
@@ -165,8 +182,9 @@ class MonitorNode(Node):
         passes = self.pairing.passes
         answer = self.pairing.add_bench(sample)
         if self.pairing.passes != passes:
+            self._judge_unit()
             self.comparison = self._new_comparison(input_for(self._input, sample.signals, self.model))
-            self._stamp = self._first_stamp = sample.stamp
+            self._stamp = self._first_stamp = self._judged_at = sample.stamp
         if answer is not None:
             self._compare(sample, answer)
 
@@ -221,6 +239,8 @@ class MonitorNode(Node):
         for topic, mixing in self._mixing.items():
             mixing.look(self.count_publishers(topic))
         self._trend.add((self._stamp - self._first_stamp) * 1e-9, rmse_window)
+        if (self.expected and self.complete) or self._stamp - self._judged_at >= self._judged_after:
+            self._judge_unit()
         if self.diagnosis_services is not None and time.monotonic() - self._first_pair > _SETTLED:
             self._prepared, self._first_pair = True, math.inf
             self.diagnosis_services.prepare()
@@ -240,6 +260,19 @@ class MonitorNode(Node):
                 rmse_trend=signals_message(self._trend.slopes()),
             )
         )
+
+    def _judge_unit(self) -> None:
+        """Judge what of the present run was not yet judged, where it lasts long enough to tell anything."""
+        if self.unit_watch is None or self._stamp <= self._judged_at:
+            return
+        stretch = min(self._stamp - self._judged_at, self._judged_after) * 1e-9
+        self._judged_at = self._stamp
+        self.unit_watch.judge(self._history.recordings(stretch, self._place()[0])[-1])
+
+    def _report_unit(self) -> diagnostics.Report:
+        watch = self.unit_watch
+        assert watch is not None  # reported only where there is one
+        return diagnostics.Report(diagnostics.WARN if watch.off else diagnostics.OK, watch.words, watch.figures)
 
     def _report(self) -> diagnostics.Report:
         pairing = self.pairing

@@ -68,7 +68,8 @@ def _file(unit: Unit) -> str:
     return f"{file_name(unit.name)}.html"
 
 
-def _page(title: str, *body: str, script: str = "") -> str:
+def page_text(title: str, *body: str, script: str = "") -> str:
+    """A page that loads nothing."""
     style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
@@ -106,14 +107,14 @@ def _overview(
     head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed", "health")
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
-    return _page(f"{len(units)} units", tag("p", lead, class_="lead"), box, found, script=_FILTER)
+    return page_text(f"{len(units)} units", tag("p", lead, class_="lead"), box, found, script=_FILTER)
 
 
 def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> str:
     changed = [look for look in looks if look.change is not None]
     remarks = [*unit.remarks, *(() if health is None else health.remarks)]
     leading = [look for look in looks if look.life is not None or look.trend is not None]
-    return _page(
+    return page_text(
         unit.name,
         tag("p", tag("a", "all units", href="../index.html")),
         section(

@@ -1,0 +1,266 @@
+"""Sweeps: models are simulated with other numbers, and searched as if nobody knew; the bounds stand beside it."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..effects import catalogue
+from ..model import Model, load_model
+from ..model.constants import CONSTANTS
+from ..model.model import nearest
+from ..model.model_file import model_files
+from ..model.own_units import shown_entry
+from ..parallel import one_after_another
+from ..simulation.command import parse_command
+from ..simulation.virtual_bench import virtual_bench
+from ..version import VERSION
+from .engine import Outcome, run
+from .jobs import Job
+from .results import DONE, FAILED, REFUSED
+from .store import Store
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+VERB = "sweep"
+UNIT = "sweep"
+"""The unit under which the points of a sweep stand in the store."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A number and the values that it takes: ``count`` from ``low`` to ``high``, evenly or in the logarithm."""
+
+    path: str  # OWNER.NUMBER: of the model's effects, of the catalogue's, or a constant
+    low: float
+    high: float
+    count: int
+    logarithmic: bool = False
+
+    @classmethod
+    def of(cls, text: str) -> Varied:
+        """From ``PATH=LOW:HIGH:COUNT[:log]`` or ``PATH=VALUE``. Raises InputError for anything else."""
+        path, _, values = text.partition("=")
+        parts = values.split(":")
+        logarithmic = len(parts) == 4 and parts[3] == "log"
+        try:
+            low, high, count = (float(parts[0]), float(parts[0]), 1) if len(parts) == 1 else (
+                float(parts[0]), float(parts[1]), int(parts[2]))  # fmt: skip
+        except (ValueError, IndexError):
+            low, high, count = np.nan, np.nan, 0
+        fits = len(parts) in (1, 3) or logarithmic
+        if not fits or "." not in path or not np.isfinite([low, high]).all() or low > high or count < 1:
+            raise InputError(f"--vary {text}: write it as backlash.width=0.0005:0.004:8, with :log for equal ratios")
+        if logarithmic and low <= 0.0:
+            raise InputError(f"--vary {text}: equal ratios do not begin at {low:g}; begin above zero")
+        return cls(path, low, high, count, logarithmic)
+
+    def at(self, shares: np.ndarray) -> np.ndarray:
+        """Values (n,) at shares (n,) of the way from low to high."""
+        if self.logarithmic:
+            return np.asarray(self.low * (self.high / self.low) ** shares)
+        return self.low + (self.high - self.low) * shares
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is done with every point: simulated with each command, and searched beside a model."""
+
+    model: str
+    commands: tuple[str, ...]
+    seconds: float
+    search: bool = True  # whether what is missing is looked for; else the bounds alone
+
+    def identity(self) -> str:
+        """What tells this study from another."""
+        content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in model_files(self.model)]
+        return json.dumps([VERB, content, self.commands, self.seconds, self.search])
+
+
+@dataclass(frozen=True)
+class Point(Job):
+    """One model to simulate: the numbers that are put into it, and the seed of the sensors' noise."""
+
+    settings: tuple[tuple[str, float], ...] = ()
+    seed: int = 0
+
+
+def grid(varied: Sequence[Varied], study: Study, repeats: int) -> list[Point]:
+    """All combinations, each with so many seeds."""
+    axes = [one.at(np.linspace(0.0, 1.0, one.count)) for one in varied]
+    return _points(varied, list(itertools.product(*axes)), study, repeats)
+
+
+def sample(varied: Sequence[Varied], study: Study, number: int, seed: int, repeats: int) -> list[Point]:
+    """So many combinations of a Latin hypercube, each with so many seeds."""
+    shares = qmc.LatinHypercube(len(varied), rng=np.random.default_rng(seed)).random(number)
+    columns = [one.at(shares[:, k]) for k, one in enumerate(varied)]
+    return _points(varied, list(zip(*columns, strict=True)), study, repeats)
+
+
+def _points(varied: Sequence[Varied], values: Sequence[Sequence[float]], study: Study, repeats: int) -> list[Point]:
+    identity = study.identity()
+    found = []
+    for of in values:
+        settings = tuple((one.path, float(value)) for one, value in zip(varied, of, strict=True))
+        for seed in range(repeats):
+            key = hashlib.blake2b(json.dumps([identity, settings, seed]).encode(), digest_size=16).hexdigest()
+            told = ", ".join(f"{path} {value:.6g}" for path, value in settings)
+            found.append(Point(key, UNIT, f"{told}, seed {seed}", (), settings=settings, seed=seed))
+    return found
+
+
+def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[Model, dict[str, dict[str, float]]]:
+    """The model with numbers put into it, and the effects that it lacked (by id, their numbers).
+
+    Raises InputError where a path is none, or a number out of range.
+    """
+    lacked: dict[str, dict[str, float]] = {}
+    for path, value in settings:
+        owner, _, name = path.partition(".")
+        if owner in model.effects:
+            model = model.with_value(f"effects.{path}", value)
+        elif path in CONSTANTS:
+            model = model.with_value(path, value)
+        elif owner in catalogue():
+            lacked.setdefault(owner, {})[name] = value
+        else:
+            raise InputError(f"--vary {path}: is no number of this model; {nearest(owner, tuple(catalogue()))}")
+    for id, numbers in lacked.items():
+        model = model.with_effect(id, numbers)
+    return model, lacked
+
+
+def sweep(client: Client, points: Sequence[Point], study: Study, store: Path) -> Iterator[Outcome]:
+    """The outcomes of points as they come; their rows are in the store."""
+    yield from run(client, points, partial(_batch, study=study, store=store), partial(_lost, study=study, store=store))
+
+
+def swept(point: Point, study: Study) -> dict[str, Any]:
+    """The row of a point: what a search names, what it estimates, and what it could know at best."""
+    begun = time.perf_counter()
+    row = _blank(point, study)
+    try:
+        model = load_model(study.model)
+        true, lacked = with_settings(model, point.settings)
+        row["settings"] = [{"path": path, "value": value, "unit": _unit(true, path)} for path, value in point.settings]
+        row["lacked"] = [*lacked]
+        recordings = [
+            virtual_bench(true, parse_command(command), study.seconds, seed=1000 * point.seed + k, name=f"{k}")
+            for k, command in enumerate(study.commands)
+        ]
+        row |= {
+            "duration": sum(recording.duration for recording in recordings),
+            "samples": sum(len(recording) for recording in recordings),
+            "motion": model.motion,
+            "bounds": bounds(recordings, model, true, lacked),
+        }
+        if study.search:
+            from .work import discovered
+
+            row |= discovered(recordings, model)
+        row["status"] = DONE
+    except InputError as error:
+        row |= {"status": REFUSED, "message": str(error)}
+    except Exception as error:  # one point stops no sweep
+        row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
+    return row | {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
+
+
+def bounds(
+    recordings: Sequence[Recording], model: Model, true: Model, lacked: Mapping[str, Mapping[str, float]]
+) -> list[dict[str, Any]]:
+    """Each free number of the true model, with the standard error that Cramér and Rao leave it, in SI units.
+
+    The numbers are those of the search: those of the effects that the model lacked, inertia and friction.
+    """
+    from ..discovery.search.search import settle
+    from ..identification.cramer_rao import cramer_rao
+    from ..identification.equation import EquationErrorProblem
+    from ..identification.estimates import constants, standard_errors
+    from ..identification.fit import fit
+    from ..identification.hypothesis import null_hypothesis
+    from ..measured.observation import observe_all
+    from ..measured.scales import to_own_units
+
+    given, own = to_own_units(recordings, model)
+    problem = EquationErrorProblem(observe_all(list(given), own))
+    hypothesis = null_hypothesis(own)
+    for id in lacked:
+        of, instance = catalogue()[id], true.effects[id]
+        assert own.units is not None  # own units were asked for
+        factors = {p.name: 1.0 if p.periodic else own.units.factor(p.unit) for p in of.parameters}
+        values = {name: value / factors[name] for name, value in instance.parameters.items()}
+        hypothesis = hypothesis.with_effect(id, instance.options, values)
+    f = settle(fit(problem, hypothesis))
+    sure = standard_errors(f.problem, f, cramer_rao(f.problem, f))
+    found = []
+    for id in lacked:
+        for p in catalogue()[id].parameters:
+            std = sure.get(f"effects.{id}.{p.name}")
+            if std is not None:
+                told = shown_entry(own, 0.0, std, p.unit, angle=p.periodic)
+                value = true.effects[id].parameters[p.name]
+                found.append({"owner": id, "name": p.name, "value": value, "std": told["std"], "unit": told["unit"]})
+    for owner, numbers in constants(f, sure, model).items():
+        found += [
+            {"owner": owner, "name": name, "value": _true(true, owner, name), "std": of["std"], "unit": of["unit"]}
+            for name, of in numbers.items()
+        ]
+    return found
+
+
+def _true(model: Model, owner: str, name: str) -> float:
+    if owner in model.effects:
+        return model.effects[owner].parameters[name]
+    return model.value(f"{owner}.{name}")
+
+
+def _unit(model: Model, path: str) -> str:
+    owner, _, name = path.partition(".")
+    if owner not in model.effects:
+        return model.unit(path)
+    return next(p.unit for p in catalogue()[model.effects[owner].effect].parameters if p.name == name)
+
+
+def _batch(points: Sequence[Point], study: Study, store: Path) -> list[Outcome]:
+    one_after_another()  # the other cores have workers of their own
+    rows = [swept(point, study) for point in points]
+    Store(store).write(rows)
+    return [
+        Outcome(point, row["status"], row.get("message") or "", row["seconds"])
+        for point, row in zip(points, rows, strict=True)
+    ]
+
+
+def _lost(point: Job, reason: str, study: Study, store: Path) -> Outcome:
+    row = _blank(point, study) | {"status": FAILED, "message": reason}
+    Store(store).write([row])
+    return Outcome(point, FAILED, reason, 0.0)
+
+
+def _blank(point: Job, study: Study) -> dict[str, Any]:
+    return {
+        "key": point.key,
+        "unit": point.unit,
+        "name": point.name,
+        "task": VERB,
+        "model": study.model,
+        "done_at": datetime.now(timezone.utc),
+        "version": VERSION,
+    }

@@ -1,0 +1,164 @@
+"""``ema-twin sweep``: many models are simulated and searched: what can be told of them, and from which size on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.markup import escape
+
+from ..quantities import quantity
+from . import options
+from .output import console, counted, say, status, warn
+from .tables import ReportTable
+
+if TYPE_CHECKING:
+    from ..campaign.sweep_points import SweptPoint
+
+EXAMPLES = """Examples:
+
+ema-twin sweep --model polito_bench --vary backlash.width=0.0001:0.002:6:log -c triangle:0.1:1 -o play --repeats 5
+
+ema-twin sweep --model polito_bench --vary coulomb_friction.torque=0.03:0.12:5 \
+--vary viscous_friction.coefficient=0.01:0.05:5 -c ramp:0.05 --bounds-only -o friction --page friction.html
+
+ema-twin sweep --model press.yaml --vary stribeck_friction.torque=0:0.1:2 --vary stribeck_friction.speed=0.5:5:2 \
+--sample 200 -c sine:0.05:0.25 -o stribeck
+
+A number of an effect that the model lacks is hidden from the search, which looks for it; one of the model's own, or a \
+constant, is another in the machine than in the model."""
+
+_SHOWN = 5
+"""Points that were refused, of which the reason is told."""
+
+
+def run(
+    model: options.ModelName,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary",
+            metavar="PATH=LOW:HIGH:COUNT[:log]",
+            help="A number of the machine and its values, in SI units; PATH=VALUE for one. May be repeated.",
+        ),
+    ],
+    command: Annotated[
+        list[str],
+        typer.Option("--command", "-c", metavar="KIND:A:B", help="What the bench does, as simulate has it. Repeat it."),
+    ],
+    output: Annotated[
+        Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
+    ],
+    seconds: Annotated[
+        float, typer.Option(metavar="S", parser=options.number(0.1, 1e4, "s"), help="Duration of each recording.")
+    ] = 20.0,
+    sample: Annotated[
+        int | None,
+        typer.Option(
+            "--sample", metavar="N", min=1, help="N points drawn evenly (Latin hypercube), in place of a grid."
+        ),
+    ] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Results a point, each with noise of its own.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the sample.")] = 0,
+    bounds_only: Annotated[
+        bool,
+        typer.Option("--bounds-only", help="Do not look for what is missing: what can be known at best is faster."),
+    ] = False,
+    workers: Annotated[
+        int, typer.Option("--workers", min=1, max=1024, help="Processes on this machine; by default one for each core.")
+    ] = os.cpu_count() or 1,
+    scheduler: Annotated[
+        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A dask scheduler in place of this machine.")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option("--page", metavar="FILE.html", help="Also write a page with a map of it.")
+    ] = None,
+    force: options.Force = False,
+    json: options.JsonFile = None,
+) -> None:
+    """Simulate many models and search each as if nobody knew: from which size on is it named, and how well is it known.
+
+    The bound (Cramér and Rao) is the least standard error that any method could have with these recordings.
+    """
+    from ema_bench_replay.errors import InputError
+
+    from ..campaign.engine import cluster
+    from ..campaign.store import Store
+    from ..campaign.sweep import Study, Varied, grid, with_settings
+    from ..campaign.sweep import sample as sampled
+    from ..campaign.sweep import sweep as points_swept
+    from ..campaign.sweep_points import detection_limit, swept_points
+    from ..model import load_model
+    from ..model.model_file import model_files
+    from ..simulation.command import parse_command
+    from .inputs import write_json
+
+    base = load_model(model)
+    for text in command:
+        parse_command(text)
+    varied = [Varied.of(text) for text in vary]
+    if twice := {one.path for one in varied if sum(one.path == other.path for other in varied) > 1}:
+        raise InputError(f"--vary {min(twice)}: stands twice; give each number once")
+    for values in zip(*((one.low, one.high) for one in varied), strict=True):
+        with_settings(base, [(one.path, value) for one, value in zip(varied, values, strict=True)])
+    study = Study(str(model_files(model)[0].resolve()), tuple(command), seconds, not bounds_only)
+    points = grid(varied, study, repeats) if sample is None else sampled(varied, study, sample, seed, repeats)
+    store = Store.made(output)
+    settled = store.settled()
+    waiting = [point for point in points if point.key not in settled]
+    if len(waiting) < len(points):
+        say(f"{len(points) - len(waiting)} of {len(points)} are done already and stay as they are.")
+    refused = 0
+    if waiting:
+        with ExitStack() as stack:
+            with status() as progress:
+                progress("starting the workers")
+                client = stack.enter_context(cluster(scheduler, min(workers, len(waiting))))
+            done = stack.enter_context(counted(len(waiting), "simulating"))
+            for outcome in points_swept(client, waiting, study, store.folder.resolve()):
+                refused += outcome.status != "done"
+                if outcome.status != "done" and refused <= _SHOWN:
+                    warn(f"{outcome.job.name}: {outcome.status}: {outcome.message}")
+                done(outcome.job.name)
+    store.merge_files()
+    keys = {point.key for point in points}
+    found = swept_points(row for row in store.rows() if row["key"] in keys)
+    _show(found)
+    limit = detection_limit(found)
+    if limit is not None:
+        named = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
+        say(
+            f"{limit.path} is named {named}; below {quantity(limit.bound, limit.unit)}, four times the least standard "
+            "error, no method could be sure of it."
+        )
+    if page is not None:
+        from ..report.sweep_page import write_sweep_page
+
+        say(f"{write_sweep_page(page, found, limit, force=force)}: open it in any browser")
+    write_json(json, [point.as_json() for point in found])
+
+
+def _show(points: Sequence[SweptPoint]) -> None:
+    """A row for every point: how often it was named, and errors of the numbers that were varied."""
+    if not points:
+        return
+    table = ReportTable(f"{len(points)} points")
+    paths = [path for path, _, _ in points[0].settings]
+    table.numbers(*(escape(path) for path in paths), "named")
+    table.numbers("least error", "error told", "errors were")
+    for point in points:
+        varied = [number for number in point.numbers if number.path in paths]
+        table.add_row(
+            *(quantity(value, unit) for _, value, unit in point.settings),
+            "" if point.share is None else f"{point.named}/{point.searched}",
+            *(
+                ", ".join("-" if (v := getattr(n, what)) is None else quantity(v, n.unit) for n in varied)
+                for what in ("bound", "told", "scatter")
+            ),
+        )
+    console.print(table)
+    say("Least error: Cramér and Rao's bound of the standard error. Told: by the search. Were: their root mean square.")

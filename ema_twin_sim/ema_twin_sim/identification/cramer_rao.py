@@ -1,0 +1,55 @@
+"""The bound of Cramér and Rao: what the rows leave open of the free numbers, whoever estimates them.
+
+The noise is what a fit leaves, with the spectrum that this has (Blackman and Tukey's estimate by recording), so that
+what correlates neighbouring rows counts once. The fit is to be one of the true effects.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import solve_triangular, toeplitz
+
+from .equation import EquationErrorProblem
+from .fit import Fit, prior_rows
+from .uncertainty import scaled_inverse
+
+LAGS = 0.1
+"""Of a recording, over which its noise may be correlated: resolves ten periods in it."""
+
+
+def cramer_rao(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
+    """Covariance (k, k) of the free numbers at its bound, with what is known before of constants."""
+    _, priors = prior_rows(f.hypothesis)
+    return scaled_inverse(fisher_information(problem, f.residual, f.jacobian) + priors.T @ priors)
+
+
+def fisher_information(problem: EquationErrorProblem, noise: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Information (k, k) of slopes (m, k) beside a noise (m,), recording by recording and kind of row by kind."""
+    information = np.zeros((slopes.shape[1], slopes.shape[1]))
+    for k, part in problem.parts:
+        o = problem.observations[k]
+        if part.stop - part.start < 2:
+            continue
+        white = whitened(o.rows if part.start < problem.size else o.encoder_rows, noise[part], slopes[part])
+        information += white.T @ white
+    return information
+
+
+def whitened(at: np.ndarray, noise: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+    """Slopes (m, k) in units of a ``noise`` (m,) that is correlated; rows stand ``at`` samples (m,), some are missing.
+
+    Parzen's window keeps the estimated covariance one.
+    """
+    step = int(np.diff(at).min())
+    place = (at - at[0]) // step
+    grid, there = np.zeros(place[-1] + 1), np.zeros(place[-1] + 1)
+    grid[place], there[place] = noise, 1.0
+    lags = max(2, round(LAGS * len(grid)))
+    size = 2 * len(grid)
+    power = np.abs(np.fft.rfft(grid, size)) ** 2
+    correlation = np.fft.irfft(power, size)[: len(grid)] / there.sum()
+    u = np.arange(len(grid)) / lags
+    window = np.where(u <= 0.5, 1.0 - 6.0 * u**2 + 6.0 * u**3, 2.0 * np.clip(1.0 - u, 0.0, 1.0) ** 3)
+    covariance = toeplitz(correlation * window)[np.ix_(place, place)]
+    covariance += 1e-9 * covariance[0, 0] * np.eye(len(place))
+    return np.asarray(solve_triangular(np.linalg.cholesky(covariance), slopes, lower=True))

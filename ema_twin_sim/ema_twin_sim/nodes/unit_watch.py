@@ -1,0 +1,97 @@
+"""The running unit, judged beside its own healthy recordings: the health numbers of a campaign, live. No ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.recording import Recording
+
+from ..campaign.healthy import Healthy
+from ..campaign.histories import FEWEST_HEALTHY
+from ..campaign.store import Store
+from ..campaign.unit_health import Learnt, healthy_runs, learnt_from
+from ..campaign.units import units_of
+from ..health.judgement import HealthJudgement
+from ..health.motion_record import MotionRecord
+from ..health.run_features import run_features
+from ..quantities import quantity
+
+_NOW = "the running test"
+
+
+class UnitWatch:
+    """Judges runs of a unit as `units` does, by the baseline of a campaign's results.
+
+    Attributes:
+        unit: its name.
+        last: what was told of the last run that was judged; None before.
+        refused: why the last run could not be read; empty where it could.
+    """
+
+    def __init__(self, unit: str, learnt: Learnt) -> None:
+        """Judge a unit by what was learnt. Raises InputError where that is nothing."""
+        if not learnt.kinds:
+            raise InputError(f"{unit}: {learnt.remarks[0]}")
+        self.unit = unit
+        self.last: HealthJudgement | None = None
+        self.refused = ""
+        self._learnt = learnt
+
+    @classmethod
+    def opened(cls, results: Path, unit: str, healthy: str | None) -> UnitWatch:
+        """By the results of a campaign, in which one unit may be named. Raises InputError where they do not suffice."""
+        found = units_of(Store.opened(results).rows())
+        named = [one for one in found if one.name == unit or (not unit and len(found) == 1)]
+        if not named:
+            raise InputError(f"{results}: give the unit: one of {', '.join(one.name for one in found)}")
+        runs, flags = healthy_runs(named[0], Healthy.of(healthy or None, FEWEST_HEALTHY))
+        if not runs:
+            raise InputError(f"{results}: holds no health of {named[0].name}; run ema-twin campaign --do health")
+        return cls(named[0].name, learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag]))
+
+    def judge(self, recording: Recording) -> None:
+        """Judge a run, or a stretch of one."""
+        try:
+            record = MotionRecord.from_recording(recording, _NOW)
+        except InputError as error:
+            self.refused = str(error)
+            return
+        baseline = self._learnt.kinds[0][1]
+        self.last, self.refused = self._learnt.judge(run_features(record, baseline.wavelength)), ""
+
+    @property
+    def off(self) -> bool:
+        """Whether the last run is not as the healthy ones."""
+        return self.last is not None and bool(self.last.detected)
+
+    @property
+    def words(self) -> str:
+        """What the last run was like."""
+        if self.refused:
+            return self.refused
+        if self.last is None:
+            return "no run was judged yet: one is at its end"
+        return " ".join(self.last.words)
+
+    @property
+    def figures(self) -> Mapping[str, object]:
+        """The health numbers of the last run, beside the healthy ones."""
+        last = self.last
+        if last is None:
+            return {}
+        changes = {
+            change.name.replace("_", " "): (
+                f"{quantity(change.value, change.unit)}, healthy {quantity(change.healthy, change.unit)} "
+                f"({change.standard_deviations:+.1f} standard deviations)"
+            )
+            for change in last.changes
+            if not change.name.startswith("wave_") or change.name == "wave_depth"
+        }
+        return {
+            "judged": last.name,
+            "distance, in times of the limit's": None if last.detected is None else f"{last.distance:.2f}",
+            "family": None if last.family is None else last.family.value,
+            **changes,
+        }

@@ -1,0 +1,107 @@
+"""Sweeps: models that are simulated and searched, detection limits beside the bound of Cramér and Rao."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.results import DONE, SCHEMA
+from ema_twin_sim.campaign.sweep import Study, Varied, grid, sample, swept, with_settings
+from ema_twin_sim.campaign.sweep_points import detection_limit, swept_points
+from ema_twin_sim.model import load_model
+from ema_twin_sim.report.sweep_page import write_sweep_page
+from tests.command_line import done_here
+
+STUDY = Study("polito_bench", ("triangle:0.1:0.5", "triangle:0.03:1"), 4.0)
+
+
+def complete(rows):
+    return [{**dict.fromkeys(SCHEMA.names), **row} for row in rows]
+
+
+@pytest.fixture(scope="module")
+def frictions():
+    """Stribeck friction from nothing that could be told to plenty, each twice."""
+    points = grid([Varied.of("stribeck_friction.torque=0.001:0.1:3:log")], STUDY, 2)
+    return swept_points(complete(swept(point, STUDY) for point in points))
+
+
+def test_a_number_takes_its_values():
+    assert Varied.of("a.b=1:3:3").at(np.linspace(0, 1, 3)).tolist() == [1.0, 2.0, 3.0]
+    assert Varied.of("a.b=1:100:3:log").at(np.linspace(0, 1, 3)) == pytest.approx([1.0, 10.0, 100.0])
+    assert Varied.of("a.b=2") == Varied("a.b", 2.0, 2.0, 1)
+
+
+@pytest.mark.parametrize("text", ["a.b", "a.b=1:2", "a=1:2:3", "a.b=3:1:2", "a.b=0:1:2:log", "a.b=1:2:3:lin", "a.b=x"])
+def test_what_is_no_range_is_refused(text):
+    with pytest.raises(InputError, match="--vary"):
+        Varied.of(text)
+
+
+def test_numbers_of_the_model_are_changed_and_effects_that_it_lacks_are_added():
+    model = load_model("polito_bench")
+    settings = [("coulomb_friction.torque", 0.1), ("machine.motor_inertia", 1e-3), ("backlash.width", 2e-3)]
+    true, lacked = with_settings(model, settings)
+    assert true.effects["coulomb_friction"].parameters["torque"] == 0.1
+    assert true.value("machine.motor_inertia") == 1e-3
+    assert lacked == {"backlash": {"width": 2e-3}} and true.effects["backlash"].parameters["width"] == 2e-3
+    with pytest.raises(InputError, match="did you mean 'backlash'"):
+        with_settings(model, [("backlsh.width", 1.0)])
+
+
+def test_points_are_all_combinations_or_a_sample_of_them():
+    varied = [Varied.of("backlash.width=0.001:0.002:3"), Varied.of("coulomb_friction.torque=0.05:0.1:2")]
+    points = grid(varied, STUDY, 2)
+    assert len(points) == 12 and len({point.key for point in points}) == 12
+    drawn = sample(varied, STUDY, 50, 1, 1)
+    widths = np.array([point.settings[0][1] for point in drawn])
+    assert widths.min() < 0.00105 and widths.max() > 0.00195  # a Latin hypercube leaves no part out
+    assert [point.key for point in drawn] == [point.key for point in sample(varied, STUDY, 50, 1, 1)]
+
+
+def test_a_size_is_named_from_its_detection_limit_on(frictions):
+    least, _, most = frictions
+    assert least.lacked == ("stribeck_friction",) and (least.named, most.named) == (0, 2)
+    limit = detection_limit(frictions)
+    assert limit.path == "stribeck_friction.torque" and limit.named in (0.01, 0.1)
+    assert 1e-4 < limit.bound <= limit.named  # nothing is named that could not be told
+
+
+def test_no_estimate_is_better_than_its_bound(frictions):
+    """The search tells errors of the bound's size or above, and it errs by what it tells."""
+    torque = frictions[-1].numbers[0]
+    assert torque.path == "stribeck_friction.torque" and torque.value == pytest.approx(0.1)
+    assert 0.3 * torque.bound < torque.told < 20.0 * torque.bound
+    assert torque.scatter < 4.0 * torque.told
+
+
+def test_longer_recordings_tell_more():
+    """Four times the time halves the bound of what nothing else is known of."""
+    stds = []
+    for seconds in (4.0, 16.0):
+        study = Study("polito_bench", STUDY.commands, seconds, search=False)
+        (point,) = grid([Varied.of("stribeck_friction.torque=0.1")], study, 1)
+        row = swept(point, study)
+        assert row["status"] == DONE and "verdict" not in row
+        stds.append(next(b["std"] for b in row["bounds"] if (b["owner"], b["name"]) == ("stribeck_friction", "torque")))
+    assert stds[1] / stds[0] == pytest.approx(0.5, abs=0.15)
+
+
+def test_a_page_shows_curve_and_points(frictions, tmp_path):
+    page = write_sweep_page(tmp_path / "s.html", frictions, detection_limit(frictions)).read_text()
+    assert page.count("<polyline") == 2 and "default-src 'none'" in page
+    assert "no method could be sure of it" in page and "0/2" in page and "2/2" in page
+
+
+def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path):
+    asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "3", "--bounds-only",
+             "--workers", "1", "-o", tmp_path / "r"]  # fmt: skip
+    two = ["--vary", "coulomb_friction.torque=0.05:0.1:2", "--vary", "viscous_friction.coefficient=0.02:0.03:2"]
+    done_here(*asked, *two, "--page", tmp_path / "map.html")
+    page = (tmp_path / "map.html").read_text()
+    assert page.count("<rect") == 8  # four points, two maps
+    done_here(*asked, *two, "--json", tmp_path / "again.json")
+    points = json.loads((tmp_path / "again.json").read_text())
+    assert len(points) == 4 and all(point["results"] == 1 and point["named"] is None for point in points)
+    assert all(point["numbers"][0]["bound"] > 0.0 for point in points)

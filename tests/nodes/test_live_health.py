@@ -1,0 +1,112 @@
+"""The running unit's health: the monitor judges a run as `units` judges its recording, and publishes the numbers."""
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from ros_graph import Graph
+
+from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_bench_replay.errors import InputError
+from ema_bench_replay.load import load
+from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.sample_codec import write_state
+from ema_twin_msgs.msg import EmaState
+from ema_twin_sim.campaign.healthy import Healthy
+from ema_twin_sim.campaign.jobs import Grouping, Task, find_jobs
+from ema_twin_sim.campaign.store import Store
+from ema_twin_sim.campaign.unit_health import unit_health
+from ema_twin_sim.campaign.units import units_of
+from ema_twin_sim.campaign.work import judged
+from ema_twin_sim.model import load_model
+from ema_twin_sim.nodes.monitor import MonitorNode
+from ema_twin_sim.nodes.unit_watch import UnitWatch
+from ema_twin_sim.simulation.command import parse_command
+from ema_twin_sim.simulation.virtual_bench import virtual_bench
+
+TESTS = 6
+COULOMB = "effects.coulomb_friction.torque"
+
+
+@pytest.fixture(scope="module")
+def unit(tmp_path_factory):
+    """The results of a unit with six healthy tests and one with more friction, and its last recordings of each kind."""
+    folder = tmp_path_factory.mktemp("unit")
+    model, command = load_model("polito_bench"), parse_command("triangle:0.1:1")
+    drawn = np.random.default_rng(4)
+    for test in range(TESTS + 1):
+        friction = 0.0676 * (1.0 + 0.02 * drawn.normal()) + (0.1 if test == TESTS else 0.0)
+        for run in range(2):
+            bench = virtual_bench(model.with_value(COULOMB, friction), command, 5.0, seed=10 * test + run)
+            write_mcap(bench, folder / "runs" / "EMA" / f"test {test}" / f"{run}.mcap")
+    task = Task("health", "polito_bench")
+    store = Store.made(folder / "results")
+    store.write(
+        [row for job in find_jobs(Grouping.of(folder / "runs", None, "recording"), task) for row in judged(job, task)]
+    )
+    return folder
+
+
+def test_a_run_is_judged_as_its_recording_is(unit):
+    watch = UnitWatch.opened(unit / "results", "", "test [0-5]/")
+    assert watch.unit == "EMA" and "no run was judged yet" in watch.words and not watch.off
+    worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
+    watch.judge(worn)
+    (held,) = units_of(Store.opened(unit / "results").rows())
+    offline = unit_health(held, Healthy.of("test [0-5]/", 4)).tests[-1].runs[1]
+    assert watch.off and offline.detected
+    assert watch.last.distance == pytest.approx(offline.distance, rel=1e-6)
+    assert watch.last.words == offline.words
+    assert "A, healthy" in watch.figures["friction"]
+
+
+def test_a_run_of_another_motion_is_not_judged(unit):
+    watch = UnitWatch.opened(unit / "results", "EMA", "test [0-5]/")
+    watch.judge(virtual_bench(load_model("polito_bench"), parse_command("triangle:0.03:1"), 5.0))
+    assert watch.last.detected is None and not watch.off
+    assert "repeat their test" in watch.words
+
+
+@pytest.mark.parametrize(("name", "healthy", "reason"), [
+    ("other", "test", "give the unit: one of EMA"),
+    ("EMA", "nothing", "no recording is said to be healthy"),
+    ("EMA", "test 0", "do not tell how tests differ"),
+    ("EMA", "(", "no regular expression"),
+])  # fmt: skip
+def test_results_that_tell_nothing_of_it_are_refused(unit, name, healthy, reason):
+    with pytest.raises(InputError, match=reason):
+        UnitWatch.opened(unit / "results", name, healthy)
+
+
+def test_the_monitor_publishes_the_units_health(unit):
+    graph = Graph()
+    try:
+        monitor = graph.add(
+            MonitorNode, services=False, results=str(unit / "results"), unit="EMA", healthy="test [0-5]/"
+        )
+        node = graph.plain_node()
+        publishers = [node.create_publisher(EmaState, f"{side}/state", qos.STATE) for side in ("bench", "twin")]
+        told = []
+        node.create_subscription(DiagnosticArray, "/diagnostics", lambda array: told.extend(array.status), 10)
+        graph.spin_until(lambda: all(p.get_subscription_count() for p in publishers))
+        for run, test in ((1, 6), (2, 0)):
+            recording = load(unit / "runs" / "EMA" / f"test {test}" / "0.mcap")
+            names = [name for name in recording.signals if name != "unexplained_torque"]
+            rows = zip(*(recording.signals[name].tolist() for name in names), strict=True)
+            compared = monitor.pairing.compared
+            for k, (stamp, row) in enumerate(zip(recording.stamps.tolist(), rows, strict=True)):
+                for publisher in publishers:
+                    publisher.publish(write_state(stamp + 10**9, run, k, dict(zip(names, row, strict=True))))
+                if k % 50 == 0:
+                    graph.spin_for(0.002)
+            if run == 1:
+                graph.spin_until(lambda sent=k, was=compared: monitor.pairing.compared - was > sent)
+
+        def of_unit():
+            return [status for status in told if "health of the unit" in status.name]
+
+        graph.spin_until(lambda: any(status.level == DiagnosticStatus.WARN for status in of_unit()))
+        status = next(status for status in of_unit() if status.level == DiagnosticStatus.WARN)
+        assert status.hardware_id == "EMA" and "effort in steady motion" in status.message
+        assert float({v.key: v.value for v in status.values}["distance, in times of the limit's"]) > 1.0
+    finally:
+        graph.close()
