@@ -26,7 +26,7 @@ test: setup ## style and type checks, then all tests
 
 test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools
-	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_web_viewer.py tests/test_views_in_rerun.py
+	@$(RUN) -m pytest tests/test_report_in_browser.py tests/test_fleet_in_browser.py tests/test_web_viewer.py tests/test_views_in_rerun.py
 
 docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no network
 	@$(RUN) -m sphinx --fail-on-warning --keep-going --quiet docs docs/_build
