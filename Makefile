@@ -32,7 +32,7 @@ test-all: setup ## the same, and the tests that take long; twelve cases of make 
 
 test-pictures: setup ## the report and the live view in a browser, the views in rerun; needs chromium and mesa-vulkan-drivers
 	@.ci/drawing_tools
-	@$(RUN) -m pytest tests/report/test_report_in_browser.py tests/views/test_web_viewer.py tests/views/test_views_in_rerun.py
+	@$(RUN) -m pytest tests/report/test_report_in_browser.py tests/report/test_fleet_in_browser.py tests/views/test_web_viewer.py tests/views/test_views_in_rerun.py
 
 docs: setup ## the tutorials and the reference as HTML in docs/_build; needs no network
 	@$(RUN) -m sphinx --fail-on-warning --keep-going --quiet docs docs/_build

@@ -12,6 +12,8 @@ from ema_twin_sim.campaign.histories import outlooks
 from ema_twin_sim.campaign.results import DONE, REFUSED, SCHEMA
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.report.fleet import write_fleet
+from ema_twin_sim.views.unit_history import write_unit_history
+from tests.rrd_content import RrdContent
 
 WEEK = 7 * 86400.0
 
@@ -85,6 +87,20 @@ def test_the_pages_load_nothing(pages):
         text = page.read_text()
         assert "default-src 'none'" in text
         assert not re.search(r'(src|href)="(https?:|//)', text)
+
+
+def test_a_history_in_rerun_holds_values_errors_levels_and_limits(units, tmp_path):
+    worn = next(unit for unit in units if "worn" in unit.name)
+    looks = outlooks(worn, {"backlash.width": 4e-3})
+    assert write_unit_history(tmp_path / "h.rrd", looks, None) == ["numbers"]
+    found = RrdContent(tmp_path / "h.rrd")
+    time, values = found.curve("/numbers/backlash.width/value")
+    assert len(time) == 24 and time[1] == pytest.approx(WEEK)
+    assert values == pytest.approx(looks[0].history.values * 1e3, rel=1e-6)  # mrad
+    _, limit = found.curve("/numbers/backlash.width/limit")
+    assert set(limit) == {4.0}
+    with pytest.raises(InputError, match="exists"):
+        write_unit_history(tmp_path / "h.rrd", looks, None)
 
 
 def test_an_overview_that_exists_is_not_replaced(pages, units):

@@ -22,6 +22,7 @@ from ..words.units import (
 )
 from . import options
 from .output import console, say, warn
+from .rerun_file import check_rrd_name, tell_of_rrd
 from .tables import ReportTable
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ ema-twin units results --unit EMA-007     (its recordings, one by one, and how i
 ema-twin units results --page fleet     (then open fleet/index.html)
 
 ema-twin units results --limits limits.yaml --healthy 10     (limits.yaml: backlash.width: 0.004)
+
+ema-twin units results --unit EMA-007 --rrd history.rrd
 
 ema-twin units results --unit rig --healthy "^normal"     (after campaign --do health: what its other tests are like)"""
 
@@ -66,6 +69,12 @@ def run(
         Path | None,
         typer.Option("--page", metavar="FOLDER", help="Also write pages: FOLDER/index.html, and one of each unit."),
     ] = None,
+    rrd: Annotated[
+        Path | None,
+        typer.Option(
+            "--rrd", metavar="FILE.rrd", help="Also write the history of the --unit, to be looked at in rerun."
+        ),
+    ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
@@ -83,6 +92,9 @@ def run(
     from ..campaign.units import units_of
     from .inputs import write_json
 
+    check_rrd_name(rrd)
+    if rrd is not None and unit is None:
+        raise InputError(f"--rrd {rrd}: shows one unit; name it with --unit")
     of_numbers = read_limits(limits)
     known_good = Healthy.of(healthy, FEWEST_HEALTHY)
     found = units_of(Store.opened(results).rows())
@@ -105,6 +117,12 @@ def run(
             warn(f"{one.name}: {remark}")
         for remark in () if (of := health[one.name]) is None else of.remarks:
             warn(f"{one.name}: {remark}")
+    if rrd is not None and unit is not None:
+        from ..views.unit_history import write_unit_history
+
+        if not ahead[unit] and health[unit] is None:
+            raise InputError(f"--rrd {rrd}: too few results of {unit} have numbers, and none has health")
+        tell_of_rrd(rrd, write_unit_history(rrd, ahead[unit], health[unit], force=force))
     if page is not None:
         from ..report.fleet import write_fleet
 
