@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-pictures docs bench kill fuzz accuracy figures pictures blueprints lock clean
+.PHONY: help setup demo test test-pictures docs bench kill fuzz soak accuracy figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -40,6 +40,9 @@ kill: setup ## nodes are killed beside a bench that plays: how long it halts, wh
 
 fuzz: setup ## random files and messages for all that reads them: none may break a promise; ARGS="--inputs 1000000", "--guided", "--help"
 	@$(RUN) -m tests.fuzz.run $(ARGS)
+
+soak: setup ## the four nodes at 1 kHz for a long time: memory, samples lost, the twin's time; ARGS="--minutes 60"
+	@$(RUN) -m tests.soak $(ARGS)
 
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
