@@ -47,7 +47,7 @@ kill: setup ## nodes are killed beside a bench that plays: how long it halts, wh
 fuzz: setup ## random files and messages for all that reads them: none may break a promise; ARGS="--inputs 1000000", "--guided", "--help"
 	@$(RUN) -m tests.fuzz.run $(ARGS)
 
-soak: setup ## the four nodes for as long as asked: memory, lost samples, drift; ARGS="--minutes 60", "--help"
+soak: setup ## the four nodes at 1 kHz for a long time: memory, samples lost, the twin's time; ARGS="--minutes 60"
 	@$(RUN) -m tests.soak $(ARGS)
 
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
