@@ -41,7 +41,7 @@ rclpy.init()
 node = rclpy.create_node("stranger")
 client = node.create_client(SetParameters, "/twin/set_parameters")
 until = time.monotonic() + {_LOOK}
-while time.monotonic() < until and not client.service_is_ready():
+while time.monotonic() < until and not (client.service_is_ready() and "twin" in node.get_node_names()):
     rclpy.spin_once(node, timeout_sec=0.1)
 was_set = False
 if client.service_is_ready():
