@@ -33,6 +33,9 @@ def test_an_output_that_comes_back_from_its_teeth_is_no_lost_count():
     assert not counter_jumps(difference, still, 0.0).any()
     difference[-20:] += 1e-4
     assert np.flatnonzero(counter_jumps(difference, still, 0.0)).tolist() == [len(difference) - 20]
+    difference[-10:] += 1e-4
+    difference[-9:] += 1e-4  # counts that are lost over two samples are lost too
+    assert np.flatnonzero(counter_jumps(difference, still, 0.0)).tolist() == [len(difference) - k for k in (20, 10, 9)]
 
 
 def test_an_excerpt_holds_a_reversal_that_the_encoders_show_from_both_sides(thrown, stock):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
@@ -17,14 +19,16 @@ MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
 
 
 def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
-    """The seconds of each recording that hold the most reversals, of a few recordings; more where none shows one."""
+    """The seconds of each recording that hold the most reversals, of a few recordings; longer ones where none shows one
+    in so short a time, and some does in a longer one.
+    """
     seen = [o for o in problem.observations if len(o.encoder_rows)]
-    longest = max((o.period * len(o.motion) for o in seen), default=0.0)
-    duration = EXCERPT
-    found = [_telling(o, duration, problem.size > 0) for o in seen]
-    while duration < longest and not any(count > 0.0 for count, _ in found):
-        duration *= 2.0
-        found = [_telling(o, duration, problem.size > 0) for o in seen]
+    longest = max((o.period * len(o.motion) for o in seen), default=EXCERPT)
+    doublings = max(0, math.ceil(math.log2(longest / EXCERPT)))
+    tried = ([_telling(o, EXCERPT * 2.0**k, problem.size > 0) for o in seen] for k in range(doublings + 1))
+    shortest = next(tried)
+    reversing = (one for one in chain([shortest], tried) if any(count > 0.0 for count, _ in one))
+    found = next(reversing, shortest)
     found.sort(key=lambda entry: -entry[0])
     part = EquationErrorProblem([o for _, o in found[:EXCERPTS]])
     return part.under(replace(part.weighting, variance_inflation=problem.weighting.variance_inflation))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..criteria import PART, SPIKE
@@ -31,11 +33,22 @@ def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) ->
     A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
     of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
     An output that flies through its play is quicker than a motor that turns back: it may come back from its teeth as
-    fast as it parted a sample before, or does a sample after.
+    fast as it parted a sample before, or does a sample after; and it flies for three samples or more, while counts may
+    be lost over two.
     """
     step = np.diff(difference, prepend=difference[:1])
     out = step - moving_median(step, NEIGHBOURS)
     spread = 1.4826 * float(np.median(np.abs(out)))
-    parting = np.maximum(np.abs(np.r_[step[:1], step[:-1]]), np.abs(np.r_[step[1:], step[-1:]]))
-    most = SPIKE * spread + moving_maximum(np.abs(travel), NEIGHBOURS // 2, NEIGHBOURS // 2) + counted + 2.0 * parting
-    return np.where(np.abs(out) > most, out, 0.0)
+    most = SPIKE * spread + moving_maximum(np.abs(travel), NEIGHBOURS // 2, NEIGHBOURS // 2) + counted
+    return np.where(np.abs(out) > most + 2.0 * _in_flight(step, np.sign(out)), out, 0.0)
+
+
+def _in_flight(step: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """How fast (n,) [rad a sample] the encoders part around each sample: back from the ``way`` (n,) that its step goes,
+    or that way for three samples.
+    """
+    long_before, before, _, after, long_after = np.lib.stride_tricks.sliding_window_view(np.pad(step, 2, "edge"), 5).T
+    back = np.maximum(-way * before, -way * after)
+    along = [way * one for one in (long_before, before, after, long_after)]
+    flight = np.max([np.minimum(one, other) for one, other in pairwise(along)], axis=0)
+    return np.maximum(np.maximum(back, flight), 0.0)

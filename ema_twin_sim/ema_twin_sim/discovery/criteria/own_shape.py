@@ -25,6 +25,7 @@ from ...identification.sensors import delay_shows
 from .worth import ENCODER_ONLY
 
 TEETH_STEPS = 8
+"""Iterations of a fit: the teeth begin where play had them."""
 
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
