@@ -10,12 +10,13 @@ from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
 from ema_twin_sim.discovery.criteria.worth import has_effect_size, largest_rms_reduction, penalised_gain
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.identification.cramer_rao import whitened
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from tests.accuracy.folders import readable_train
-from tests.accuracy.limits import limit_of, limited_bench, whitened
+from tests.accuracy.limits import limit_of, limited_bench
 from tests.recorded import record, with_signals
 
 RUNS = ("ramp:0.05", "triangle:0.06:2", "sine:0.05:0.4")

@@ -4,12 +4,12 @@ import time
 
 import numpy as np
 import pytest
-from tests.test_fleet import results
 
 from ema_twin_sim.campaign.histories import outlooks
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.report.fleet import write_fleet
 from tests.browser import CHROMIUM, Browser
+from tests.report.test_fleet import results
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="chromium is missing: sudo apt install chromium")
 

@@ -11,8 +11,8 @@ import rerun.blueprint as rrb
 
 from ..campaign.histories import Outlook
 from ..campaign.unit_health import UnitHealth
-from ..commands.unit_words import number_words
 from ..quantities import axis_unit
+from ..words.units import number_words
 from .palette import AFTER, BEFORE, FAINT, GOOD
 from .recording_views import layout
 from .stream import new_rrd, path_of, send, send_level, style
