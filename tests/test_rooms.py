@@ -1,6 +1,6 @@
 """The rooms of the twin's package: data goes down the list once, and no room knows of one further down."""
 
-from docs.figures.imports import NODES, PACKAGE, arrows, files, imports, place
+from docs.figures.imports import NODES, PACKAGE, arrows, exists, files, imports, place
 
 ROOMS = (
     *("criteria", "version", "parallel", "listing", "quantities", "reading_noise", "interrupts"),
@@ -29,6 +29,12 @@ def between_rooms():
 
 def test_every_folder_and_file_is_in_a_room():
     assert {room(place(file)) for file in files()} - {"__init__"} == set(ROOMS)
+
+
+def test_what_is_imported_is_there():
+    """Within functions too: a type checker takes a module that has moved for a library without types."""
+    gone = [(file.name, parts) for file in files() for parts in imports(file) if len(parts) > 1 and not exists(parts)]
+    assert gone == []
 
 
 def test_data_goes_down_the_list():
