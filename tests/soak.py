@@ -128,23 +128,27 @@ def main() -> int:
 
 
 def report(bench: BenchProcesses, soak: Soak, full: float) -> int:
-    """Print what was found; returns 1 where a promise was broken."""
+    """Print what was found; returns 1 where a promise was broken, or nothing was looked at."""
     wrong = 0
     print(f"memory, from {full:.0f} s on, when all buffers are full")
     for name in sorted({name for _, held in soak.memory for name in held}):
-        if sizes := sizes_in_time(soak.memory, name, full):
-            wrong |= sizes[-1] - sizes[0] > 1.0
-            course = " ".join(f"{size:7.2f}" for size in sizes)
-            print(f"  {name:24} {course} MiB, grew by {sizes[-1] - sizes[0]:+.2f} MiB")
+        if not (sizes := sizes_in_time(soak.memory, name, full)):
+            wrong = 1
+            print(f"  {name:24} not looked at: the run must be longer than {full + 10.0:.0f} s")
+            continue
+        wrong |= sizes[-1] - sizes[0] > 1.0
+        course = " ".join(f"{size:7.2f}" for size in sizes)
+        print(f"  {name:24} {course} MiB, grew by {sizes[-1] - sizes[0]:+.2f} MiB")
     health = bench.health
     print(f"samples: {health.compared} compared, {health.missing} missing; run {health.run}")
-    wrong |= health.missing > 0
+    wrong |= health.missing > 0 or health.compared == 0
     for node in ("twin", "monitor", "record", "replay"):
         for key, value in bench.figures.get(node, {}).items():
             if any(
                 word in key for word in ("lost", "late", "twice", "behind", "went back", "wrong stamp", "not written")
             ):
                 print(f"  {node}: {key}: {value}")
+                wrong |= "lost" in key and value not in ("0", "none")
     passed, late = np.array([(t, by) for t, by in soak.late if t > _SETTLED]).reshape(-1, 2).T
     if len(late) > 20:
         late -= late.min()

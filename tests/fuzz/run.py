@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -24,6 +25,10 @@ from .worker import _HEAD
 
 PATIENCE = 30.0
 """s without a new input after which a process is ended; the machine may be busy."""
+
+
+_interrupted = threading.Event()
+"""Set where whoever asked has enough: no process is started any more."""
 
 
 def read_inputs(name: str, folder: Path, inputs: int, seed: int, guided: bool = False) -> dict[str, Any]:
@@ -37,7 +42,7 @@ def read_inputs(name: str, folder: Path, inputs: int, seed: int, guided: bool = 
         "longest": 0.0,
         "peak": 0,
     }
-    while total["inputs"] < inputs and len(total["faults"]) < 20:
+    while total["inputs"] < inputs and len(total["faults"]) < 20 and not _interrupted.is_set():
         place = folder / f"{name}_{seed}".replace(" ", "_")
         place.mkdir(parents=True, exist_ok=True)
         found = _process(name, place, inputs - total["inputs"], seed, guided)
@@ -58,16 +63,19 @@ def _process(name: str, folder: Path, inputs: int, seed: int, guided: bool) -> d
             [*words, *["--guided"] * guided], stdout=said, stderr=said, env=environment, cwd=Path(__file__).parents[2]
         )
         begun, since = 0, time.monotonic()
-        while process.poll() is None:
-            time.sleep(0.1)
-            now = folder / "now"
-            head = now.open("rb").read(_HEAD.size) if now.exists() else b""
-            number = _HEAD.unpack(head)[0] if len(head) == _HEAD.size else 0
-            if number != begun:
-                begun, since = number, time.monotonic()
-            elif time.monotonic() - since > PATIENCE + (300.0 if not begun else 0.0):
-                process.send_signal(signal.SIGKILL)
-                process.wait()
+        try:
+            while process.poll() is None and not _interrupted.is_set():
+                time.sleep(0.1)
+                now = folder / "now"
+                head = now.open("rb").read(_HEAD.size) if now.exists() else b""
+                number = _HEAD.unpack(head)[0] if len(head) == _HEAD.size else 0
+                if number != begun:
+                    begun, since = number, time.monotonic()
+                elif time.monotonic() - since > PATIENCE + (300.0 if not begun else 0.0):
+                    break
+        finally:
+            process.kill()
+            process.wait()
     report = folder / "report.json"
     if process.returncode == 0 and report.exists():
         return json.loads(report.read_text())
@@ -104,14 +112,19 @@ def main() -> int:
         results = {name: pool.submit(read_inputs, name, folder, each, asked.seed, asked.guided) for name in asked.kinds}
         print("kind         inputs  refused     read  not run  faults  longest [s]  peak [MiB]")
         faults = {}
-        for name, result in results.items():
-            found = result.result()
-            cells = "  ".join(f"{found[count]:7}" for count in ("inputs", "refused", "read", "not run"))
-            print(
-                f"{name:10} {cells}  {len(found['faults']):6}  {found['longest']:11.2f}  {found['peak'] >> 20:10}",
-                flush=True,
-            )
-            faults |= {f"{name}: {what}": file for what, file in found["faults"].items()}
+        try:
+            for name, result in results.items():
+                found = result.result()
+                cells = "  ".join(f"{found[count]:7}" for count in ("inputs", "refused", "read", "not run"))
+                print(
+                    f"{name:10} {cells}  {len(found['faults']):6}  {found['longest']:11.2f}  {found['peak'] >> 20:10}",
+                    flush=True,
+                )
+                faults |= {f"{name}: {what}": file for what, file in found["faults"].items()}
+        except KeyboardInterrupt:
+            _interrupted.set()
+            pool.shutdown(cancel_futures=True)
+            return 130
     for what, file in faults.items():
         print(f"  {what}" + (f": {file}" if asked.keep else ""))
     return 1 if faults else 0

@@ -74,6 +74,8 @@ class Worker:
             self.counts["refused"] += 1
         except NotRun:
             self.counts["not run"] += 1
+        except KeyboardInterrupt:
+            raise
         except BaseException as error:
             place = traceback.extract_tb(error.__traceback__)[-1]
             outcome = f"{type(error).__name__} in {Path(place.filename).name}:{place.name}"
