@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import re
+
 LONGEST = 290
-"""Characters of its text: a line of a log, with what is put before it."""
+"""Characters of its text beside the names of files that exist: a line of a log, with what is put before it."""
 _END = 110  # of them that stay of the text's end, where the remedy is
 
 
@@ -19,10 +22,15 @@ class InputError(ValueError):
 
 
 def one_line(text: str) -> str:
-    """The text as one line of at most LONGEST printable characters."""
+    """The text as one line of at most LONGEST printable characters, beside the names of files that exist."""
     if not text.isprintable():
         text = "".join(map(_printable, text))
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - _END - 3]} … {text[-_END:]}"
+    if len(text) <= LONGEST:
+        return text
+    words = (word for word in re.split(r"[\s:;,()']+", text) if os.sep in word)
+    files = [word for word in words if os.path.exists(word)]  # noqa: PTH110 (Path.exists raises at a name that is too long)
+    longest = LONGEST + sum(map(len, files))
+    return text if len(text) <= longest else f"{text[: longest - _END - 3]} … {text[-_END:]}"
 
 
 def _printable(character: str) -> str:

@@ -7,7 +7,7 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.results import DONE, SCHEMA
-from ema_twin_sim.campaign.sweep import Study, Varied, grid, sample, swept, with_settings
+from ema_twin_sim.campaign.sweep import Study, Varied, _unit, grid, sample, swept, with_settings
 from ema_twin_sim.campaign.sweep_points import detection_limit, swept_points
 from ema_twin_sim.model import load_model
 from ema_twin_sim.report.sweep_page import write_sweep_page
@@ -37,6 +37,12 @@ def test_a_number_takes_its_values():
 def test_what_is_no_range_is_refused(text):
     with pytest.raises(InputError, match="--vary"):
         Varied.of(text)
+
+
+def test_a_number_of_a_linear_machine_has_its_unit():
+    carriage = load_model("emps").with_effect("stribeck_friction", {"torque": 1.0})
+    assert _unit(carriage, "stribeck_friction.torque") == "N"
+    assert _unit(load_model("polito_bench"), "machine.motor_inertia") == "kg m^2"
 
 
 def test_numbers_of_the_model_are_changed_and_effects_that_it_lacks_are_added():

@@ -107,6 +107,13 @@ def test_what_drifts_away_from_a_limit_never_reaches_it():
     assert found.slope == pytest.approx(-0.05, rel=0.05) and remaining_life(found, LIMIT) is None
 
 
+def test_what_has_passed_its_limit_has_no_life_left():
+    times = np.arange(50.0)
+    step = 1.1 * (LIMIT - HEALTHY) / times[-1]
+    found = remaining_life(drift(times, HEALTHY + step * times, np.full(50, 0.01)), LIMIT, healthy=HEALTHY)
+    assert (found.earliest, found.median, found.latest) == (0.0, 0.0, 0.0)
+
+
 def test_a_margin_is_what_is_left_of_the_way():
     times = np.arange(50.0)
     left = margin(drift(times, HEALTHY + 1.5 * times / 49.0, np.full(50, 0.1)), HEALTHY, LIMIT)

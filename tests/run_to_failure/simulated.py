@@ -147,7 +147,7 @@ def _worn(model: Model, kind: str, share: float) -> Model:
 
 
 def _run(*arguments: object) -> None:
-    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.start import main; main()"
+    start = "import sys; sys.argv[0] = 'ema-twin'; from ema_twin_sim.entry import main; main()"
     done = subprocess.run(
         [sys.executable, "-c", start, *map(str, arguments)], capture_output=True, text=True, check=False
     )

@@ -154,7 +154,7 @@ def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_
         change,
         trend if trend.is_trend else None,
         None if limit is None or limit == level else margin(trend, level, limit),
-        None if limit is None else remaining_life(trend, limit, limit_error=of.shared),
+        None if limit is None else remaining_life(trend, limit, limit_error=of.shared, healthy=level),
     )
 
 

@@ -235,7 +235,7 @@ def _unit(model: Model, path: str) -> str:
     owner, _, name = path.partition(".")
     if owner not in model.effects:
         return model.unit(path)
-    return next(p.unit for p in catalogue()[model.effects[owner].effect].parameters if p.name == name)
+    return model.parameter_unit(model.effects[owner].effect, name)
 
 
 def _batch(points: Sequence[Point], study: Study, store: Path) -> list[Outcome]:

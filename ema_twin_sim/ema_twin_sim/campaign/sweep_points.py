@@ -119,11 +119,12 @@ def detection_limit(points: Sequence[SweptPoint]) -> DetectionLimit | None:
     if not points or any(len(point.settings) != 1 or point.share is None for point in points):
         return None
     path, _, unit = points[0].settings[0]
-    if any(point.settings[0][0] != path for point in points) or points[0].numbers[0].bound is None:
+    bound = next((number.bound for number in points[0].numbers if number.path == path), None)
+    if any(point.settings[0][0] != path for point in points) or bound is None:
         return None
     named = None
     for point in reversed(points):
         if point.share is None or point.share < ENOUGH:
             break
         named = point.settings[0][1]
-    return DetectionLimit(path, unit, SIGNIFICANT * points[0].numbers[0].bound, named)
+    return DetectionLimit(path, unit, SIGNIFICANT * bound, named)

@@ -43,13 +43,15 @@ def margin(found: Drift, healthy: float, limit: float) -> Margin:
 
 
 def remaining_life(
-    found: Drift, limit: float, probability: float = 0.9, limit_error: float = 0.0
+    found: Drift, limit: float, probability: float = 0.9, limit_error: float = 0.0, healthy: float | None = None
 ) -> RemainingLife | None:
     """When the values reach a limit that they are drifting to, or None where they show no trend to it.
 
+    The limit lies on its side of the ``healthy`` value, or where that is not given of the last: what has passed it has
+    no life left.
     The standard error of the limit is what all values share: they tell each other, and not the limit, more exactly.
     """
-    side = float(np.sign(limit - found.now()[0])) or 1.0
+    side = float(np.sign(limit - (found.now()[0] if healthy is None else healthy))) or 1.0
     if not found.is_trend or side * found.slope <= 0.0:
         return None
     tail = 0.5 * (1.0 - probability)

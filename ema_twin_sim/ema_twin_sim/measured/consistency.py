@@ -135,7 +135,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
         yield Inconsistency(
             recording.name,
             f"{factor.signal} is {factor.value:.3g} times what {factor.other} makes it{_mistake(factor, model)}",
-            f"check unit, factor and counts of {factor.signal} and {factor.other} in the import map"
+            "check unit, factor and counts of both in the import map"
             + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
         )
     yield from _by_limit(recording, model)
@@ -247,7 +247,7 @@ def _mistake(factor: _Factor, model: Model) -> str:
     if relation.counted:
         counts = f"as if the counts_per_revolution of {signal} were"
         usual += [
-            (4.0, f"{counts} those before the fourfold evaluation of its lines"),
+            (4.0, f"{counts} its lines without their fourfold evaluation"),
             (0.25, f"{counts} taken times four twice"),
             (2.0, "as if one of them counted twice"),
             (0.5, "as if one of them counted half"),

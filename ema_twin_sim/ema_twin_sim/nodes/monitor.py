@@ -14,6 +14,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameter_events
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.incoming import Incoming
 from ema_bench_replay.nodes.messages import header, signals_message
@@ -267,7 +268,12 @@ class MonitorNode(Node):
             return
         stretch = min(self._stamp - self._judged_at, self._judged_after) * 1e-9
         self._judged_at = self._stamp
-        self.unit_watch.judge(self._history.recordings(stretch, self._place()[0])[-1])
+        try:
+            recording = self._history.recordings(stretch, self._place()[0])[-1]
+        except InputError as error:  # too little of it was compared
+            self.unit_watch.refused = str(error)
+            return
+        self.unit_watch.judge(recording)
 
     def _report_unit(self) -> diagnostics.Report:
         watch = self.unit_watch

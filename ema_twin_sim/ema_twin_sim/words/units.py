@@ -32,9 +32,11 @@ def change_of(look: Outlook) -> str:
 
 
 def life_words(look: Outlook) -> str:
-    """When a limit is reached: *40 to 90 days*; empty where no trend leads there."""
+    """When a limit is reached: *40 to 90 days*, or that it is passed; empty where no trend leads there."""
     if look.life is None:
         return ""
+    if look.life.latest == 0.0:
+        return "passed"
     unit = "days" if look.history.dated else "results"
     latest = f"{look.life.latest:.0f}" if math.isfinite(look.life.latest) else "∞"
     return f"{look.life.earliest:.0f} to {latest} {unit}"
