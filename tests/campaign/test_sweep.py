@@ -39,6 +39,18 @@ def test_what_is_no_range_is_refused(text):
         Varied.of(text)
 
 
+def test_too_many_points_are_refused_before_any_is_made():
+    varied = [Varied("backlash.width", 0.001, 0.002, 100_000), Varied("constant_load.torque", 0.1, 0.2, 100_000)]
+    with pytest.raises(InputError, match=r"1e[+]10 points are too many"):
+        grid(varied, Study("polito_bench", ("ramp:0.05",), 2.0), 1)
+
+
+def test_points_of_two_studies_have_names_of_their_own():
+    varied = [Varied("backlash.width", 0.001, 0.002, 2)]
+    one, other = (grid(varied, Study("polito_bench", ("ramp:0.05",), seconds), 1) for seconds in (2.0, 3.0))
+    assert {point.name for point in one}.isdisjoint(point.name for point in other)
+
+
 def test_a_number_of_a_linear_machine_has_its_unit():
     carriage = load_model("emps").with_effect("stribeck_friction", {"torque": 1.0})
     assert _unit(carriage, "stribeck_friction.torque") == "N"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -40,6 +41,10 @@ if TYPE_CHECKING:
 VERB = "sweep"
 UNIT = "sweep"
 """The unit under which the points of a sweep stand in the store."""
+
+
+MOST_POINTS = 1_000_000
+"""A day of all cores' work."""
 
 
 @dataclass(frozen=True)
@@ -101,16 +106,26 @@ class Point(Job):
 
 
 def grid(varied: Sequence[Varied], study: Study, repeats: int) -> list[Point]:
-    """All combinations, each with so many seeds."""
+    """All combinations, each with so many seeds. Raises InputError where these are more than MOST_POINTS."""
+    _refuse_many(math.prod(one.count for one in varied) * repeats)
     axes = [one.at(np.linspace(0.0, 1.0, one.count)) for one in varied]
     return _points(varied, list(itertools.product(*axes)), study, repeats)
 
 
 def sample(varied: Sequence[Varied], study: Study, number: int, seed: int, repeats: int) -> list[Point]:
-    """So many combinations of a Latin hypercube, each with so many seeds."""
+    """So many combinations of a Latin hypercube, each with so many seeds.
+
+    Raises InputError where these are more than MOST_POINTS.
+    """
+    _refuse_many(number * repeats)
     shares = qmc.LatinHypercube(len(varied), rng=np.random.default_rng(seed)).random(number)
     columns = [one.at(shares[:, k]) for k, one in enumerate(varied)]
     return _points(varied, list(zip(*columns, strict=True)), study, repeats)
+
+
+def _refuse_many(points: int) -> None:
+    if points > MOST_POINTS:
+        raise InputError(f"sweep: {points:.3g} points are too many; vary fewer values: {MOST_POINTS:.0e} at most")
 
 
 def _points(varied: Sequence[Varied], values: Sequence[Sequence[float]], study: Study, repeats: int) -> list[Point]:
@@ -121,7 +136,9 @@ def _points(varied: Sequence[Varied], values: Sequence[Sequence[float]], study: 
         for seed in range(repeats):
             key = hashlib.blake2b(json.dumps([identity, settings, seed]).encode(), digest_size=16).hexdigest()
             told = ", ".join(f"{path} {value:.6g}" for path, value in settings)
-            found.append(Point(key, UNIT, f"{told}, seed {seed}", (), settings=settings, seed=seed))
+            # with the key, since points of another study in the same results may have the same numbers
+            name = f"{told}, seed {seed} ({key[:8]})"
+            found.append(Point(key, UNIT, name, (), settings=settings, seed=seed))
     return found
 
 
