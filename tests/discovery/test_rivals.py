@@ -1,11 +1,8 @@
 """Rivals: an effect that made another too uncertain beside it may be the wrong one of the two."""
 
-from types import SimpleNamespace
-
-from ema_twin_sim.discovery.discover import _tried
-from ema_twin_sim.discovery.search.rivals import judged_against_rivals
+from ema_twin_sim.discovery.search.rivals import judged_against_rivals, swapped
 from ema_twin_sim.discovery.search.search import less, settle, trial_of
-from ema_twin_sim.discovery.search.trace import UNCERTAIN, Round, Search, Trial
+from ema_twin_sim.discovery.search.trace import UNCERTAIN, Round, Search
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.hypothesis import null_hypothesis
@@ -28,7 +25,11 @@ def test_a_load_that_was_uncertain_beside_gravity_takes_its_place(stock):
     assert [*end.fit.hypothesis.added] == ["constant_load"]
 
 
-def test_a_trial_that_adds_nothing_is_not_told_of():
-    """A fit from another start may win a round's trials without a name that a sentence could tell."""
-    tried = tuple(Trial(names, SimpleNamespace(misfit=1.0), 2.0, 1.0) for names in ((), ("cogging",)))
-    assert [told["names"] for told in _tried(Round(None, tried, None))] == [["cogging"]]
+def test_a_rival_that_holds_all_that_was_there_stands_in_for_nothing(stock):
+    """A round tells of it alone: what was there has no name of its own beside it."""
+    recordings = record(stock.with_effect("constant_load", {"torque": 0.03}), ("triangle:0.06:2",))
+    problem = EquationErrorProblem(observe_all(recordings, stock))
+    bare = settle(fit(problem, null_hypothesis(stock)))
+    rival = fit(bare.problem, bare.hypothesis.with_effect("constant_load", {}, {"torque": 0.01}))
+    (turn,) = swapped(Search(bare, ()), rival).rounds
+    assert [trial.names for trial in turn.tried] == [("constant_load",)]

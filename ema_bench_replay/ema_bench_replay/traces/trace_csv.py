@@ -64,7 +64,7 @@ class _Trace:
             known = ", ".join(column.plain for signal in self.map.signals for column in signal.columns)
             raise InputError(
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
-                f"name the right map with --map, or let one be written: ema-twin init {self.table.path.name} -o NAME"
+                f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
             )
         time = stamps * 1e-9
         signals = {name: self._values(maps[name], time) for name in self.columns}

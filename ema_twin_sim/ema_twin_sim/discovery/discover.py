@@ -382,5 +382,4 @@ def _tried(turn: Round) -> list[dict[str, object]]:
     return [
         {"names": list(trial.names), "gain": trial.gain, "unique": trial.unique, "misfit": trial.fit.misfit}
         for trial in turn.tried[:6]
-        if trial.names  # a fit from another start adds nothing that has a name
     ]

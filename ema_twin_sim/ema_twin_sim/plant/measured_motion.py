@@ -10,8 +10,8 @@ from collections import namedtuple
 
 from numba import boolean, float64, from_dtype, int64, njit, types, void
 
-from ..criteria import STANDSTILL
 from .driven_output import RESOLVED
+from .driving_flank import ahead
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step
 from .layout import DRY_LEVEL, PLANT, VISCOUS_COEFFICIENT
@@ -90,14 +90,8 @@ def output_side(plant):
 
 @njit(error_model="numpy")
 def first_output_angle(side, motor_angle, motor_speed):
-    """Where an output [rad, fast shaft] begins: in the middle of its gap; where the motor moves, on the driving flank.
-
-    As ``simulation/driving_flank.py`` has it.
-    """
-    if side.gap == 0.0 or math.fabs(motor_speed) <= STANDSTILL:
-        return motor_angle
-    pressed = (side.dry + side.viscous * math.fabs(motor_speed)) / side.stiffness
-    return motor_angle - math.copysign(side.gap + pressed, motor_speed)
+    """Where an output begins [rad, fast shaft] behind a motor at this angle [rad] and speed [rad/s]."""
+    return motor_angle - ahead(side.gap, side.dry, side.viscous, side.stiffness, motor_speed)
 
 
 @njit(error_model="numpy")

@@ -38,9 +38,9 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
 
     A spring or an angle error must explain most of it, and leave no more than an encoder's lines may: an encoder that
     errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the place of play,
-    leaves much more where the output is thrown. What play leaves in any recording must be little beside
-    that, since what is thrown against its teeth leaves more than lines do. Not so of a late encoder, which a gearbox
-    that winds up looks like.
+    leaves much more where the output is thrown. What play leaves in any recording must be little beside that, since
+    what is thrown against its teeth leaves more than lines do. Not so of a late encoder, which a gearbox that winds up
+    looks like.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or effect.delays:

@@ -179,6 +179,7 @@ def swapped(found: Search, rival: Fit) -> Search:
     tried = tuple(
         Trial(names, f, penalised_gain(nothing, f), largest_rms_reduction(problem, nothing, f))
         for names, f in ((added, rival), (removed, best))
+        if names  # a rival may hold all that was there, and more
     )
     after = prune(fit(problem, rival.hypothesis))
     turn = Round(best, tried, after, added, removed, BEATEN)
