@@ -28,7 +28,7 @@ METHOD = {
     "identification/compliance.py": (
         "STIFFNESS DAMPING WIDTHS ABOUT HOLDING SIDES CONTACTS OUTPUT_SHARE SOFTER HARDLY HOPELESS RIVAL SPRINGY"
     ),
-    "identification/cramer_rao.py": "LAGS",
+    "identification/cramer_rao.py": "LAGS MOST_LAGS NOTHING",
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
     "identification/generic_bases.py": (

@@ -1,17 +1,18 @@
 """Sweeps: models that are simulated and searched, detection limits beside the bound of Cramér and Rao."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.results import DONE, SCHEMA
-from ema_twin_sim.campaign.sweep import Study, Varied, _unit, grid, sample, swept, with_settings
+from ema_twin_sim.campaign.sweep import VERB, Study, Varied, _unit, grid, sample, swept, with_settings
 from ema_twin_sim.campaign.sweep_points import detection_limit, swept_points
 from ema_twin_sim.model import load_model
 from ema_twin_sim.report.sweep_page import write_sweep_page
-from tests.command_line import done_here
+from tests.command_line import done_here, refused, twin
 
 STUDY = Study("polito_bench", ("triangle:0.1:0.5", "triangle:0.03:1"), 4.0)
 
@@ -41,7 +42,7 @@ def test_what_is_no_range_is_refused(text):
 
 def test_too_many_points_are_refused_before_any_is_made():
     varied = [Varied("backlash.width", 0.001, 0.002, 100_000), Varied("constant_load.torque", 0.1, 0.2, 100_000)]
-    with pytest.raises(InputError, match=r"1e[+]10 points are too many"):
+    with pytest.raises(InputError, match=r"more than 1e[+]06 points"):
         grid(varied, Study("polito_bench", ("ramp:0.05",), 2.0), 1)
 
 
@@ -94,6 +95,24 @@ def test_no_estimate_is_better_than_its_bound(frictions):
     assert torque.scatter < 4.0 * torque.told
 
 
+def test_an_angle_that_is_found_a_turn_away_is_right():
+    true, found = -3.1, 3.1
+    row = {"task": VERB, "status": DONE, "verdict": "explained", "settings": [], "lacked": [], "missing": [],
+           "bounds": [{"owner": "cogging", "name": "phase", "unit": "rad", "value": true, "std": 0.1}],
+           "parameters": [{"owner": "cogging", "name": "phase", "value": found, "std": 0.1}]}  # fmt: skip
+    ((phase,),) = (point.numbers for point in swept_points([row]))
+    assert phase.scatter == pytest.approx(2.0 * np.pi - 6.2)
+
+
+def test_a_limit_is_of_the_number_that_was_varied_and_none_where_nothing_bounds_it(frictions):
+    path = "stribeck_friction.torque"
+    other = replace(frictions[0].numbers[0], path="machine.motor_inertia", bound=1e-5)
+    swapped = [replace(point, numbers=(other, *point.numbers)) for point in frictions]
+    assert detection_limit(swapped).bound == detection_limit(frictions).bound
+    held = [replace(point, numbers=tuple(n for n in point.numbers if n.path != path)) for point in frictions]
+    assert detection_limit(held) is None
+
+
 def test_longer_recordings_tell_more():
     """Four times the time halves the bound of what nothing else is known of."""
     stds = []
@@ -110,6 +129,17 @@ def test_a_page_shows_curve_and_points(frictions, tmp_path):
     page = write_sweep_page(tmp_path / "s.html", frictions, detection_limit(frictions)).read_text()
     assert page.count("<polyline") == 2 and "default-src 'none'" in page
     assert "no method could be sure of it" in page and "0/2" in page and "2/2" in page
+
+
+def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
+    asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "0.1", "--bounds-only",
+             "--workers", "1", "-o", tmp_path / "r", "--vary", "coulomb_friction.torque=0.05:0.1:2"]  # fmt: skip
+    ended = twin(*asked)
+    assert ended.returncode == 1, ended.stderr
+    assert "0 of 2 points were done; 2 were refused or failed" in ended.stdout
+    page = tmp_path / "map.html"
+    page.write_text("held")
+    refused(*asked, "--page", page, naming=["exists already"])
 
 
 def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path):

@@ -53,6 +53,16 @@ def test_a_wave_is_told_by_the_noise_at_its_own_frequency():
         assert information == pytest.approx(0.5 * len(at) / density, rel=0.3)
 
 
+def test_what_leaves_nothing_is_told_for_sure_and_a_long_recording_in_little_memory():
+    """A band of the covariance is kept, not the whole: of 40,000 rows that would be 13 GB."""
+    slopes = np.random.default_rng(3).normal(size=(40_000, 1))
+    exact = whitened(np.arange(40_000), np.zeros(40_000), slopes)
+    assert np.isfinite(exact).all() and float(np.sum(exact**2)) > 1e12
+    noise = np.random.default_rng(4).normal(0.0, 0.5, 40_000)
+    white = whitened(np.arange(40_000), noise, slopes)
+    assert float(np.sum(white**2)) == pytest.approx(float(np.sum(slopes**2)) / 0.25, rel=0.15)
+
+
 def test_lines_that_an_encoder_interpolates_wrongly_do_not_hide_a_torque(stock):
     """How far the encoders part says nothing of how well the torque is known."""
     recordings = record(stock.with_effect("cogging", {"torque": 0.003, "phase": 0.3}), RUNS)

@@ -112,6 +112,8 @@ def test_what_has_passed_its_limit_has_no_life_left():
     step = 1.1 * (LIMIT - HEALTHY) / times[-1]
     found = remaining_life(drift(times, HEALTHY + step * times, np.full(50, 0.01)), LIMIT, healthy=HEALTHY)
     assert (found.earliest, found.median, found.latest) == (0.0, 0.0, 0.0)
+    beyond = np.full(50, HEALTHY + 1.1 * (LIMIT - HEALTHY)) + 0.01 * np.random.default_rng(3).normal(size=50)
+    assert remaining_life(drift(times, beyond, np.full(50, 0.01)), LIMIT, healthy=HEALTHY).latest == 0.0
 
 
 def test_a_margin_is_what_is_left_of_the_way():

@@ -17,9 +17,9 @@ from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.unit_health import unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
+from ema_twin_sim.live.unit_watch import UnitWatch
 from ema_twin_sim.model import load_model
 from ema_twin_sim.nodes.monitor import MonitorNode
-from ema_twin_sim.nodes.unit_watch import UnitWatch
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -50,7 +50,7 @@ def test_a_run_is_judged_as_its_recording_is(unit):
     watch = UnitWatch.opened(unit / "results", "", "test [0-5]/")
     assert watch.unit == "EMA" and "no run was judged yet" in watch.words and not watch.off
     worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
-    watch.judge(worn)
+    watch.judge(lambda: worn)
     (held,) = units_of(Store.opened(unit / "results").rows())
     offline = unit_health(held, Healthy.of("test [0-5]/", 4)).tests[-1].runs[1]
     assert watch.off and offline.detected
@@ -61,13 +61,29 @@ def test_a_run_is_judged_as_its_recording_is(unit):
 
 def test_a_run_of_another_motion_is_not_judged(unit):
     watch = UnitWatch.opened(unit / "results", "EMA", "test [0-5]/")
-    watch.judge(virtual_bench(load_model("polito_bench"), parse_command("triangle:0.03:1"), 5.0))
+    watch.judge(lambda: virtual_bench(load_model("polito_bench"), parse_command("triangle:0.03:1"), 5.0))
     assert watch.last.detected is None and not watch.off
     assert "repeat their test" in watch.words
 
 
+@pytest.mark.parametrize("fault", [InputError("too few samples were compared"), ZeroDivisionError("0 rows")])
+def test_what_cannot_be_judged_is_told_and_nothing_of_the_run_before(unit, fault):
+    watch = UnitWatch.opened(unit / "results", "EMA", "test [0-5]/")
+    worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
+    watch.judge(lambda: worn)
+    assert watch.off and watch.figures
+
+    def fails():
+        raise fault
+
+    watch.judge(fails)
+    assert str(fault) in watch.words and not watch.off and not watch.figures
+    watch.judge(lambda: worn)
+    assert watch.off and not watch.refused
+
+
 @pytest.mark.parametrize(("name", "healthy", "reason"), [
-    ("other", "test", "give the unit: one of EMA"),
+    ("other", "test", "holds no unit 'other'; give the unit: one of EMA"),
     ("EMA", "nothing", "no recording is said to be healthy"),
     ("EMA", "test 0", "do not tell how tests differ"),
     ("EMA", "(", "no regular expression"),

@@ -43,6 +43,10 @@ class Healthy:
             count = max(fewest, len(names) // PART_OF_ALL)
         return min(count, len(names))
 
+    def follows(self, names: Sequence[str], fewest: int) -> bool:
+        """Whether ``first`` does what was said: of a pattern it takes those that the history begins with."""
+        return self.pattern is None or all(self.pattern.search(name) for name in names[:fewest])
+
     def among(self, names: Sequence[str], tests: Sequence[str], fewest: int) -> list[bool]:
         """Of each result, in the order in which they were recorded, whether it is; unless it is said, by whole tests,
         ``fewest`` of them at least.

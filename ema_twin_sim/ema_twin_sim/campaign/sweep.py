@@ -125,7 +125,7 @@ def sample(varied: Sequence[Varied], study: Study, number: int, seed: int, repea
 
 def _refuse_many(points: int) -> None:
     if points > MOST_POINTS:
-        raise InputError(f"sweep: {points:.3g} points are too many; vary fewer values: {MOST_POINTS:.0e} at most")
+        raise InputError(f"sweep: these are more than {MOST_POINTS:.0e} points; vary fewer values")
 
 
 def _points(varied: Sequence[Varied], values: Sequence[Sequence[float]], study: Study, repeats: int) -> list[Point]:

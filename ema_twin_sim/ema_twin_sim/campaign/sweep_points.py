@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..criteria import SIGNIFICANT
+from ..effects import catalogue
 from .results import DONE
 from .sweep import VERB
 
@@ -94,6 +96,8 @@ def _number(path: str, its: Sequence[tuple[Mapping[str, Any], Mapping[str, Any] 
     estimates = [(bound["value"], found) for bound, found in its if found is not None and found["value"] is not None]
     stds = [found["std"] for _, found in estimates if found["std"] is not None]
     off = np.array([found["value"] - true for true, found in estimates])
+    if _turns(path):
+        off = np.remainder(off + np.pi, 2.0 * np.pi) - np.pi
     return Swept(
         path,
         its[0][0]["unit"],
@@ -102,6 +106,13 @@ def _number(path: str, its: Sequence[tuple[Mapping[str, Any], Mapping[str, Any] 
         float(np.median(stds)) if stds else None,
         float(np.sqrt(np.mean(off**2))) if len(off) else None,
     )
+
+
+def _turns(path: str) -> bool:
+    """Whether a number is an angle that begins again after a turn: of an effect, whose owner may be numbered."""
+    owner, _, name = path.rpartition(".")
+    effect = catalogue().get(re.sub(r"_\d+$", "", owner))
+    return effect is not None and any(p.name == name and p.periodic for p in effect.parameters)
 
 
 @dataclass(frozen=True)

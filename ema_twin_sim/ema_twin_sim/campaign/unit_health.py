@@ -116,8 +116,11 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
             continue
         learnt.append((kind[0], baseline))
         remarks += baseline.warnings
-    if not kinds:
+    if not runs:
         remarks.append("no recording is said to be healthy: its health is not judged; see --healthy")
+    elif not kinds:
+        reason = next((finding for run in runs for finding in run.acquisition.findings), "")
+        remarks.append(f"none of its {len(runs)} healthy recordings can be read for its health: {reason}".rstrip(": "))
     return Learnt(tuple(learnt), tuple(remarks))
 
 

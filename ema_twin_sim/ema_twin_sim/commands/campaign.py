@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from ema_bench_replay.errors import InputError
 
 from . import options
 from .output import counted, say, status, warn
@@ -133,7 +135,6 @@ def run(
     RESULTS holds Parquet files, which pandas, polars and DuckDB read as they are.
     """
     from ema_bench_replay.configuration import find_configuration
-    from ema_bench_replay.errors import InputError
 
     from ..campaign.engine import cluster
     from ..campaign.jobs import APART, HEALTH, VERBS, Grouping, Task
@@ -159,24 +160,43 @@ def run(
     )
     grouping = Grouping.of(folder.resolve(), unit, together)
     store = Store.made(output)
-    first = _waiting(grouping, task, store, set())
+    tell = _once()
+    try:
+        first = _waiting(grouping, task, store, set(), tell)
+    except InputError as error:  # of a folder that is still empty, or one file's name
+        if not watch:
+            raise
+        tell(str(error))
+        first = []
     counts: Counter[str] = Counter()
     if first or watch:
         with ExitStack() as stack:
             with status() as progress:
                 progress("starting the workers")
                 client = stack.enter_context(cluster(scheduler, workers))
-            for jobs in _rounds(first, grouping, task, store, watch=watch):
+            for jobs in _rounds(first, grouping, task, store, tell, watch=watch):
                 counts += _judge(client, jobs, task, store)
     store.merge_files()
     _tell(counts, output)
 
 
-def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str]) -> list[Job]:
+def _once() -> Callable[[str], None]:
+    """Warns of each thing once, however often it is looked at."""
+    told: set[str] = set()
+
+    def tell(text: str) -> None:
+        if text not in told:
+            told.add(text)
+            warn(text)
+
+    return tell
+
+
+def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell: Callable[[str], None]) -> list[Job]:
     """The jobs that have no result yet, and are not ``known``."""
     from ..campaign.jobs import find_jobs
 
-    jobs = find_jobs(grouping, task, (store.folder,), warn)
+    jobs = find_jobs(grouping, task, (store.folder,), tell)
     settled = store.settled()
     waiting = [job for job in jobs if job.key not in settled and job.key not in known]
     if len(waiting) < len(jobs) and not known:
@@ -185,7 +205,7 @@ def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str]) -> l
 
 
 def _rounds(
-    first: Sequence[Job], grouping: Grouping, task: Task, store: Store, *, watch: bool
+    first: Sequence[Job], grouping: Grouping, task: Task, store: Store, tell: Callable[[str], None], *, watch: bool
 ) -> Iterator[Sequence[Job]]:
     """The jobs that are there, and, to ``watch``, those that come: each once its files have stopped to grow."""
     tried = {job.key for job in first}
@@ -196,7 +216,11 @@ def _rounds(
         if not growing:
             say("Waiting for recordings; Ctrl-C ends it.")
         time.sleep(_EVERY)
-        jobs = _waiting(grouping, task, store, tried)
+        try:
+            jobs = _waiting(grouping, task, store, tried, tell)
+        except InputError as error:  # of one file's name, say, that its owner may mend
+            tell(str(error))
+            continue
         ready = [job for job in jobs if job.key in growing]
         growing = {job.key for job in jobs} - {job.key for job in ready}
         tried |= {job.key for job in ready}

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import typer
+
+N = TypeVar("N", int, float)
 
 LARGEST = 1e9
 """No time [s], angle [rad] or factor on the command line is larger."""
@@ -14,31 +16,22 @@ LARGEST = 1e9
 
 def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
     """The parser of an option that takes a number of that unit; a usage error with its bounds refuses any other."""
-
-    def parsed(text: str) -> float:
-        bounds = f"give {lower:g} to {upper:g} {unit}"
-        try:
-            value = float(text)
-        except ValueError:
-            raise typer.BadParameter(f"{text} is no number; {bounds}") from None
-        if not lower <= value <= upper:
-            raise typer.BadParameter(f"{value:g} is out of range; {bounds}")
-        return value
-
-    return parsed
+    return _within(float, "number", lower, upper, f"give {lower:g} to {upper:g} {unit}")
 
 
 def whole(lower: int, upper: int) -> Callable[[str], int]:
     """The parser of an option that takes a whole number; a usage error with its bounds refuses any other."""
+    return _within(int, "whole number", lower, upper, f"give {lower} to {upper}")
 
-    def parsed(text: str) -> int:
-        bounds = f"give {lower} to {upper}"
+
+def _within(read: Callable[[str], N], kind: str, lower: N, upper: N, bounds: str) -> Callable[[str], N]:
+    def parsed(text: str) -> N:
         try:
-            value = int(text)
+            value = read(text)
         except ValueError:
-            raise typer.BadParameter(f"{text} is no whole number; {bounds}") from None
+            raise typer.BadParameter(f"{text} is no {kind}; {bounds}") from None
         if not lower <= value <= upper:
-            raise typer.BadParameter(f"{value} is out of range; {bounds}")
+            raise typer.BadParameter(f"{text} is out of range; {bounds}")
         return value
 
     return parsed

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from ..quantities import quantity
+from ..words.sweep import COLUMNS, limit_words, point_cells
 from . import options
 from .output import console, counted, say, status, warn
 from .tables import ReportTable
@@ -30,7 +30,7 @@ ema-twin sweep --model press.yaml --vary stribeck_friction.torque=0:0.1:2 --vary
 --sample 200 -c sine:0.05:0.25 -o stribeck
 
 A number of an effect that the model lacks is hidden from the search, which looks for it; one of the model's own, or a \
-constant, is another in the machine than in the model."""
+constant, has another value in the simulated machine than in the model."""
 
 _SHOWN = 5
 """Points that were refused, of which the reason is told."""
@@ -59,17 +59,31 @@ def run(
     sample: Annotated[
         int | None,
         typer.Option(
-            "--sample", metavar="N", min=1, help="N points drawn evenly (Latin hypercube), in place of a grid."
+            "--sample",
+            metavar="N",
+            parser=options.whole(1, 1_000_000),
+            help="N points drawn evenly (Latin hypercube), in place of a grid.",
         ),
     ] = None,
-    repeats: Annotated[int, typer.Option(min=1, help="Results a point, each with noise of its own.")] = 1,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the sample.")] = 0,
+    repeats: Annotated[
+        int,
+        typer.Option(
+            metavar="N", parser=options.whole(1, 1_000_000), help="Results a point, each with noise of its own."
+        ),
+    ] = 1,
+    seed: Annotated[int, typer.Option(metavar="N", parser=options.whole(0, 10**9), help="Seed of the sample.")] = 0,
     bounds_only: Annotated[
         bool,
         typer.Option("--bounds-only", help="Do not look for what is missing: what can be known at best is faster."),
     ] = False,
     workers: Annotated[
-        int, typer.Option("--workers", min=1, max=1024, help="Processes on this machine; by default one for each core.")
+        int,
+        typer.Option(
+            "--workers",
+            metavar="N",
+            parser=options.whole(1, 1024),
+            help="Processes on this machine; by default one for each core.",
+        ),
     ] = os.cpu_count() or 1,
     scheduler: Annotated[
         str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A dask scheduler in place of this machine.")
@@ -95,8 +109,9 @@ def run(
     from ..model import load_model
     from ..model.model_file import model_files
     from ..simulation.command import parse_command
-    from .inputs import write_json
+    from .inputs import refuse_existing, write_json
 
+    refuse_existing(force, page)
     base = load_model(model)
     for text in command:
         parse_command(text)
@@ -125,21 +140,21 @@ def run(
                     warn(f"{outcome.job.name}: {outcome.status}: {outcome.message}")
                 done(outcome.job.name)
     store.merge_files()
+    if refused:
+        say(f"{len(waiting) - refused} of {len(waiting)} points were done; {refused} were refused or failed.")
     keys = {point.key for point in points}
     found = swept_points(row for row in store.rows() if row["key"] in keys)
     _show(found)
     limit = detection_limit(found)
     if limit is not None:
-        named = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
-        say(
-            f"{limit.path} is named {named}; below {quantity(limit.bound, limit.unit)}, four times the least standard "
-            "error, no method could be sure of it."
-        )
+        say(limit_words(limit))
     if page is not None:
         from ..report.sweep_page import write_sweep_page
 
         say(f"{write_sweep_page(page, found, limit, force=force)}: open it in any browser")
     write_json(json, [point.as_json() for point in found])
+    if waiting and refused == len(waiting):
+        raise typer.Exit(1)
 
 
 def _show(points: Sequence[SweptPoint]) -> None:
@@ -148,17 +163,8 @@ def _show(points: Sequence[SweptPoint]) -> None:
         return
     table = ReportTable(f"{len(points)} points")
     paths = [path for path, _, _ in points[0].settings]
-    table.numbers(*(escape(path) for path in paths), "named")
-    table.numbers("least error", "error told", "errors were")
+    table.numbers(*(escape(path) for path in paths), *COLUMNS)
     for point in points:
-        varied = [number for number in point.numbers if number.path in paths]
-        table.add_row(
-            *(quantity(value, unit) for _, value, unit in point.settings),
-            "" if point.share is None else f"{point.named}/{point.searched}",
-            *(
-                ", ".join("-" if (v := getattr(n, what)) is None else quantity(v, n.unit) for n in varied)
-                for what in ("bound", "told", "scatter")
-            ),
-        )
+        table.add_row(*point_cells(point))
     console.print(table)
     say("Least error: Cramér and Rao's bound of the standard error. Told: by the search. Were: their root mean square.")

@@ -87,6 +87,7 @@ def run(
 
     from ..campaign.healthy import Healthy
     from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
+    from ..campaign.results import DONE
     from ..campaign.store import Store
     from ..campaign.unit_health import unit_health
     from ..campaign.units import units_of
@@ -113,6 +114,12 @@ def run(
     else:
         _show(found, ahead, health)
     for one in found:
+        names = [row["name"] for row in one.rows if row["status"] == DONE]
+        if ahead[one.name] and not known_good.follows(names, FEWEST_HEALTHY):
+            warn(
+                f"{one.name}: its numbers are held against the first third of its results: --healthy {healthy} is not "
+                f"found in its first {FEWEST_HEALTHY}, with which a history begins"
+            )
         for remark in one.remarks:
             warn(f"{one.name}: {remark}")
         for remark in () if (of := health[one.name]) is None else of.remarks:

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from ema_bench_replay.errors import InputError
 
@@ -175,10 +174,3 @@ def _kept(
     kept = weights > _HARDLY * weights.max()
     shares = weights[kept] / weights[kept].sum()
     return Drift(times, law.of(kept), shares, fits[kept], covariances[kept], steps[kept], freedom, is_trend)
-
-
-def slope_tail(found: Drift) -> float:
-    """Probability that the slope is on the other side of zero than it seems."""
-    distance = found.fits[:, 1] / np.sqrt(found.covariances[:, 1, 1])
-    up = float(found.weights @ stats.t.cdf(distance, found.freedom))
-    return min(up, 1.0 - up)

@@ -47,14 +47,16 @@ def remaining_life(
 ) -> RemainingLife | None:
     """When the values reach a limit that they are drifting to, or None where they show no trend to it.
 
-    The limit lies on its side of the ``healthy`` value, or where that is not given of the last: what has passed it has
-    no life left.
+    The limit lies on its side of the ``healthy`` value, or where that is not given of the last: what has passed it, by
+    the interval's probability, has no life left, wherever it goes.
     The standard error of the limit is what all values share: they tell each other, and not the limit, more exactly.
     """
     side = float(np.sign(limit - (found.now()[0] if healthy is None else healthy))) or 1.0
+    tail = 0.5 * (1.0 - probability)
+    if healthy is not None and passed(found, limit, limit_error, side, 0.0) >= 1.0 - tail:
+        return RemainingLife(0.0, 0.0, 0.0, probability)
     if not found.is_trend or side * found.slope <= 0.0:
         return None
-    tail = 0.5 * (1.0 - probability)
     moments = [_when(found, limit, limit_error, side, share) for share in (tail, 0.5, 1.0 - tail)]
     return RemainingLife(moments[1], moments[0], moments[2], probability)
 

@@ -7,7 +7,8 @@ what correlates neighbouring rows counts once. The fit is to be one of the true 
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_triangular, toeplitz
+from scipy.linalg import cholesky_banded
+from scipy.linalg.lapack import dtbtrs
 
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
@@ -15,6 +16,10 @@ from .uncertainty import scaled_inverse
 
 LAGS = 0.1
 """Of a recording, over which its noise may be correlated: resolves ten periods in it."""
+MOST_LAGS = 1000
+"""Rows, so that a long recording takes memory in proportion to its length."""
+NOTHING = 1e-18
+"""Variance, in that of the sensors' noise, of what leaves nothing at all."""
 
 
 def cramer_rao(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
@@ -44,12 +49,17 @@ def whitened(at: np.ndarray, noise: np.ndarray, slopes: np.ndarray) -> np.ndarra
     place = (at - at[0]) // step
     grid, there = np.zeros(place[-1] + 1), np.zeros(place[-1] + 1)
     grid[place], there[place] = noise, 1.0
-    lags = max(2, round(LAGS * len(grid)))
+    lags = min(max(2, round(LAGS * len(grid))), MOST_LAGS)
     size = 2 * len(grid)
     power = np.abs(np.fft.rfft(grid, size)) ** 2
     correlation = np.fft.irfft(power, size)[: len(grid)] / there.sum()
     u = np.arange(len(grid)) / lags
     window = np.where(u <= 0.5, 1.0 - 6.0 * u**2 + 6.0 * u**3, 2.0 * np.clip(1.0 - u, 0.0, 1.0) ** 3)
-    covariance = toeplitz(correlation * window)[np.ix_(place, place)]
-    covariance += 1e-9 * covariance[0, 0] * np.eye(len(place))
-    return np.asarray(solve_triangular(np.linalg.cholesky(covariance), slopes, lower=True))
+    kept = np.append((correlation * window)[: lags + 1], np.zeros(max(0, len(grid) - lags - 1)))
+    # the window leaves a band: below the diagonal, the rows that stand up to so many places before
+    band = np.zeros((min(lags, len(place) - 1) + 1, len(place)))
+    for k in range(len(band)):
+        band[k, : len(place) - k] = kept[place[k:] - place[: len(place) - k]]
+    band[0] += 1e-9 * band[0, 0] + NOTHING
+    white, _ = dtbtrs(cholesky_banded(band, lower=True), slopes, uplo="L")
+    return np.asarray(white)

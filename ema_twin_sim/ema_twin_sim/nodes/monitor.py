@@ -14,7 +14,6 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameter_events
 
-from ema_bench_replay.errors import InputError
 from ema_bench_replay.nodes import diagnostics, qos
 from ema_bench_replay.nodes.incoming import Incoming
 from ema_bench_replay.nodes.messages import header, signals_message
@@ -58,7 +57,7 @@ PARAMETERS = (
 )
 
 if TYPE_CHECKING:
-    from .unit_watch import UnitWatch
+    from ..live.unit_watch import UnitWatch
 
 _HEALTH_PERIOD = 0.1
 """s."""
@@ -140,7 +139,7 @@ class MonitorNode(Node):
         self.unit_watch: UnitWatch | None = None
         self._judged_after, self._judged_at = round(given["judged_after"] * 1e9), 0
         if given["results"]:
-            from .unit_watch import UnitWatch  # with libraries that no other monitor needs
+            from ..live.unit_watch import UnitWatch  # with libraries that no other monitor needs
 
             self.unit_watch = UnitWatch.opened(Path(given["results"]), given["unit"], given["healthy"])
             diagnostics.Diagnostics(self, "health of the unit", self.unit_watch.unit, self._report_unit)
@@ -263,17 +262,12 @@ class MonitorNode(Node):
         )
 
     def _judge_unit(self) -> None:
-        """Judge what of the present run was not yet judged, where it lasts long enough to tell anything."""
+        """Judge the last of the present run, all of it where it is not long, unless nothing has come since."""
         if self.unit_watch is None or self._stamp <= self._judged_at:
             return
-        stretch = min(self._stamp - self._judged_at, self._judged_after) * 1e-9
+        stretch = min(self._stamp - self._first_stamp, self._judged_after) * 1e-9
         self._judged_at = self._stamp
-        try:
-            recording = self._history.recordings(stretch, self._place()[0])[-1]
-        except InputError as error:  # too little of it was compared
-            self.unit_watch.refused = str(error)
-            return
-        self.unit_watch.judge(recording)
+        self.unit_watch.judge(lambda: self._history.recordings(stretch, self._place()[0])[-1])
 
     def _report_unit(self) -> diagnostics.Report:
         watch = self.unit_watch

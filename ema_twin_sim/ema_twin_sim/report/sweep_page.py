@@ -11,6 +11,7 @@ from ema_bench_replay.outputs import new_file
 
 from ..campaign.sweep_points import DetectionLimit, SweptPoint
 from ..quantities import quantity
+from ..words.sweep import COLUMNS, limit_words, point_cells
 from .fleet import page_text
 from .markup import Markup, joined, section, table, tag
 
@@ -24,14 +25,7 @@ def write_sweep_page(
     count = sum(point.results for point in points)
     parts = [tag("p", f"{len(points)} points, {count} results.", class_="lead")]
     if limit is not None:
-        named = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
-        parts.append(
-            tag(
-                "p",
-                f"{limit.path} is named {named}. Below {quantity(limit.bound, limit.unit)}, four times the least "
-                "standard error, no method could be sure of it.",
-            )
-        )
+        parts.append(tag("p", limit_words(limit)))
     axes = len(points[0].settings) if points else 0
     if axes in (1, 2):
         draw = _curve if axes == 1 else _map
@@ -59,22 +53,7 @@ def relative(points: Sequence[SweptPoint], axis: int) -> list[float | None]:
 
 def _table(points: Sequence[SweptPoint]) -> Markup:
     paths = [path for path, _, _ in points[0].settings] if points else []
-    rows = [
-        (
-            *(quantity(value, unit) for _, value, unit in point.settings),
-            "" if point.share is None else f"{point.named}/{point.searched}",
-            *(
-                ", ".join(
-                    "-" if (v := getattr(n, what)) is None else quantity(v, n.unit)
-                    for n in point.numbers
-                    if n.path in paths
-                )
-                for what in ("bound", "told", "scatter")
-            ),
-        )
-        for point in points
-    ]
-    return table((*paths, "named", "least error", "error told", "errors were"), rows, words=())
+    return table((*paths, *COLUMNS), [point_cells(point) for point in points], words=())
 
 
 def _curve(points: Sequence[SweptPoint], values: Sequence[float | None], title: str) -> Markup | None:

@@ -1,8 +1,9 @@
-"""The running unit, judged beside its own healthy recordings: the health numbers of a campaign, live. No ROS."""
+"""The running unit, judged beside its own healthy recordings: the health numbers of a campaign, live."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import traceback
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
@@ -26,8 +27,8 @@ class UnitWatch:
 
     Attributes:
         unit: its name.
-        last: what was told of the last run that was judged; None before.
-        refused: why the last run could not be read; empty where it could.
+        last: what was told of the last run; None before, and where that could not be read.
+        refused: why it could not; empty where it could.
     """
 
     def __init__(self, unit: str, learnt: Learnt) -> None:
@@ -45,21 +46,25 @@ class UnitWatch:
         found = units_of(Store.opened(results).rows())
         named = [one for one in found if one.name == unit or (not unit and len(found) == 1)]
         if not named:
-            raise InputError(f"{results}: give the unit: one of {', '.join(one.name for one in found)}")
+            names = ", ".join(one.name for one in found) or "none is there"
+            raise InputError(f"{results}: holds no unit {unit!r}; give the unit: one of {names}")
         runs, flags = healthy_runs(named[0], Healthy.of(healthy or None, FEWEST_HEALTHY))
         if not runs:
             raise InputError(f"{results}: holds no health of {named[0].name}; run ema-twin campaign --do health")
         return cls(named[0].name, learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag]))
 
-    def judge(self, recording: Recording) -> None:
-        """Judge a run, or a stretch of one."""
+    def judge(self, read: Callable[[], Recording]) -> None:
+        """Judge a run, or a stretch of one, that is ``read``; what cannot be judged is told, and ends nothing."""
+        self.last = None
         try:
-            record = MotionRecord.from_recording(recording, _NOW)
+            record = MotionRecord.from_recording(read(), _NOW)
+            self.last = self._learnt.judge(run_features(record, self._learnt.kinds[0][1].wavelength))
+            self.refused = ""
         except InputError as error:
             self.refused = str(error)
-            return
-        baseline = self._learnt.kinds[0][1]
-        self.last, self.refused = self._learnt.judge(run_features(record, baseline.wavelength)), ""
+        except Exception as error:  # a fault of ours: told whole on standard error, and where health is told in a line
+            traceback.print_exc()
+            self.refused = f"an internal fault, told on the monitor's standard error: {error!r}"
 
     @property
     def off(self) -> bool:
