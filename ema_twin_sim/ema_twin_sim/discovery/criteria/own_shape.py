@@ -22,7 +22,7 @@ from ...identification.generic_bases import dependence, fit_with_basis, load_bas
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
 from ...identification.sensors import delay_shows
-from .worth import ENCODER_ONLY
+from .worth import ENCODER_ONLY, is_lacked
 
 TEETH_STEPS = 8
 """Iterations of a fit: the teeth begin where play had them."""
@@ -94,7 +94,13 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     any_shape = fit_with_basis(beside, bare, best)
     scale = f.variance_inflations[0]
     gained_by_any = _gained(bare, any_shape, scale, hidden=1 if over == "order" else 0)
-    return _gained(bare, f, scale) >= NEARLY_ALL * gained_by_any
+    gained = _gained(bare, f, scale)
+    # what every machine has is there, as little as its law may fit where it warms up or wanders
+    share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL
+    if gained >= share * gained_by_any:
+        return True
+    # what explains as much beside that shape as it does alone is no likeness of it: both are there
+    return _gained(any_shape, fit_with_basis(beside, f, best), scale) >= MOSTLY * gained
 
 
 def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:

@@ -18,7 +18,7 @@ from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.uncertainty import covariance, scaled_inverse
-from .worth import NOTHING_ELSE, largest_rms_reduction
+from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction
 
 OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
 LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
@@ -50,8 +50,9 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
     free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
     bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
-    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth. Of two
-    that take each other's place it is the later one, which explains less.
+    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth; nor,
+    beside a generic basis, which fits anything, of what every machine has. Of two that take each other's place it is
+    the later one, which explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
@@ -61,6 +62,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
+        if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
+            continue
         if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
             k = paths.index(f"effects.{name}.{size.name}")
             others = [i for i, path in enumerate(paths) if path.startswith(f"effects.{name}.") and i != k]

@@ -29,7 +29,7 @@ from ...effects import catalogue
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
-from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_shows
 
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
@@ -91,6 +91,12 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
         if part.stop - part.start >= FEWEST_ROWS:
             best = max(best, float(np.mean(fell[part])))
     return math.sqrt(best)
+
+
+def is_lacked(h: Hypothesis, effect: str) -> bool:
+    """Whether an added effect is one that every machine has, and the model it was added to lacks."""
+    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
+    return catalogue()[effect].every_machine and there.count(effect) == 1
 
 
 def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:

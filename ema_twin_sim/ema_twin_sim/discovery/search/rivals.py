@@ -12,8 +12,8 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.unseen_encoders import parting_where_unseen
-from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
-from .search import add_effects, is_lacked, prune
+from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
+from .search import add_effects, prune
 from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3

@@ -35,7 +35,14 @@ from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ...parallel import predictions
 from ..criteria.plausible import insignificant
-from ..criteria.worth import ENCODER_ONLY, complexity_penalty, has_effect_size, largest_rms_reduction, penalised_gain
+from ..criteria.worth import (
+    ENCODER_ONLY,
+    complexity_penalty,
+    has_effect_size,
+    is_lacked,
+    largest_rms_reduction,
+    penalised_gain,
+)
 from .found_orders import order_candidates, resolved
 from .trace import BEATEN, NEEDLESS, UNCERTAIN, Round, Search, Trial, new_names
 
@@ -364,12 +371,6 @@ def _favour(t: Trial) -> float:
     return 1.0 / NEARLY_ALL if all(is_lacked(h, h.added[name].effect) for name in t.names) else 1.0
 
 
-def is_lacked(h: Hypothesis, effect: str) -> bool:
-    """Whether an added effect is one that every machine has, and the model it was added to lacks."""
-    there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
-    return catalogue()[effect].every_machine and there.count(effect) == 1
-
-
 def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
     """The first that is worth its price, and large enough to be named."""
     return next((t for t in trials if t.gain > 0.0 and has_effect_size(current.problem, current, t.fit)), None)
@@ -396,12 +397,15 @@ def _more(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothes
 
 
 def prune(f: Fit) -> Fit:
-    """Take out effects that are not, or no longer, worth their price, the last added included."""
+    """Take out effects that are not, or no longer, worth their price, the last added included.
+
+    A generic basis fits anything: beside it, what every machine has and the model lacked stays.
+    """
     problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
-        less = [_without(h, n) for n in h.added]
-        trials = [*zip(h.added, fits(problem, less, 6, known=f), strict=True)]
+        names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]
+        trials = [*zip(names, fits(problem, [_without(h, n) for n in names], 6, known=f), strict=True)]
         less = [h.without_generic_basis(n) for n in h.generic_bases]
         trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,11 +18,13 @@ from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
-from ..criteria.worth import BY_CONSTANTS
+from ..criteria.worth import BY_CONSTANTS, is_lacked
+from .rivals import substitutes, swapped
 from .search import LIKE_STRUCTURE, add_best, less, significant, with_what_made_room
-from .trace import Round, Search
+from .trace import Round, Search, new_names
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
+LIKENESS = "may be nothing but the likeness of what is unknown"
 TRIED = 2  # bases that are fitted in a round
 
 
@@ -79,11 +82,29 @@ def _add_dependences(
 def doubted(found: Search) -> Search:
     """A search less the effects that may be nothing but the likeness of something unknown.
 
-    What had made room for these comes back, and is doubted in turn.
+    What had made room for these comes back, and is doubted in turn. In the place of one goes first what every machine
+    has and this model lacks, where that stands.
     """
     while names := _doubtful(found):
-        found = with_what_made_room(less(found, names, "may be nothing but the likeness of what is unknown"))
+        usual = next((other for name in names if (other := _usual_instead(found, name)) is not None), None)
+        found = with_what_made_room(less(found, names, LIKENESS)) if usual is None else usual
     return found
+
+
+def _usual_instead(found: Search, name: str) -> Search | None:
+    """The search with a doubtful effect's place taken by what every machine has and this model lacks; None without.
+
+    It came near in the effect's round, and stands where that does not: friction that warms up is a little more like
+    Stribeck's than like dry friction alone.
+    """
+    turn = next((turn for turn in found.taken if name in turn.added), None)
+    for other in () if turn is None else substitutes(found.fit, name, turn):
+        came = new_names(found.fit, other)
+        if all(is_lacked(other.hypothesis, other.hypothesis.added[n].effect) for n in came):
+            instead = swapped(found, other)
+            if {*came} <= {*instead.fit.hypothesis.added} and {*came}.isdisjoint(_doubtful(instead)):
+                return replace(instead, rounds=(*found.rounds, replace(instead.rounds[-1], reason=LIKENESS)))
+    return None
 
 
 def _doubtful(found: Search) -> list[str]:
