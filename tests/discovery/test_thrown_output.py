@@ -1,5 +1,7 @@
 """An output that is thrown through wide play: what its encoder shows is no lost count, and the play is named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from ema_twin_sim.identification.excerpt import excerpt
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.measured.spoilt_samples import counter_jumps
-from ema_twin_sim.plant.measured_motion import SPEED
+from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 from ema_twin_sim.simulation.driving_flank import lead
 from tests.recorded import record
 
@@ -44,16 +46,34 @@ def test_an_excerpt_holds_a_reversal_that_the_encoders_show_from_both_sides(thro
     assert {*np.sign(o.motion[o.encoder_rows, SPEED])} == {-1.0, 1.0}
 
 
-def test_what_begins_in_motion_begins_on_the_driving_flank(thrown, stock):
-    """As in the simulation: a rigid prediction lies off by half the play and what friction presses the teeth."""
+def test_what_begins_in_motion_begins_where_its_encoder_shows_it(thrown, stock):
+    """The whole recording begins in the middle of the gap: since then the encoders tell how far the motor is ahead."""
     (whole,) = observe_all(thrown, stock)
+    ratio = stock.value("machine.gear_ratio")
     first = int(np.argmax(whole.motion[:, SPEED] > 30.0))
-    part = EquationErrorProblem([whole.window(first, len(whole.motion))])
+    _, part = _begun_at(first, whole, stock)
+    shown = whole.motion[first, MOTOR_ANGLE] - whole.motion[first, OUTPUT_ANGLE] * ratio
+    assert part == pytest.approx(shown, abs=0.01 * 0.005 * ratio)  # a hundredth of half the play
+
+
+def test_what_begins_in_motion_unseen_begins_on_the_driving_flank(thrown, stock):
+    """As in the simulation: a rigid prediction lies off by half the play and what friction presses the teeth."""
+    (recording,) = thrown
+    signals = {name: values for name, values in recording.signals.items() if name != "output_position"}
+    (whole,) = observe_all([replace(recording, signals=signals)], stock)
+    first = int(np.argmax(whole.motion[:, SPEED] > 30.0))
+    plant, part = _begun_at(first, whole, stock)
+    assert part == pytest.approx(lead(plant, whole.motion[first, SPEED]), rel=1e-3)
+
+
+def _begun_at(first, whole, stock):
+    """The plant, and by how much [rad] a motor is ahead of the output, of an observation from a sample on."""
+    problem = EquationErrorProblem([whole.window(first, len(whole.motion))])
     h = null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.01})
-    predicted = part.predict(h)
-    start = part.observations[0].motion[0]
-    behind = start[1] - predicted.required[0][0, 1] * stock.value("machine.gear_ratio")
-    assert behind == pytest.approx(lead(predicted.plant[0], start[SPEED]), rel=1e-3)
+    predicted = problem.predict(h)
+    start = problem.observations[0].motion[0]
+    behind = start[MOTOR_ANGLE] - predicted.required[0][0, 1] * stock.value("machine.gear_ratio")
+    return predicted.plant[0], behind
 
 
 @pytest.mark.parametrize(("width", "run"), [(0.01, FAST), (0.02, ("triangle:0.2:3",))])

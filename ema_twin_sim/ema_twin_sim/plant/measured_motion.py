@@ -89,9 +89,28 @@ def output_side(plant):
 
 
 @njit(error_model="numpy")
-def first_output_angle(side, motor_angle, motor_speed):
-    """Where an output begins [rad, fast shaft] behind a motor at this angle [rad] and speed [rad/s]."""
-    return motor_angle - ahead(side.gap, side.dry, side.viscous, side.stiffness, motor_speed)
+def first_output_angle(side, motion, ratio, seen):
+    """Where an output begins [rad, fast shaft] behind a ``motion`` (n, 7).
+
+    Where it was ``seen`` (n,) [rad, slow shaft]: what that shows since then until its teeth are sure to touch. A motor
+    that went all through the play has met them, and was the farthest ahead as it did. Not seen, (0,), on the flank
+    that its motor drives.
+    """
+    begun = motion[0, MOTOR_ANGLE]
+    if side.gap > 0.0 and seen.shape[0] == motion.shape[0]:
+        lowest = highest = begun
+        least = most = 0.0
+        for row in range(motion.shape[0]):
+            angle = motion[row, MOTOR_ANGLE]
+            lead = angle - begun - (seen[row] - seen[0]) * ratio
+            least, most = min(least, lead), max(most, lead)
+            lowest, highest = min(lowest, angle), max(highest, angle)
+            touching = side.gap + (side.dry + side.viscous * math.fabs(motion[row, SPEED])) / side.stiffness
+            if angle - lowest > 2.0 * side.gap:
+                return begun - max(touching - most, -touching)
+            if highest - angle > 2.0 * side.gap:
+                return begun + max(touching + least, -touching)
+    return begun - ahead(side.gap, side.dry, side.viscous, side.stiffness, motion[0, SPEED])
 
 
 @njit(error_model="numpy")
@@ -207,7 +226,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     share = 1.0 if rigid else bristle_share(plant)
     side = output_side(plant)
     substep = longest_substep(side)
-    output_angle = first_output_angle(side, motion[0, MOTOR_ANGLE], motion[0, SPEED])
+    output_angle = first_output_angle(side, motion, ratio, seen)
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
     zero = 0.0  # rad by which the output's encoder shows more, as seen while teeth touch

@@ -85,7 +85,7 @@ BRISTLE, ZERO, MET = (_AT[name] for name in ("BRISTLE", "ZERO", "MET"))
 
 
 @njit(error_model="numpy")
-def _load_lanes(plants, motion, lanes):
+def _load_lanes(plants, motion, seen, lanes):
     """Constants and first states of all models into their lanes."""
     for m in range(LANE):
         plant = plants[m]
@@ -108,7 +108,7 @@ def _load_lanes(plants, motion, lanes):
         share = bristle_share(plant)
         lanes[STIFFNESS_OF_BRISTLE + m] = plant.bristle_stiffness * share
         lanes[DAMPING_OF_BRISTLE + m] = plant.bristle_damping * share
-        lanes[OUTPUT_ANGLE + m] = first_output_angle(side, motion[0, MOTOR_ANGLE], motion[0, SPEED])
+        lanes[OUTPUT_ANGLE + m] = first_output_angle(side, motion, plant.gear_ratio, seen[:, m])
         lanes[OUTPUT_SPEED + m] = motion[0, SPEED]
 
 
@@ -200,7 +200,7 @@ def inverse_dynamics_many(
     """
     lanes = np.zeros(LANES)
     passed = np.zeros((motion.shape[0], LANE))
-    _load_lanes(plants, motion, lanes)
+    _load_lanes(plants, motion, seen, lanes)
     drawn = seen.shape[0] == motion.shape[0]
     bristled = plants[0].bristle_stiffness > 0.0
     plain = addresses.shape[0] == 0  # then nothing but a measured load asks for anything
