@@ -44,7 +44,7 @@ from ..criteria.worth import (
     penalised_gain,
 )
 from .found_orders import order_candidates, resolved
-from .trace import BEATEN, NEEDLESS, UNCERTAIN, Round, Search, Trial, new_names
+from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Round, Search, Trial, new_names
 
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
@@ -207,13 +207,14 @@ def with_what_made_room(found: Search) -> Search:
     And with an encoder's own error where that something came in its place. What was taken out for a reason of its own
     does not come back.
     """
-    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason == NEEDLESS for gone in turn.removed}
+    reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # which is asked beside play and springs alone
+    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
     held = {*found.fit.hypothesis.added}
     for turn in found.taken:
         if held.isdisjoint(turn.added):
             once |= ENCODER_ONLY & {e for trial in turn.tried if trial.gain > 0.0 for e in trial.fit.hypothesis.effects}
     for turn in found.rounds:
-        if turn.reason != NEEDLESS:
+        if turn.reason not in reasons:
             went = turn.before.hypothesis.added
             once -= {went[name].effect for name in turn.removed if name in went}
     back = (once & catalogue().keys()) - {*found.fit.hypothesis.effects}

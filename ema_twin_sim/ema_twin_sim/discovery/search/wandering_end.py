@@ -16,7 +16,7 @@ from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ..criteria.explained import explained
 from .search import add_effects, depends_on_more, prune, settle, significant, torque_left
-from .trace import Search
+from .trace import WANDERS, Search
 
 
 def wandering_after_all(
@@ -47,7 +47,7 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     progress(f"friction seems to wander by {wander.share:.1%}: asking what that explains as well")
     beside = _beside(found.fit, wander)
     after = prune(beside)
-    return found if after is beside else significant(found.ended(after, "friction that wanders explains as much"))
+    return found if after is beside else significant(found.ended(after, WANDERS))
 
 
 def _wander(found: Search) -> Wander | None:
