@@ -26,7 +26,8 @@ STEPS = 20
 def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] = frozenset()) -> Hypothesis:
     """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it.
 
-    Not with what is ruled out (``without``).
+    Not with what is ruled out (``without``), and no farther than the search may go: beside wide play a regression's
+    delay may be longer than any that a plant can show.
     """
     torque, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
@@ -45,7 +46,7 @@ def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] 
         elif effect == "encoder_eccentricity" and own.any():
             parameters = {"amplitude": math.hypot(*own), "phase": math.atan2(own[1], own[0])}
             h = h.with_effect(effect, catalogue()[effect].default_options(), parameters)
-    return h
+    return h.at(np.clip(h.values, *problem.bounds(h)))
 
 
 def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:

@@ -1,0 +1,29 @@
+"""What the encoders' difference says of their own errors, as far as a search may go."""
+
+import pytest
+
+from ema_twin_sim.identification import equation
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.sensors import with_sensors
+from ema_twin_sim.measured.observation import observe_all
+from tests.recorded import record
+
+
+@pytest.fixture(scope="module")
+def late(stock):
+    """A fit, nothing added, of a bench whose output encoder is 2 ms late."""
+    recordings = record(stock.with_effect("encoder_delay", {"delay": 0.002}), ("triangle:0.4839:2",))
+    problem = EquationErrorProblem(observe_all(recordings, stock))
+    return problem, fit(problem, null_hypothesis(stock))
+
+
+def test_a_late_encoder_is_told_by_a_regression(late):
+    h = with_sensors(*late)
+    assert h.by_path["effects.encoder_delay.delay"] == pytest.approx(0.002, rel=0.05)
+
+
+def test_a_delay_begins_no_later_than_a_plant_remembers(late, monkeypatch):
+    monkeypatch.setattr(equation, "longest_delay", lambda model: 0.0015)
+    assert with_sensors(*late).by_path["effects.encoder_delay.delay"] == 0.0015
