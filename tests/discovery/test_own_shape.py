@@ -23,6 +23,17 @@ def standing(recordings, model, effect, parameters):
     return by_own_shape(beside_generic_bases(f.problem, f), f)
 
 
+def with_friction(recordings, model, curve):
+    """The recordings with more friction: ``curve`` [N m] over the size of the speed [rad/s]."""
+    kt = model.value("machine.torque_constant")
+    more = []
+    for recording in recordings:
+        speed = recording.signals["speed"]
+        current = recording.signals["current"] + curve(np.abs(speed)) * np.sign(speed) / kt
+        more.append(with_signals(recording, {**recording.signals, "current": current}))
+    return more
+
+
 @pytest.mark.parametrize(
     ("effect", "parameters"),
     [
@@ -40,15 +51,17 @@ def test_the_true_effect_stands(effect, parameters, stock):
 
 def test_a_bump_of_friction_is_not_stribecks(stock):
     """Friction that is more around one speed in the middle, and neither at rest nor fast."""
-    kt = stock.value("machine.torque_constant")
-    bumped = []
-    for recording in record(stock, RUNS):
-        speed = recording.signals["speed"]
-        bump = 0.08 * np.exp(-(((np.abs(speed) - 4.0) / 1.0) ** 2)) * np.sign(speed)
-        bumped.append(
-            with_signals(recording, {**recording.signals, "current": recording.signals["current"] + bump / kt})
-        )
+    bumped = with_friction(record(stock, RUNS), stock, lambda speed: 0.08 * np.exp(-((speed - 4.0) ** 2)))
     assert standing(bumped, stock, "stribeck_friction", {"torque": 0.05, "speed": 4.0}) == ()
+
+
+def test_what_explains_as_much_beside_any_shape_stands(stock):
+    """A wave of friction over the speed explains more than a bristle; but beside it the bristle explains as much."""
+    bristle = {"stiffness": 4.0, "damping": 0.02}
+    recordings = record(stock.with_effect("presliding_friction", bristle), RUNS)
+    fastest = max(np.abs(recording.signals["speed"]).max() for recording in recordings)
+    waved = with_friction(recordings, stock, lambda speed: 0.05 * np.sin(2.0 * np.pi * speed / fastest))
+    assert standing(waved, stock, "presliding_friction", bristle) == ("presliding_friction",)
 
 
 @pytest.mark.parametrize(("amplitude", "stands"), [(0.0, ("encoder_delay",)), (4e-4, ())])
