@@ -6,14 +6,16 @@ from dataclasses import dataclass, replace
 
 from ...criteria import CLEARLY_MORE, RIVAL_MARGIN
 from ...effects import catalogue
+from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
+from ...identification.screening import screen
 from ...identification.unseen_encoders import parting_where_unseen
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
-from .search import add_effects, prune
+from .search import LIKE_STRUCTURE, add_effects, prune, with_screened
 from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3
@@ -85,6 +87,7 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
             stands_in = other_structures(best, name, without)
         else:
             stands_in = [*substitutes(best, name, turn), *made_uncertain(found, name)]
+            stands_in += not_asked_then(best, name, turn, without)
         fits = sorted(stands_in, key=lambda f: -penalised_gain(best, f))
         worth = [penalised_gain(best, f) for f in fits]
         effects = [list(f.hypothesis.added.values())[-1].effect for f in fits]
@@ -112,6 +115,21 @@ def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
         start = trial.fit.hypothesis.instance(trial.names[0])
         found.append(fit(best.problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
     return found
+
+
+def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -> list[Fit]:
+    """The end of the search with an effect replaced by the best of those that its round could not ask for.
+
+    While a gearbox is in doubt the torque is not asked for what that looks like; beside the play or spring that was
+    found it can be: a constant load may stand where friction of the teeth belongs, which follows a weight.
+    """
+    if not best.parted or turn.before.parted:
+        return []
+    problem = best.problem
+    bare = fit(problem, best.hypothesis.without(name), 8, known=best)
+    options = [c for c in candidates(bare.hypothesis, without) if c.effect in LIKE_STRUCTURE]
+    ranked = screen(problem, bare, options)
+    return [fit(problem, with_screened(problem, bare.hypothesis, s), 8) for s in ranked[:1] if s.gain > 0.0]
 
 
 def made_uncertain(found: Search, name: str) -> list[Fit]:

@@ -387,10 +387,10 @@ def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str
         alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
         if alike < 2 and len(picked) < ENTRANTS and s.gain > (1.0 - NEARLY_ALL) * ranked[0].gain:
             picked.append(s)
-    return [_more(problem, current.hypothesis, s) for s in picked]
+    return [with_screened(problem, current.hypothesis, s) for s in picked]
 
 
-def _more(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
+def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
     """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
     lower, upper = problem.bounds(h)
     room = h.at(np.clip(h.values + s.give_way(), lower, upper))

@@ -116,7 +116,10 @@ def _doubtful(found: Search) -> list[str]:
     lags = apart(problem, found.fit, found.rounds[0].before)
     stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
-    stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
+    if strange:
+        by_constants = {name for name in added if over[name] in BY_CONSTANTS}
+        usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
+        stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
     # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
     drawn = {name for name in stands if added[name].effect in LIKE_STRUCTURE} if lags else set()
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
