@@ -17,6 +17,7 @@ from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
+from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction
 
@@ -62,6 +63,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
+        if f.hypothesis.base.is_open and _shape_on_bound(problem, f, name):
+            return name
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
             continue
         if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
@@ -82,6 +85,21 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
                 return name
     least = min(away, key=lambda name: away[name], default=None)
     return least if least is not None and away[least] < SIGNIFICANT else None
+
+
+def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether the shape of an added effect (a speed, a time) ran against the end of what the recordings reach.
+
+    Where constants are open, what has no shape of its own there is a part of them that they do not fit.
+    """
+    effect = catalogue()[f.hypothesis.instance(name).effect]
+    shape = {f"effects.{name}.{p.name}" for p in effect.parameters[1:] if not p.periodic}
+    for free, value, lower, upper in zip(
+        f.hypothesis.free, f.hypothesis.values, *problem.bounds(f.hypothesis), strict=True
+    ):
+        if free.path in shape and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value)):
+            return True
+    return False
 
 
 def _sureness(f: Fit, spread: np.ndarray, off: float, size: int, shape: Sequence[int]) -> float:

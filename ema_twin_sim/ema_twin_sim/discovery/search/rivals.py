@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from ...criteria import CLEARLY_MORE, RIVAL_MARGIN
+from ...criteria import CLEARLY_MORE, RIVAL_MARGIN, SMALL
 from ...effects import catalogue
 from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest
@@ -128,8 +128,9 @@ def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -
     problem = best.problem
     bare = fit(problem, best.hypothesis.without(name), 8, known=best)
     options = [c for c in candidates(bare.hypothesis, without) if c.effect in LIKE_STRUCTURE]
-    ranked = screen(problem, bare, options)
-    return [fit(problem, with_screened(problem, bare.hypothesis, s), 8) for s in ranked[:1] if s.gain > 0.0]
+    ranked = [s for s in screen(problem, bare, options) if s.gain > SMALL * penalised_gain(bare, best)]
+    gearbox = [other for other, held in best.hypothesis.added.items() if held.effect in COMPLIANT_EFFECTS]
+    return [hopped(fit(problem, with_screened(problem, bare.hypothesis, s), 8), gearbox) for s in ranked[:1]]
 
 
 def made_uncertain(found: Search, name: str) -> list[Fit]:
