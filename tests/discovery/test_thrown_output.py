@@ -11,7 +11,7 @@ from ema_twin_sim.identification.excerpt import excerpt
 from ema_twin_sim.identification.hypothesis import null_hypothesis
 from ema_twin_sim.measured.observation import observe_all
 from ema_twin_sim.measured.spoilt_samples import counter_jumps
-from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
+from ema_twin_sim.plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, REQUIRED, SPEED
 from ema_twin_sim.simulation.driving_flank import lead
 from tests.recorded import record
 
@@ -64,6 +64,21 @@ def test_what_begins_in_motion_unseen_begins_on_the_driving_flank(thrown, stock)
     first = int(np.argmax(whole.motion[:, SPEED] > 30.0))
     plant, part = _begun_at(first, whole, stock)
     assert part == pytest.approx(lead(plant, whole.motion[first, SPEED]), rel=1e-3)
+
+
+def test_until_its_teeth_meet_an_output_is_where_it_was_seen(thrown, stock):
+    """It flies at first, half a gap away from either side, and nobody knows that but its encoder."""
+    (whole,) = observe_all(thrown, stock)
+    behind = whole.motion[:, MOTOR_ANGLE] - whole.motion[:, OUTPUT_ANGLE] * stock.value("machine.gear_ratio")
+    half = 0.005 * stock.value("machine.gear_ratio")
+    free = np.flatnonzero((np.abs(behind) < 0.5 * half) & (np.arange(len(behind)) > 300))
+    problem = EquationErrorProblem([whole.window(int(free[0]), len(whole.motion))])
+    predicted = problem.predict(null_hypothesis(stock).with_effect("backlash", {}, {"width": 0.01}))
+    meets = int(np.argmax(predicted.required[0][:, REQUIRED.index("transmitted")] != 0.0))
+    (o,) = problem.observations
+    shown = (o.motion[:meets, OUTPUT_ANGLE] - predicted.required[0][:meets, REQUIRED.index("output")]) / half
+    assert meets > 10
+    assert np.ptp(shown) * stock.value("machine.gear_ratio") < 1e-3  # of half the gap, through which it flies
 
 
 def _begun_at(first, whole, stock):

@@ -212,7 +212,8 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 7) with the columns ``MOTION``.
 
     ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
-    that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty.
+    that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty; until
+    it first meets them it is where it was seen.
     ``reuse_output_motion``: the output moves as ``required`` holds it already, and only what the motor's side asks for
     is new.
     """
@@ -230,7 +231,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
     zero = 0.0  # rad by which the output's encoder shows more, as seen while teeth touch
-    met = 0
+    met = first_met = 0
     transmitted = 0.0
     for row in range(motion.shape[0]):
         speed = motion[row, SPEED]
@@ -275,6 +276,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
                     passed += contact
                 passed /= steps
                 if drawn and contact != 0.0:
+                    first_met = row if met == 0 else first_met
                     met += 1
                     zero += (seen[row] * ratio - output_angle - zero) / min(met, MEETINGS)
             carried = 0.0  # added below
@@ -288,6 +290,9 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
             required[row, 1] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
         required[row, 2] = transmitted
         required[row, 3] = dry
+    if not reuse_output_motion:
+        for row in range(first_met):
+            required[row, 1] = seen[row] - zero / ratio
     if not rigid:
         # what was passed in the intervals before and after a sample belongs half to it
         last = motion.shape[0] - 1

@@ -66,6 +66,7 @@ _ROWS = (
     "BRISTLE",
     "ZERO",
     "MET",
+    "FIRST_MET",
 )
 _AT = {name: LANE * k for k, name in enumerate(_ROWS)}
 LANES = LANE * len(_ROWS)
@@ -81,7 +82,7 @@ SLOPE, DRIFT, SEEN, SEEN_SPEED = (_AT[name] for name in ("SLOPE", "DRIFT", "SEEN
 TORQUE, AGAINST, DRY_NOW, THINNED = (_AT[name] for name in ("TORQUE", "AGAINST", "DRY_NOW", "THINNED"))
 CONTACT, PASSED, ANGLE = (_AT[name] for name in ("CONTACT", "PASSED", "ANGLE"))
 OUTPUT_ANGLE, OUTPUT_SPEED, OUTPUT_BRISTLE = (_AT[name] for name in ("OUTPUT_ANGLE", "OUTPUT_SPEED", "OUTPUT_BRISTLE"))
-BRISTLE, ZERO, MET = (_AT[name] for name in ("BRISTLE", "ZERO", "MET"))
+BRISTLE, ZERO, MET, FIRST_MET = (_AT[name] for name in ("BRISTLE", "ZERO", "MET", "FIRST_MET"))
 
 
 @njit(error_model="numpy")
@@ -249,6 +250,7 @@ def inverse_dynamics_many(
             if drawn:
                 for m in range(LANE):
                     met = lanes[MET + m] + (1.0 if lanes[CONTACT + m] != 0.0 else 0.0)
+                    lanes[FIRST_MET + m] = float(row) if lanes[MET + m] == 0.0 and met > 0.0 else lanes[FIRST_MET + m]
                     away = seen[row, m] * lanes[RATIO + m] - lanes[OUTPUT_ANGLE + m] - lanes[ZERO + m]
                     lanes[ZERO + m] += away / min(met, MEETINGS) if lanes[CONTACT + m] != 0.0 else 0.0
                     lanes[MET + m] = met
@@ -258,6 +260,9 @@ def inverse_dynamics_many(
             _drive(lanes, speed, False, interval, torque[row])
         for m in range(LANE):
             output[row, m] = lanes[OUTPUT_ANGLE + m] / lanes[RATIO + m]
+    for m in range(LANE):
+        for row in range(int64(lanes[FIRST_MET + m])):
+            output[row, m] = seen[row, m] - lanes[ZERO + m] / lanes[RATIO + m]
     last = motion.shape[0] - 1
     for row in range(last + 1):
         for m in range(LANE):

@@ -175,7 +175,8 @@ def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
         found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))
-    return [f for f in found if penalised_gain(best, f) <= 0.0 or not _farther(best, f, CLEARLY_MORE)]
+    # one that comes near, or gains, only by rows that count little is told apart where it was not fitted
+    return [f for f in found if penalised_gain(best, f) <= -RIVAL_MARGIN or not _farther(best, f, CLEARLY_MORE)]
 
 
 def _farther(best: Fit, rival: Fit, times: float = 1.0) -> bool:
