@@ -12,6 +12,7 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.unseen_encoders import parting_where_unseen
+from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 from .search import add_effects, is_lacked, prune
 from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
@@ -152,7 +153,7 @@ def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]
     for f in tried:
         came = list(f.hypothesis.added)[-1]
         starts = [f.hypothesis]
-        if effect == "backlash":  # of a spring and the friction that winds it up, slow motion tells but the ratio
+        if effect == PLAY:  # of a spring and the friction that winds it up, slow motion tells but the ratio
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
         found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))

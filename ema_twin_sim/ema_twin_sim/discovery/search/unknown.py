@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
@@ -18,7 +18,7 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS
-from .search import LIKE_STRUCTURE, add_best, less, significant, with_what_made_room
+from .search import add_best, less, significant, with_what_made_room
 from .trace import Round, Search
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
@@ -97,7 +97,8 @@ def _doubtful(found: Search) -> list[str]:
     stands -= set(likenesses(problem, found.fit))
     stands -= {name for name in added if strange and over[name] in BY_CONSTANTS}
     # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
-    drawn = {name for name in stands if added[name].effect in LIKE_STRUCTURE} if lags else set()
+    like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
+    drawn = {name for name in stands if added[name].effect in like_lag}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
