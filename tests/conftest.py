@@ -94,6 +94,25 @@ def no_effects_of_other_tests():
     held.catalogue.cache_clear()
 
 
+@pytest.fixture
+def catalogue_of_the_package():
+    """What a test adds to the catalogue of this process goes with it."""
+    held = importlib.import_module("ema_twin_sim.effects.catalogue")
+    yield
+    held._own.clear()
+    held.catalogue.cache_clear()
+
+
+@pytest.fixture
+def graph():
+    """Nodes of a test, in one process; they end with it."""
+    from tests.ros_graph import Graph
+
+    graph = Graph()
+    yield graph
+    graph.close()
+
+
 @pytest.fixture(scope="session")
 def traces():
     """The project's own recordings: CSV traces of a bench with two hidden effects."""

@@ -6,7 +6,6 @@ import time
 import numpy as np
 import pytest
 
-from ema_twin_sim.model import load_model
 from ema_twin_sim.plant.kernel import kernel
 from ema_twin_sim.plant.layout import BENCH, SETPOINT, STATE, TWIN
 from ema_twin_sim.simulation.assembly import assemble
@@ -35,11 +34,6 @@ class Plant(ctypes.Structure):
 
 class State(ctypes.Structure):
     _fields_ = [(name, ctypes.c_double) for name in FIELDS["state"]]
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 @pytest.fixture(scope="module")

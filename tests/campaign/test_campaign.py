@@ -299,14 +299,19 @@ def _until(is_so, seconds=120.0):
         time.sleep(0.05)
 
 
-@pytest.mark.slow
-def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
+def _forty_recordings(folder):
+    """Arguments of a campaign that compares the same recording as forty of four units."""
     recording = sorted(RECORDINGS.glob("*.CSV"))[0]
     for k in range(40):
-        unit = tmp_path / "runs" / f"U{k % 4}"
+        unit = folder / "runs" / f"U{k % 4}"
         unit.mkdir(parents=True, exist_ok=True)
         shutil.copy(recording, unit / f"{k}.CSV")
-    asked = (tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "r", "--do", "compare", "--workers", 2)
+    return folder / "runs", "--model", "polito_bench", "-o", folder / "r", "--do", "compare"
+
+
+@pytest.mark.slow
+def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
+    asked = (*_forty_recordings(tmp_path), "--workers", 2)
     first = _command(*asked)
     _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
     first.kill()  # the campaign alone: its workers see that it is gone
@@ -325,12 +330,7 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
 
 
 def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
-    recording = sorted(RECORDINGS.glob("*.CSV"))[0]
-    for k in range(40):
-        unit = tmp_path / "runs" / f"U{k % 4}"
-        unit.mkdir(parents=True, exist_ok=True)
-        shutil.copy(recording, unit / f"{k}.CSV")
-    asked = (tmp_path / "runs", "--model", "polito_bench", "-o", tmp_path / "r", "--do", "compare", "--scheduler")
+    asked = (*_forty_recordings(tmp_path), "--scheduler")
     with own_cluster(tmp_path / "first") as own:
         first = _command(*asked, own.address)
         _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)

@@ -1,6 +1,8 @@
 """Sweeps: models that are simulated and searched, detection limits beside the bound of Cramér and Rao."""
 
+import base64
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -125,10 +127,29 @@ def test_longer_recordings_tell_more():
     assert stds[1] / stds[0] == pytest.approx(0.5, abs=0.15)
 
 
+def charts_of(page):
+    """The charts of a page, the arrays of their traces as lists."""
+    charts = json.loads(re.search(r'<script type="application/json" id="charts">(.*?)</script>', page)[1])
+    for trace in (trace for chart in charts for trace in chart["traces"]):
+        for name in trace.keys() & {*"xyz"}:
+            trace[name] = np.frombuffer(base64.b64decode(trace[name]["bdata"]), "<f4").tolist()
+    return charts
+
+
 def test_a_page_shows_curve_and_points(frictions, tmp_path):
     page = write_sweep_page(tmp_path / "s.html", frictions, detection_limit(frictions)).read_text()
-    assert page.count("<polyline") == 2 and "default-src 'none'" in page
+    assert [len(chart["traces"][0]["x"]) for chart in charts_of(page)] == [3, 3]
+    assert "default-src 'none'" in page
     assert "no method could be sure of it" in page and "0/2" in page and "2/2" in page
+
+
+def test_points_drawn_anywhere_are_shown_where_they_are(frictions, tmp_path):
+    second = [("viscous_friction.coefficient", value, "N m s/rad") for value in (0.03, 0.01, 0.02)]
+    anywhere = [replace(point, settings=(*point.settings, one)) for point, one in zip(frictions, second, strict=True)]
+    first, *_ = charts_of(write_sweep_page(tmp_path / "s.html", anywhere, None).read_text())
+    (trace,) = first["traces"]
+    assert trace["mode"] == "markers" and trace["y"] == pytest.approx([0.03, 0.01, 0.02])
+    assert len(trace["text"]) == 3 and first["layout"]["yaxis"]["title"]["text"].endswith("[N m s/rad]")
 
 
 def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
@@ -148,7 +169,8 @@ def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path):
     two = ["--vary", "coulomb_friction.torque=0.05:0.1:2", "--vary", "viscous_friction.coefficient=0.02:0.03:2"]
     done_here(*asked, *two, "--page", tmp_path / "map.html")
     page = (tmp_path / "map.html").read_text()
-    assert page.count("<rect") == 8  # four points, two maps
+    maps = [chart["traces"][0] for chart in charts_of(page)]
+    assert [(each["type"], len(each["z"])) for each in maps] == [("heatmap", 4)] * 2
     done_here(*asked, *two, "--json", tmp_path / "again.json")
     points = json.loads((tmp_path / "again.json").read_text())
     assert len(points) == 4 and all(point["results"] == 1 and point["named"] is None for point in points)

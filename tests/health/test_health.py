@@ -3,6 +3,7 @@
 import itertools
 import os
 import re
+from functools import partial
 
 import numpy as np
 import pytest
@@ -148,14 +149,16 @@ def test_acquisition_is_judged_first(baseline):
     assert fast.detected is None and "sample period is 0.01 s" in fast.words[0]
 
 
+def with_play(rng, test, play, scatter):
+    """A run with a motor's encoder that is ahead by half the ``play`` [m], and scatters [m]."""
+    record = run(rng, test)
+    ahead = 0.5 * play * np.sign(np.gradient(record.command)) + scatter * rng.normal(size=len(record.time))
+    return changed(record, motor_position=(record.position + ahead) * 2.0 * np.pi / LEAD)
+
+
 def test_two_encoders_show_play():
     rng = np.random.default_rng(10)
-
-    def both(test, play):
-        record = run(rng, test)
-        ahead = 0.5 * play * np.sign(np.gradient(record.command)) + 2e-6 * rng.normal(size=len(record.time))
-        return changed(record, motor_position=(record.position + ahead) * 2.0 * np.pi / LEAD)
-
+    both = partial(with_play, rng, scatter=2e-6)
     learnt = learn([both(f"{i // 4}", 2e-5 * (1.0 + 0.1 * rng.normal())) for i in range(32)])
     told = judge(both("another", 2e-4), learnt)
     assert told.detected and told.family is Family.PLAY
@@ -164,13 +167,7 @@ def test_two_encoders_show_play():
 
 def test_play_is_seen_beside_encoders_that_hardly_scatter():
     """Healthy encoders that part by less than a ten-millionth of a metre are no simulation's rounding."""
-    rng = np.random.default_rng(12)
-
-    def both(test, play):
-        record = run(rng, test)
-        ahead = 0.5 * play * np.sign(np.gradient(record.command)) + 1e-6 * rng.normal(size=len(record.time))
-        return changed(record, motor_position=(record.position + ahead) * 2.0 * np.pi / LEAD)
-
+    both = partial(with_play, np.random.default_rng(12), scatter=1e-6)
     learnt = learn([both(f"{i // 4}", 0.0) for i in range(32)])
     assert "lost_motion" in learnt.features
     assert learnt.prediction.spread[learnt.features.index("lost_motion")] < 1e-7

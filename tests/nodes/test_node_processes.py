@@ -7,7 +7,7 @@ import threading
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
-from ros_graph import Graph, ended_well, starter
+from ros_graph import ended_well, starter
 
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.load import load
@@ -24,13 +24,6 @@ REPLAY, RECORD = "ema_bench_replay.nodes.replay", "ema_bench_replay.nodes.record
 TWIN, MONITOR = "ema_twin_sim.nodes.twin", "ema_twin_sim.nodes.monitor"
 ALL = Duration(seconds=60.0)
 """In which a reader must have received all that was published, on a busy machine too."""
-
-
-@pytest.fixture
-def graph():
-    graph = Graph()
-    yield graph
-    graph.close()
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.parameter import Parameter
-from ros_graph import Graph
 from std_srvs.srv import Trigger
 
 from ema_bench_replay.bags.bag_reader import read_bag
@@ -29,13 +28,6 @@ from ema_twin_sim.nodes.monitor import MonitorNode
 from ema_twin_sim.nodes.twin import TwinNode
 
 PERIOD = 2_000_000
-
-
-@pytest.fixture
-def graph():
-    graph = Graph()
-    yield graph
-    graph.close()
 
 
 @pytest.fixture(scope="module")

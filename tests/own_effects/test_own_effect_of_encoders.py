@@ -1,12 +1,9 @@
 """A user's own effect beside two encoders and no torque: its numbers in SI, and what is said where it cannot show."""
 
-from importlib import import_module
-
 import pytest
 
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.effects import catalogue
 from ema_twin_sim.own_effects import load_effect
 from tests.conftest import ROOT
 from tests.discovery.test_two_encoders import drafted
@@ -27,12 +24,7 @@ EFFECT = Effect(
 """
 
 
-@pytest.fixture(autouse=True)
-def catalogue_of_the_package():
-    """What a test adds to the catalogue of this process goes with it."""
-    yield
-    import_module("ema_twin_sim.effects.catalogue")._own.clear()
-    catalogue.cache_clear()
+pytestmark = pytest.mark.usefixtures("catalogue_of_the_package")
 
 
 @pytest.mark.parametrize("quicker", [1.0, 4.0])

@@ -1,12 +1,10 @@
 """A user's own effect whose table says nothing of where to begin: its numbers come back whatever its defaults are."""
 
 import math
-from importlib import import_module
 
 import pytest
 
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.effects import catalogue
 from ema_twin_sim.effects.effect import Effect, Parameter
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.identification.search_limits import Reached
@@ -53,11 +51,7 @@ CASES = {
 COMMANDS = ("ramp:0.05", "sine:0.05:0.25", "triangle:0.04:2")
 
 
-@pytest.fixture(autouse=True)
-def catalogue_of_the_package():
-    yield
-    import_module("ema_twin_sim.effects.catalogue")._own.clear()
-    catalogue.cache_clear()
+pytestmark = pytest.mark.usefixtures("catalogue_of_the_package")
 
 
 def recorded(tmp_path, stock, kind):

@@ -7,13 +7,12 @@ import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from ros_graph import Graph, start_process
+from ros_graph import start_process
 
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.comparison.compare import compare
@@ -49,12 +48,7 @@ def text(act="p[0]", parameters=TABLE, id="own_load", way="act=act", more=""):
     return HEAD + ACT.format(act=act) + EFFECT.format(id=id, parameters=parameters, way=way, more=more)
 
 
-@pytest.fixture(autouse=True)
-def catalogue_of_the_package():
-    """What a test adds to the catalogue of this process goes with it."""
-    yield
-    import_module("ema_twin_sim.effects.catalogue")._own.clear()
-    catalogue.cache_clear()
+pytestmark = pytest.mark.usefixtures("catalogue_of_the_package")
 
 
 @pytest.fixture
@@ -329,13 +323,6 @@ def test_what_raises_far_from_the_trial_ends_the_run_with_words(own, stock, plac
     ):
         with pytest.raises(InputError, match=r"diverges: .* no finite number 0\.20[0-9]+ s after.*of your own"):
             run()
-
-
-@pytest.fixture
-def graph():
-    graph = Graph()
-    yield graph
-    graph.close()
 
 
 def test_a_running_twin_has_its_parameters(graph, hiding):

@@ -94,30 +94,24 @@ def test_the_torque_of_an_end_stop_is_explained(fine, side, sign):
 
 
 @pytest.mark.parametrize("origin", [math.pi, 0.5 * math.pi])
-def test_the_run_out_of_the_sun_stands_at_the_motor_counters_own_angle(fine, origin):
-    model = fine.with_effect("sun_runout", {"torque": 0.03}, {"kind": "conservative"})
-    recording = virtual_bench(model, parse_command("ramp:0.05"), 4.0, seed=None)
-    moved = simulate(model, replace(recording, motor_angle_origin=origin), "setpoint").signals
-    angle = recording.signals["motor_position"]
-    more = 0.03 * (np.sin(angle + origin) - np.sin(angle))
+@pytest.mark.parametrize(
+    ("side", "effect", "torque", "options", "command", "off"),
+    [
+        # the model's torque at the measured angle is just as wrong; the filters delay it by 14 ms at 6.2 rad/s
+        ("motor", "sun_runout", 0.03, {"kind": "conservative"}, "ramp:0.05", 0.2),
+        ("output", "gravity_load", 0.06, {}, "ramp:0.3", 0.02),
+    ],
+)
+def test_what_follows_an_angle_stands_at_the_counters_own(fine, side, effect, torque, options, command, off, origin):
+    model = fine.with_effect(effect, {"torque": torque}, options)
+    recording = virtual_bench(model, parse_command(command), 4.0, seed=None)
+    moved = simulate(model, replace(recording, **{f"{side}_angle_origin": origin}), "setpoint").signals
+    angle = recording.signals[f"{side}_position"]
+    more = torque * (np.sin(angle + origin) - np.sin(angle))
     settled = recording.time > 1.0
-    torque = (moved["current"] - recording.signals["current"]) * TORQUE_CONSTANT
-    assert np.abs(torque - more)[settled].max() < 0.02 * 0.03
-    # the model's torque at the measured angle is just as wrong; the filters delay it by 14 ms at 6.2 rad/s
-    assert np.abs(moved["unexplained_torque"] + more)[settled].max() < 0.2 * 0.03
-
-
-@pytest.mark.parametrize("origin", [math.pi, 0.5 * math.pi])
-def test_gravity_pulls_at_the_output_encoders_own_angle(fine, origin):
-    model = fine.with_effect("gravity_load", {"torque": 0.06})
-    recording = virtual_bench(model, parse_command("ramp:0.3"), 4.0, seed=None)
-    moved = simulate(model, replace(recording, output_angle_origin=origin), "setpoint").signals
-    angle = recording.signals["output_position"]
-    more = 0.06 * (np.sin(angle + origin) - np.sin(angle))
-    settled = recording.time > 1.0
-    torque = (moved["current"] - recording.signals["current"]) * TORQUE_CONSTANT
-    assert np.abs(torque - more)[settled].max() < 0.02 * 0.06
-    assert np.abs(moved["unexplained_torque"] + more)[settled].max() < 0.02 * 0.06
+    found = (moved["current"] - recording.signals["current"]) * TORQUE_CONSTANT
+    assert np.abs(found - more)[settled].max() < 0.02 * torque
+    assert np.abs(moved["unexplained_torque"] + more)[settled].max() < off * torque
 
 
 @pytest.mark.parametrize("delay", [0.00006, 0.000125, 0.00019, 0.00103])

@@ -23,6 +23,18 @@ from ema_bench_replay.load import load
 from tests.bags import DEFINITION, STATE, a_recording, refused, some_samples, write_other
 
 
+def write_bytes(file, definition, *samples):
+    """A bag of messages of any bytes, each at the nanosecond of its number."""
+    with file.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="ros2")
+        schema = writer.register_schema(STATE, "ros2msg", definition.encode())
+        channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
+        for time, content in enumerate(samples):
+            writer.add_message(channel, time, content, time)
+        writer.finish()
+
+
 class TestOtherWriters:
     @pytest.mark.parametrize("compression", list(CompressionType))
     def test_compressions(self, tmp_path, compression):
@@ -54,14 +66,8 @@ class TestOtherWriters:
 
     def test_big_endian(self, tmp_path):
         definition = "std_msgs/Header header\nfloat64 current\n" + DEFINITION[DEFINITION.index("=" * 80) :]
-        with (tmp_path / "b.mcap").open("wb") as stream:
-            writer = Writer(stream)
-            writer.start(profile="ros2")
-            schema = writer.register_schema(STATE, "ros2msg", definition.encode())
-            channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
-            for k in range(3):
-                writer.add_message(channel, k, b"\0\0\0\0" + struct.pack(">iIIB3xd", 1, k, 1, 0, k / 7), k)
-            writer.finish()
+        samples = [b"\0\0\0\0" + struct.pack(">iIIB3xd", 1, k, 1, 0, k / 7) for k in range(3)]
+        write_bytes(tmp_path / "b.mcap", definition, *samples)
         recording = read_bag(tmp_path / "b.mcap")
         assert recording.signals["current"].tolist() == [0, 1 / 7, 2 / 7] and recording.stamps.tolist() == [0, 1, 2]
 
@@ -250,23 +256,11 @@ class TestBounds:
     def test_definitions_that_lead_nowhere(self, tmp_path, lines, told):
         rest = DEFINITION[DEFINITION.index("=" * 80) :]
         path = write_other(tmp_path / "good.mcap", some_samples(3))
-        with (tmp_path / "b.mcap").open("wb") as stream:
-            writer = Writer(stream)
-            writer.start(profile="ros2")
-            schema = writer.register_schema(STATE, "ros2msg", f"std_msgs/Header header\n{lines}{rest}".encode())
-            channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
-            writer.add_message(channel, 0, b"\0\1\0\0" + bytes(200), 0)
-            writer.finish()
+        write_bytes(tmp_path / "b.mcap", f"std_msgs/Header header\n{lines}{rest}", b"\0\1\0\0" + bytes(200))
         assert len(read_bag(path)) == 3
         refused(tmp_path / "b.mcap", told)
 
     def test_a_header_without_a_stamp(self, tmp_path):
         definition = f"std_msgs/Header header\nfloat64 current\n{'=' * 80}\nMSG: std_msgs/Header\nstring frame_id\n"
-        with (tmp_path / "b.mcap").open("wb") as stream:
-            writer = Writer(stream)
-            writer.start(profile="ros2")
-            schema = writer.register_schema(STATE, "ros2msg", definition.encode())
-            channel = writer.register_channel("/bench/state", "cdr", schema, {"offered_qos_profiles": ""})
-            writer.add_message(channel, 0, b"\0\1\0\0" + bytes(40), 0)
-            writer.finish()
+        write_bytes(tmp_path / "b.mcap", definition, b"\0\1\0\0" + bytes(40))
         refused(tmp_path / "b.mcap", "header.stamp.sec")

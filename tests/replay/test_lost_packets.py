@@ -4,14 +4,11 @@ import signal
 import subprocess
 import sys
 
-import pytest
-
 from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.keep_all_publisher import KeepAllPublisher
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
 from tests.bench_processes import HISTORY
-from tests.ros_graph import Graph
 
 READER = """
 import rclpy
@@ -30,13 +27,6 @@ while True:
 """
 FEW = 8
 """Tries of 0.1 s each that a sample may need; where Fast DDS asks once in 3 s, its default, it is 13 to 30."""
-
-
-@pytest.fixture
-def graph():
-    graph = Graph()
-    yield graph
-    graph.close()
 
 
 def test_what_was_dropped_comes_without_a_halt(graph):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim import load_model, parse_command, simulate, simulate_many, virtual_bench
+from ema_twin_sim import parse_command, simulate, simulate_many, virtual_bench
 
 SECONDS = 1.0
 VARIED = ("machine.motor_inertia", "drive.speed_gain", "machine.torque_constant", "sensors.speed_smoothing")
@@ -16,11 +16,6 @@ TRANSMISSIONS = {
     "play and bristle": {"backlash": {}, "presliding_friction": {}},
     "late encoder": {"encoder_delay": {"delay": 7e-4}, "encoder_eccentricity": {}},
 }
-
-
-@pytest.fixture(scope="module")
-def stock():
-    return load_model("polito_bench")
 
 
 @pytest.fixture(scope="module")

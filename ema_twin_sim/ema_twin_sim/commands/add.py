@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -24,7 +23,7 @@ ema-twin add position_friction.py --set torque=0.1 --model polito_bench -o mine.
 def run(
     effect: options.EffectName,
     model: options.ModelName,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    output: options.NewModel,
     set: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="A parameter or option; what is not given takes its default."),

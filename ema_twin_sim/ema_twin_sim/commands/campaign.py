@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -58,9 +57,7 @@ def _together(incomplete: str) -> list[str]:
 
 def run(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that holds the units' recordings.")],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
-    ],
+    output: options.Results,
     model: Annotated[
         str | None,
         typer.Option(
@@ -110,23 +107,8 @@ def run(
             "default a turn of a rotary machine's motor.",
         ),
     ] = None,
-    workers: Annotated[
-        int,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            parser=options.whole(1, 1024),
-            help="Processes on this machine; by default one for each core.",
-        ),
-    ] = os.cpu_count() or 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(
-            "--scheduler",
-            metavar="ADDRESS",
-            help="A dask scheduler (tcp://HOST:PORT), whose workers see the same files, in place of this machine.",
-        ),
-    ] = None,
+    workers: options.Workers = options.CORES,
+    scheduler: options.Scheduler = None,
     watch: Annotated[bool, typer.Option("--watch", help="Go on with recordings that come, until Ctrl-C.")] = False,
 ) -> None:
     """Judge every recording of many units, on all cores or a cluster; done once, a recording is not judged again.

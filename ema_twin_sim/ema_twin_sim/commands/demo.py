@@ -43,14 +43,7 @@ def run(
     output: Annotated[
         Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for what the demo makes.")
     ] = Path("demo"),
-    rate: Annotated[
-        float,
-        typer.Option(
-            metavar="TIMES",
-            parser=options.number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
-            help="Speed of the live replay; 1: real time.",
-        ),
-    ] = 1.0,
+    rate: options.Rate = 1.0,
 ) -> None:
     """Show the loop: a model misses its bench, discover finds why, live the error falls. Replaces what a demo left."""
     from ema_bench_replay.bags.bag_reader import read_bag

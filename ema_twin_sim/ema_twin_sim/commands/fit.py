@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -26,7 +25,7 @@ Paths are those of the ROS parameters: effects.backlash.width, machine.motor_ine
 def run(
     runs: options.Runs,
     model: options.ModelName,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    output: options.NewModel,
     method: Annotated[
         str | None,
         typer.Option(

@@ -41,14 +41,7 @@ def run(
     ] = None,
     model: options.ModelName = "polito_bench",
     input: options.Input = None,
-    rate: Annotated[
-        float,
-        typer.Option(
-            metavar="TIMES",
-            parser=options.number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
-            help="Speed of playing, in times real time; 0: as fast as it goes.",
-        ),
-    ] = 1.0,
+    rate: options.Rate = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Begin again after the last sample, until q or Ctrl-C.")] = False,
     headless: Annotated[bool, typer.Option("--headless", help="No viewer.")] = False,
     web: Annotated[bool, typer.Option("--web", help="The viewer in a browser, served on this machine only.")] = False,

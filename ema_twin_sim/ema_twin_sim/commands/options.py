@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, TypeVar
@@ -103,6 +104,36 @@ Evidence = Annotated[
 Rrd = Annotated[
     Path | None,
     typer.Option("--rrd", metavar="FILE.rrd", help="Also write views of it, to be looked at in rerun."),
+]
+NewModel = Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")]
+Results = Annotated[
+    Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
+]
+CORES = os.cpu_count() or 1
+Workers = Annotated[
+    int,
+    typer.Option(
+        "--workers",
+        metavar="N",
+        parser=whole(1, 1024),
+        help="Processes on this machine; by default one for each core.",
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="A dask scheduler (tcp://HOST:PORT), whose workers see the same files, in place of this machine.",
+    ),
+]
+Rate = Annotated[
+    float,
+    typer.Option(
+        metavar="TIMES",
+        parser=number(0.0, 1000.0, "times real time (0: as fast as it goes)"),
+        help="Speed of playing, in times real time; 0: as fast as it goes.",
+    ),
 ]
 ImportMap = Annotated[str, typer.Option("--map", help="Import map of CSVs: a file or a name in config/maps.")]
 From = Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -20,7 +19,7 @@ ema-twin remove coulomb_friction_2 --model polito_bench -o motor_side_only.yaml"
 def run(
     effect: Annotated[str, typer.Argument(metavar="EFFECT", help="An effect's id (all its instances), or ID_2 (one).")],
     model: options.ModelName,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")],
+    output: options.NewModel,
     with_files: options.WithFiles = None,
     force: options.Force = False,
 ) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -50,9 +49,7 @@ def run(
         list[str],
         typer.Option("--command", "-c", metavar="KIND:A:B", help="What the bench does, as simulate has it. Repeat it."),
     ],
-    output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="RESULTS", help="The folder of results; one that exists goes on.")
-    ],
+    output: options.Results,
     seconds: Annotated[
         float, typer.Option(metavar="S", parser=options.number(0.1, 1e4, "s"), help="Duration of each recording.")
     ] = 20.0,
@@ -76,18 +73,8 @@ def run(
         bool,
         typer.Option("--bounds-only", help="Do not look for what is missing: what can be known at best is faster."),
     ] = False,
-    workers: Annotated[
-        int,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            parser=options.whole(1, 1024),
-            help="Processes on this machine; by default one for each core.",
-        ),
-    ] = os.cpu_count() or 1,
-    scheduler: Annotated[
-        str | None, typer.Option("--scheduler", metavar="ADDRESS", help="A dask scheduler in place of this machine.")
-    ] = None,
+    workers: options.Workers = options.CORES,
+    scheduler: options.Scheduler = None,
     page: Annotated[
         Path | None, typer.Option("--page", metavar="FILE.html", help="Also write a page with a map of it.")
     ] = None,

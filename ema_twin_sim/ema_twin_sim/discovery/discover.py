@@ -13,7 +13,7 @@ from ema_bench_replay.recording import Recording
 from ..comparison.beyond_noise import beyond_noise
 from ..comparison.compare import Signals, overall_errors
 from ..criteria import DEPENDS, MOST_EFFECTS, NOISY, PART
-from ..effects import catalogue
+from ..effects import Trait, catalogue, effects_with
 from ..identification.equation import EquationErrorProblem
 from ..identification.estimates import constants, far_off, off_by_one_factor, parameters, standard_errors
 from ..identification.fit import Fit, fit
@@ -29,6 +29,7 @@ from ..measured.switching_ripple import with_switching_ripple
 from ..measured.usual_sizes import unusual_currents
 from ..model import Model
 from ..model.own_units import in_si, native_as_given
+from ..model.roles import BRISTLE
 from ..simulation.angle_origins import without_common_zero
 from .cautions import ALONE, ONE_DIRECTION, WITHOUT_TORQUE, of_open_constants
 from .criteria.contradictions import contradictions
@@ -48,8 +49,6 @@ from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
 from .unseen import Unseen, gain_where_unseen, judge_unseen
-
-OF_TEETH = ("mesh_ripple", "tooth_fault")
 
 
 @dataclass(frozen=True)
@@ -256,9 +255,9 @@ def _impossible(model: Model) -> frozenset[str]:
     Where the motor turns as its output does, there are no teeth that would pass at an order of their own.
     """
     if model.units is None or model.units.radius is None:
-        return frozenset(OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
+        return effects_with(Trait.OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
     turning = {id for id, effect in catalogue().items() if effect.depends_on == "order"}
-    return frozenset(turning | {"encoder_eccentricity", "gravity_load", "output_ripple"})
+    return effects_with(Trait.OF_OUTPUT_TURNS) | turning
 
 
 def _searched(
@@ -307,7 +306,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
     for k, turn in enumerate(found.taken):
         came = [name for name in new_names(turn.before, turn.after) if name in added]
         parting = tuple(name for name in came if added[name].effect in COMPLIANT_EFFECTS)
-        bending = tuple(name for name in came if added[name].effect == "presliding_friction")
+        bending = tuple(name for name in came if added[name].effect == BRISTLE)
         if unseen.rmse[k] <= NOISY * unseen.noise_floor:
             continue
         first = _before_both(found, k)

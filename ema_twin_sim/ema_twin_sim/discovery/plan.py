@@ -23,13 +23,6 @@ from .experiment.doubts import NOTHING, doubts
 from .experiment.next_command import Proposal, best_command, signals_of
 from .experiment.rival_field import Pair
 
-_ELSEWHERE = {
-    "torque_constant_error": "an inertia that is known better, or the voltage, would tell the torque constant",
-    "mesh_friction": "friction that follows the load shows when the load on the output is changed",
-    "added_inertia": "an inertia that is known better would tell",
-}
-"""What would help where no command does, by effect."""
-
 
 @dataclass(frozen=True)
 class InDoubt:
@@ -64,7 +57,8 @@ class Plan:
     def elsewhere(self) -> tuple[str, ...]:
         """What would help with the pairs that no command tells apart."""
         named = dict.fromkeys(name for pair in self.inseparable for name in pair)
-        return tuple(_ELSEWHERE[name] for name in named if name in _ELSEWHERE)
+        effects = catalogue()
+        return tuple(effects[name].told_by for name in named if name in effects and effects[name].told_by)
 
     def as_json(self) -> dict[str, object]:
         """SI units."""

@@ -21,6 +21,7 @@ from ..listing import listed
 from ..measured.scales import INERTIAS
 from ..model import Model
 from ..model.own_units import shown_entry
+from ..model.roles import DRY_FRICTION
 from ..quantities import estimate
 
 
@@ -82,12 +83,12 @@ def _sums(f: Fit, *, parted: bool = True) -> Iterator[_Sum]:
     base, free = f.hypothesis.base, {one.path for one in f.hypothesis.free}
     dry = {"motor": 0.0, "output": 0.0}
     for instance in base.active.values():
-        if instance.effect == "coulomb_friction":
+        if instance.effect == DRY_FRICTION:
             dry[instance.options["side"]] += instance.parameters["torque"]
     inertia = sum(base.value(path) for path in INERTIAS[:-1]), base.value(INERTIAS[-1])
     for both in (
         _Sum("inertia", "kg m^2", ("scale.inertia", "scale.output_inertia"), inertia),
-        _Sum("dry friction", "N m", ("scale.coulomb_friction", "scale.output_coulomb"), (dry["motor"], dry["output"])),
+        _Sum("dry friction", "N m", (f"scale.{DRY_FRICTION}", "scale.output_coulomb"), (dry["motor"], dry["output"])),
     ):
         if min(both.sizes) > 0.0 and free.issuperset(both.paths if parted else both.paths[:1]):
             yield both

@@ -1,6 +1,6 @@
 """The catalogue of effects: one file an effect."""
 
-from .catalogue import catalogue, find_effect
-from .effect import Circumstances, Effect, Parameter
+from .catalogue import catalogue, effects_with, find_effect, the_effect
+from .effect import Circumstances, Effect, Parameter, Trait
 
-__all__ = ["Circumstances", "Effect", "Parameter", "catalogue", "find_effect"]
+__all__ = ["Circumstances", "Effect", "Parameter", "Trait", "catalogue", "effects_with", "find_effect", "the_effect"]

@@ -2,7 +2,7 @@
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -20,6 +20,8 @@ EFFECT = Effect(
     source="Newton's second law",
     parameters=(Parameter("inertia", "kg m^2", 5e-4, 0.0, math.inf, "more inertia, reduced to the fast shaft"),),
     settle=settle,
+    traits=(Trait.LIKE_A_CONSTANT, Trait.LIKE_PLAY_OR_SPRING, Trait.TRANSIENT),
+    told_by="an inertia that is known better would tell",
     implausible=(
         Implausible(
             "inertia",

@@ -4,7 +4,7 @@ L [N m] and b [N m s/rad] are the total dry level and viscous coefficient of the
 effects have made up. (A Coulomb level alone that differs by direction is a constant load while sliding.)
 """
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -22,6 +22,7 @@ EFFECT = Effect(
     source="Armstrong-Hélouvry, Dupont, Canudas de Wit 1994",
     parameters=(Parameter("fraction", "1", 0.15, -0.9, 0.9, "excess forward, lack backward"),),
     settle=settle,
+    traits=(Trait.SHOWN_BY_REVERSALS,),
     implausible=(
         Implausible(
             "fraction",

@@ -5,7 +5,7 @@ centred at the start of a recording, unless the motor moves there: then its driv
 "Controlling mechanical systems with backlash" (2002).
 """
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -36,6 +36,7 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    traits=(Trait.PLAY,),
     implausible=(
         Implausible(
             "width",

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from ema_bench_replay.errors import InputError
 
-from .effect import Effect
+from .effect import Effect, Trait
 
 _own: dict[Path, Effect] = {}
 """Users' effects, by the file that each is from."""
@@ -34,6 +34,17 @@ def _shipped() -> dict[str, Effect]:
         if isinstance(effect, Effect):
             found[effect.id] = effect
     return dict(sorted(found.items()))
+
+
+def effects_with(trait: Trait) -> frozenset[str]:
+    """The ids of all effects of a trait, users' own included."""
+    return frozenset(id for id, effect in catalogue().items() if trait in effect.traits)
+
+
+def the_effect(trait: Trait) -> str:
+    """The id of the package's only effect of a trait. Raises ValueError where there is not just one."""
+    (id,) = (id for id, effect in _shipped().items() if trait in effect.traits)
+    return id
 
 
 def include(effect: Effect, file: Path) -> None:

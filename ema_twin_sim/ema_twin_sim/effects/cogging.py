@@ -6,7 +6,7 @@ one that its recordings show.
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Parameter, Trait
 
 
 def act(at, p):
@@ -30,4 +30,5 @@ EFFECT = Effect(
     free_option="order",
     option_value=lambda options: float(options["order"]),
     act=act,
+    traits=(Trait.MOTOR_WAVE,),
 )

@@ -5,7 +5,7 @@ A Coulomb level that differs by direction is this while sliding, and goes under 
 
 import math
 
-from .effect import OUTPUT_TORQUE, Effect, Parameter
+from .effect import OUTPUT_TORQUE, Effect, Parameter, Trait
 
 
 def act(at, p):
@@ -24,4 +24,5 @@ EFFECT = Effect(
     parameters=(Parameter("torque", "N m", 0.03, -math.inf, math.inf, "torque, reduced to the fast shaft"),),
     act=act,
     place=OUTPUT_TORQUE,
+    traits=(Trait.LOAD, Trait.SHOWN_BY_REVERSALS),
 )

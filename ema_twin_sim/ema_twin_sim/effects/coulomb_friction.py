@@ -5,7 +5,7 @@ Thesis, script "Main HF": dynamics.friction (FDTm, FDTu sliding; FSTm, FSTu at r
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -30,6 +30,7 @@ EFFECT = Effect(
     options={"side": ("motor", "output")},
     settle=settle,
     every_machine=True,
+    traits=(Trait.DRY_FRICTION, Trait.LIKE_A_CONSTANT),
     implausible=(
         Implausible(
             "static_ratio",

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..plant.layout import DRY_LEVEL, OUTPUT_TORQUE, TORQUE, VISCOUS_COEFFICIENT
+from .trait import Trait
 
 __all__ = [
     "DRY_LEVEL",
@@ -21,6 +22,7 @@ __all__ = [
     "Effect",
     "Implausible",
     "Parameter",
+    "Trait",
 ]
 
 QUANTITIES = (
@@ -118,7 +120,7 @@ class Effect:
     ``searched``, those that recordings show only. What ``every_machine`` has goes before what explains hardly more,
     where a model lacks it. ``shown_by`` is the motion to record so that it
     shows. An ``electrical`` effect needs to know the motor's pole pairs. One that ``delays`` shows what an encoder
-    remembers.
+    remembers. ``traits`` are what rules ask for; ``told_by`` says what else would tell its size where no motion does.
     """
 
     id: str
@@ -142,6 +144,8 @@ class Effect:
     searched: bool = True
     every_machine: bool = False
     implausible: tuple[Implausible, ...] = ()
+    traits: tuple[Trait, ...] = ()
+    told_by: str = ""
 
     def __post_init__(self) -> None:
         if self.act is None and self.settle is None:
@@ -150,6 +154,9 @@ class Effect:
             raise ValueError(f"effect {self.id}: at most four parameters, a numeric option included")
         if self.depends_on not in ("", *QUANTITIES):
             raise ValueError(f"effect {self.id}: depends_on: one of {', '.join(QUANTITIES)}, not {self.depends_on!r}")
+        for trait in self.traits:
+            if not isinstance(trait, Trait):
+                raise ValueError(f"effect {self.id}: traits: give members of Trait, not {trait!r}")
 
     def where(self, options: Options) -> int:
         """The place that ``act``'s value goes to under these options."""

@@ -5,7 +5,7 @@ An encoder on a bus answers a cycle or more late. A time lag between two encoder
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -25,6 +25,7 @@ EFFECT = Effect(
     settle=settle,
     repeatable=False,
     delays=True,
+    traits=(Trait.SENSOR_DELAY, Trait.TRANSIENT),
     implausible=(
         Implausible(
             "delay",

@@ -7,7 +7,7 @@ positions are published from zero. An error of the motor's encoder has orders of
 """
 
 from ..plant.layout import ANGLE_ERRORS
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -33,6 +33,7 @@ EFFECT = Effect(
     options={"order": ("1", "2")},
     free_option="order",
     settle=settle,
+    traits=(Trait.SENSOR_WAVE, Trait.OF_OUTPUT_TURNS),
     implausible=(
         Implausible(
             "amplitude",

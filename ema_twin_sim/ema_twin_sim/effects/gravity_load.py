@@ -2,7 +2,7 @@
 
 import math
 
-from .effect import OUTPUT_TORQUE, Effect, Parameter
+from .effect import OUTPUT_TORQUE, Effect, Parameter, Trait
 
 
 def act(at, p):
@@ -24,4 +24,5 @@ EFFECT = Effect(
     ),
     act=act,
     place=OUTPUT_TORQUE,
+    traits=(Trait.LOAD, Trait.OF_OUTPUT_TURNS),
 )

@@ -3,7 +3,7 @@
 T_t [N m at the fast shaft] is what the gearbox passes on to the output. Thesis, chapter 3.4 (sliding of the teeth).
 """
 
-from .effect import DRY_LEVEL, Effect, Implausible, Parameter
+from .effect import DRY_LEVEL, Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -22,6 +22,8 @@ EFFECT = Effect(
     parameters=(Parameter("coefficient", "1", 0.1, 0.0, 1.5, "dry level per transmitted torque, both at fast shaft"),),
     act=act,
     place=DRY_LEVEL,
+    traits=(Trait.FRICTION_UNDER_LOAD, Trait.LIKE_PLAY_OR_SPRING),
+    told_by="friction that follows the load shows when the load on the output is changed",
     implausible=(
         Implausible(
             "coefficient",

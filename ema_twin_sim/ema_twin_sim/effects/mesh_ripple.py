@@ -6,7 +6,7 @@ The mesh stiffness steps as one or two pairs of teeth carry. Orders (cycles per 
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Parameter, Trait
 
 
 def act(at, p):
@@ -31,4 +31,5 @@ EFFECT = Effect(
     free_option="order",
     option_value=lambda options: float(options["order"]),
     act=act,
+    traits=(Trait.GEAR_WAVE, Trait.OF_TEETH),
 )

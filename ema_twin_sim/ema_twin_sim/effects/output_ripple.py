@@ -5,7 +5,7 @@ A joint that is bent (twice), the teeth of the last gear, the rollers of an outp
 
 import math
 
-from .effect import OUTPUT_TORQUE, Effect, Parameter
+from .effect import OUTPUT_TORQUE, Effect, Parameter, Trait
 
 
 def act(at, p):
@@ -31,4 +31,5 @@ EFFECT = Effect(
     act=act,
     place=OUTPUT_TORQUE,
     searched=False,
+    traits=(Trait.OUTPUT_WAVE, Trait.OF_OUTPUT_TURNS),
 )

@@ -12,7 +12,7 @@ Phase u's flux is at the motor counter's zero. The current and the heat in the s
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 _PHASES = ("u", "v", "w")
 _APART = 4.0 * math.pi / 3.0  # rad of the ripple
@@ -50,6 +50,7 @@ EFFECT = Effect(
     settle_winding=settle_winding,
     electrical=True,
     repeatable=False,
+    traits=(Trait.BY_CURRENT,),
     implausible=(
         Implausible(
             "fraction",

@@ -6,7 +6,7 @@ L [N m] is the motor side's dry level; the bristle's state z [rad] starts relaxe
 
 import math
 
-from .effect import POSITIVE, Effect, Implausible, Parameter
+from .effect import POSITIVE, Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -38,6 +38,7 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    traits=(Trait.BRISTLE, Trait.LIKE_PLAY_OR_SPRING, Trait.TRANSIENT),
     implausible=(
         Implausible(
             "stiffness",

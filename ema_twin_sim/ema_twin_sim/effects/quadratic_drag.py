@@ -2,7 +2,7 @@
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -22,6 +22,7 @@ EFFECT = Effect(
         Parameter("coefficient", "N m s^2/rad^2", 5e-4, 0.0, math.inf, "torque per squared speed, fast shaft"),
     ),
     act=act,
+    traits=(Trait.NOT_AT_REST,),
     implausible=(
         Implausible(
             "coefficient",

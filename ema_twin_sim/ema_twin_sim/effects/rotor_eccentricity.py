@@ -9,7 +9,7 @@ centre itself.
 import cmath
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -40,6 +40,7 @@ EFFECT = Effect(
     settle_winding=settle_winding,
     electrical=True,
     repeatable=False,
+    traits=(Trait.BY_CURRENT,),
     implausible=(
         Implausible(
             "amplitude",

@@ -5,7 +5,7 @@ Added to a rigid transmission it makes it a two-inertia one; with backlash, the 
 
 import math
 
-from .effect import POSITIVE, Effect, Implausible, Parameter
+from .effect import POSITIVE, Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -44,6 +44,7 @@ EFFECT = Effect(
     ),
     settle=settle,
     repeatable=False,
+    traits=(Trait.SPRING,),
     implausible=(
         Implausible(
             "damping",

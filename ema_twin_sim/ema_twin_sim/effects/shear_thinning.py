@@ -6,7 +6,7 @@ is taken for a negative quadratic drag or a negative Stribeck term.
 
 import math
 
-from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -37,6 +37,7 @@ EFFECT = Effect(
     ),
     act=act,
     place=VISCOUS_COEFFICIENT,
+    traits=(Trait.NOT_AT_REST,),
     implausible=(
         Implausible(
             "fraction",

@@ -6,7 +6,7 @@ The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstro
 
 import math
 
-from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter
+from .effect import DRY_LEVEL, POSITIVE, Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -37,6 +37,7 @@ EFFECT = Effect(
     ),
     act=act,
     place=DRY_LEVEL,
+    traits=(Trait.NOT_AT_REST,),
     implausible=(
         Implausible(
             "speed",

@@ -5,7 +5,7 @@ The lubricant warms as the machine runs, and the model's viscous coefficient b [
 
 import math
 
-from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter
+from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
@@ -35,6 +35,7 @@ EFFECT = Effect(
     ),
     act=act,
     place=VISCOUS_COEFFICIENT,
+    traits=(Trait.TRANSIENT,),
     implausible=(
         Implausible(
             "time_constant",

@@ -6,7 +6,7 @@ output ring. The pulse is a raised cosine as wide as one mesh (1/15.75 of a moto
 
 import math
 
-from .effect import DRY_LEVEL, TORQUE, Effect, Parameter
+from .effect import DRY_LEVEL, TORQUE, Effect, Parameter, Trait
 
 _MESH_ORDER = 15.75
 
@@ -43,4 +43,5 @@ EFFECT = Effect(
     option_value=lambda options: float(options["order"]),
     act=act,
     place=lambda options: DRY_LEVEL if options["kind"] == "dissipative" else TORQUE,
+    traits=(Trait.OF_TEETH,),
 )

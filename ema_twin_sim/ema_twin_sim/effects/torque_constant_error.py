@@ -3,7 +3,7 @@
 Magnets lose strength with heat and age; nominal torque constants are good to some per cent.
 """
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -28,6 +28,8 @@ EFFECT = Effect(
     settle=settle,
     settle_winding=settle_winding,
     repeatable=False,
+    traits=(Trait.TORQUE_FACTOR, Trait.LIKE_PLAY_OR_SPRING, Trait.BY_CURRENT),
+    told_by="an inertia that is known better, or the voltage, would tell the torque constant",
     implausible=(
         Implausible(
             "scale",

@@ -5,7 +5,7 @@ Back-EMF that is no sine, or currents that are none: the torque swings in propor
 
 import math
 
-from .effect import Effect, Implausible, Parameter
+from .effect import Effect, Implausible, Parameter, Trait
 
 _ORDER = 24.0
 
@@ -28,6 +28,7 @@ EFFECT = Effect(
         Parameter("phase", "rad", 0.0, -6.284, 6.284, "phase at the motor counter's zero", periodic=True),
     ),
     act=act,
+    traits=(Trait.BY_CURRENT,),
     implausible=(
         Implausible(
             "fraction",

@@ -5,7 +5,7 @@ Thesis, script "Main HF": dynamics.CM (motor side) and dynamics.CU (output side,
 
 import math
 
-from .effect import Effect, Parameter
+from .effect import Effect, Parameter, Trait
 
 
 def settle(plant, parameters, options):
@@ -25,4 +25,5 @@ EFFECT = Effect(
     options={"side": ("motor", "output")},
     settle=settle,
     every_machine=True,
+    traits=(Trait.VISCOUS_FRICTION, Trait.LIKE_A_CONSTANT, Trait.NOT_AT_REST),
 )

@@ -15,6 +15,7 @@ from ..identification.hypothesis import LAG, LAG_LIMIT, LAG_STEP, Free, Hypothes
 from ..identification.jacobian import jacobian
 from ..identification.weighting import Weighting
 from ..model import EffectInstance, Model
+from ..model.roles import DRY_FRICTION, PLAY, SPRING
 from ..plant.driven_output import RESOLVED
 from ..simulation.assembly import assemble
 from ..simulation.sensor_noise import counter_noise
@@ -23,7 +24,7 @@ from .free_parameters import FreeParameter, FreeParameters
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
 """Beginnings of paths that the equation does not contain."""
 LAG_NUMBER = FreeParameter(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_TOLERANCE, LAG_STEP, (0.0, LAG_TOLERANCE))
-ONE_SIDED = ("effects.coulomb_friction", "machine.motor_inertia", "machine.output_inertia")
+ONE_SIDED = (f"effects.{DRY_FRICTION}", "machine.motor_inertia", "machine.output_inertia")
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,11 +101,11 @@ class EquationMisfit:
             return found
         softest = plant["output_inertia"] * RESOLVED**2
         for k, number in enumerate(self.freedom.numbers):
-            if number.path == "effects.backlash.width" and plant["contact_stiffness"] > softest:
+            if number.path == f"effects.{PLAY}.width" and plant["contact_stiffness"] > softest:
                 found[k] = 2.0 * plant["output_dry"] / softest / plant["gear_ratio"]
             elif number.path.startswith(ONE_SIDED):
                 found[k] = SIDES_ERROR * values[k]
-            elif number.path == "effects.shaft_compliance.damping":
+            elif number.path == f"effects.{SPRING}.damping":
                 found[k] = DAMPING_ERROR * values[k]
         return found
 

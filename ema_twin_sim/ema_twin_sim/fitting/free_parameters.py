@@ -20,8 +20,8 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model import nearest
 from ..model.own_units import shown, told
+from ..model.roles import DRY_FRICTION, FRICTION
 
-FRICTION = ("viscous_friction", "coulomb_friction")
 WEAK_ANGLE = 10.0  # rad, more than a turn and a half: any angle
 STEP = 2e-3  # finite differences, of a number's typical size
 STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
@@ -200,9 +200,7 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
 def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
     """Paths of what two encoders without a torque do not show, less what ``free`` names: the numbers of all torques."""
     held = {instance.effect for instance in model.active.values()}
-    winding_up = (
-        {"coulomb_friction"} if held & {*COMPLIANT_EFFECTS} else set()
-    )  # of the output, by which it comes to rest
+    winding_up = {DRY_FRICTION} if held & {*COMPLIANT_EFFECTS} else set()  # of the output, by which it comes to rest
     hidden = [
         f"effects.{name}"
         for name, instance in model.effects.items()
@@ -253,7 +251,7 @@ def _tied(model: Model, paths: Sequence[str], parted: bool) -> list[tuple[str, .
         _, name, parameter = split(path)
         instance = model.effects[name]
         alone = instance.effect not in FRICTION or _doubled(model, name) or _value(model, path) <= 0.0
-        apart = parted and instance.effect == "coulomb_friction" and parameter == "torque"
+        apart = parted and instance.effect == DRY_FRICTION and parameter == "torque"
         groups.setdefault((path,) if alone or apart else (instance.effect, parameter), []).append(path)
     return [tuple(group) for group in groups.values()]
 
@@ -299,7 +297,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     size = p is effect.parameters[0]
     told = value > 0.0 and not instance.open and not _doubled(model, name)
     known = size and not asked and instance.effect in FRICTION and told
-    side = parted and instance.effect == "coulomb_friction" and instance.options["side"] == "output"
+    side = parted and instance.effect == DRY_FRICTION and instance.options["side"] == "output"
     prior = (PART if side else TOLERANCE) * value if known else _weak(scale, p.periodic)
     return FreeParameter(
         paths[0],

@@ -15,6 +15,7 @@ from ..criteria import NEGLIGIBLE
 from ..effects import Circumstances, catalogue
 from ..model import Model
 from ..model.own_units import shown
+from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
 from ..reading_noise import reading_noise
 from ..simulation.operating_points import directed
 from ..simulation.sensor_noise import counter_noise
@@ -31,8 +32,8 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
         top_speed=max(top_speed(recording, model) for recording in recordings),
         travel=travel,
         output_travel=travel / model.value("machine.gear_ratio"),
-        dry_level=sum(i.parameters["torque"] for i in held if i.effect == "coulomb_friction"),
-        viscous=sum(i.parameters["coefficient"] for i in held if i.effect == "viscous_friction"),
+        dry_level=sum(i.parameters["torque"] for i in held if i.effect == DRY_FRICTION),
+        viscous=sum(i.parameters["coefficient"] for i in held if i.effect == VISCOUS_FRICTION),
         motor_inertia=model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia"),
         output_inertia=model.value("machine.output_inertia"),
         torque_limit=model.value("drive.torque_limit"),

@@ -22,6 +22,7 @@ from ..criteria import OUTLIER, SMALL, STANDSTILL
 from ..measured.observation import Observation
 from ..measured.sliding import moving_maximum
 from ..model import Model
+from ..model.roles import BRISTLE
 from ..parallel import simulations
 from ..plant.measured_motion import SPEED, TIME
 from ..simulation.fidelity import DEFAULT_STEP, is_fine
@@ -262,7 +263,7 @@ def _observed(
     """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
     motion, period = observation.motion, observation.period
     counts = 1.0 / observation.shaken
-    bristled = any(e.enabled and e.effect == "presliding_friction" for e in model.effects.values())
+    bristled = any(e.enabled and e.effect == BRISTLE for e in model.effects.values())
     if not bristled:
         still = np.abs(motion[:, SPEED]) < STANDSTILL
         linger = round(LINGER / period)

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from ..effects import Effect, catalogue
+from ..model.roles import SENSOR_WAVE
 from ..plant.layout import ANGLE_ERRORS
 from .hypothesis import Hypothesis
 from .search_limits import Reached
@@ -60,7 +61,7 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
 def no_more_of(h: Hypothesis) -> frozenset[str]:
     """The effects of which a hypothesis holds as many as a plant can take."""
     held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
-    return frozenset({"encoder_eccentricity"} if held.count("encoder_eccentricity") >= ANGLE_ERRORS else ())
+    return frozenset({SENSOR_WAVE} if held.count(SENSOR_WAVE) >= ANGLE_ERRORS else ())
 
 
 def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:

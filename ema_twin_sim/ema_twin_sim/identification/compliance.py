@@ -12,10 +12,11 @@ import math
 import numpy as np
 
 from ..criteria import BESIDE_IMPACTS
+from ..model.roles import DRY_FRICTION, PLAY, SPRING
 from .equation import EquationErrorProblem
 from .excerpt import excerpt
 from .fit import Fit, fits
-from .hypothesis import Hypothesis
+from .hypothesis import DRY_SCALE, Hypothesis
 from .local_minima import best_of, ranked, starting
 from .sensors import hysteresis, with_sensors
 
@@ -50,23 +51,23 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     springs = _springs(h)
     back_and_forth = 0.0 if h.by_torque else hysteresis(problem, current)
     families = []
-    if "shaft_compliance" not in held:
-        wound = [h.with_effect("shaft_compliance", {}, s) for s in springs]
+    if SPRING not in held:
+        wound = [h.with_effect(SPRING, {}, s) for s in springs]
         if not h.by_torque:  # nor does any tell how much friction winds it up
             held_back = [_wound_by(spring, back_and_forth) for spring in wound]
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
             wound += [spring for spring in held_back if spring is not None]
         families.append(ranked(part, wound))
-    if "backlash" not in held and spread > 0.0:
+    if PLAY not in held and spread > 0.0:
         families.append(ranked(part, _gaps(h, spread) if h.by_torque else _held_in_gaps(h, back_and_forth)))
     hopeless = HOPELESS * min((family[0][0] for family in families), default=0.0)
     best = [best_of(part, family) for family in families if family[0][0] <= hopeless]
-    play = next((f for f in best if "shaft_compliance" not in held and "backlash" in f.hypothesis.effects), None)
+    play = next((f for f in best if SPRING not in held and PLAY in f.hypothesis.effects), None)
     if play is not None:
         # the flight through the gap told its width and the output's friction: the spring is looked for from there
         width = f"effects.{list(play.hypothesis.added)[-1]}.width"
         gaps = [starting(play.hypothesis, {width: share}) for share in (0.96, 1.0, 1.04)]
-        both = [gap.with_effect("shaft_compliance", {}, s) for gap in gaps for s in springs[4:]]
+        both = [gap.with_effect(SPRING, {}, s) for gap in gaps for s in springs[4:]]
         f = best_of(part, ranked(part, both))
         if not _is_contact(f):
             best.append(f)
@@ -91,18 +92,18 @@ def _on_both_sides(h: Hypothesis) -> Hypothesis:
     """A hypothesis that found Coulomb friction, with a part of it at the output: a rigid train does not tell the sides
     apart, and without friction an output would fly through a gap for good.
     """
-    dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == "coulomb_friction"}
-    if len(dry) != 1 or "coulomb_friction" in {i.effect for i in h.base.active.values()}:
+    dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == DRY_FRICTION}
+    if len(dry) != 1 or DRY_FRICTION in {i.effect for i in h.base.active.values()}:
         return h
     ((name, found),) = dry.items()
     h = starting(h, {f"effects.{name}.torque": 1.0 - OUTPUT_SHARE})
     shared = {**found.parameters, "torque": found.parameters["torque"] * OUTPUT_SHARE}
-    return h.with_effect("coulomb_friction", {**found.options, "side": "output"}, shared)
+    return h.with_effect(DRY_FRICTION, {**found.options, "side": "output"}, shared)
 
 
 def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
     """A hypothesis with play: gaps of a few widths, teeth of a few kinds, friction on either side."""
-    gaps = [h.with_effect("backlash", {}, {"width": spread * share}) for share in WIDTHS]
+    gaps = [h.with_effect(PLAY, {}, {"width": spread * share}) for share in WIDTHS]
     return [
         starting(gap, {**side, "contact.stiffness": stiffness, "contact.damping": damping})
         for gap, side, (stiffness, damping) in itertools.product(gaps, _sides(gaps[0]), CONTACTS)
@@ -111,7 +112,7 @@ def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
 
 def _held_in_gaps(h: Hypothesis, hysteresis: float) -> list[Hypothesis]:
     """A hypothesis with play of about the encoders' ``hysteresis`` [rad], in which some friction holds the output."""
-    gaps = [h.with_effect("backlash", {}, {"width": hysteresis * share}) for share in ABOUT]
+    gaps = [h.with_effect(PLAY, {}, {"width": hysteresis * share}) for share in ABOUT]
     return [starting(gap, {"scale.output_coulomb": held}) for gap, held in itertools.product(gaps, HOLDING)]
 
 
@@ -124,7 +125,7 @@ def _wound_by(spring: Hypothesis, hysteresis: float) -> Hypothesis | None:
     friction = sum(
         instance.parameters["torque"]
         for instance in model.active.values()
-        if instance.effect == "coulomb_friction" and instance.options["side"] == "output"
+        if instance.effect == DRY_FRICTION and instance.options["side"] == "output"
     )
     if not friction > 0.0:
         return None
@@ -143,13 +144,13 @@ def _sides(h: Hypothesis) -> list[dict[str, float]]:
     """Factors that put more or less of the friction on the output's side, their sum as it was."""
     dry = h.model().active.values()
     torque = {
-        side: sum(i.parameters["torque"] for i in dry if i.effect == "coulomb_friction" and i.options["side"] == side)
+        side: sum(i.parameters["torque"] for i in dry if i.effect == DRY_FRICTION and i.options["side"] == side)
         for side in ("motor", "output")
     }
     return [
         {
             "scale.output_coulomb": share,
-            "scale.coulomb_friction": max(0.0, 1.0 - (share - 1.0) * torque["output"] / max(torque["motor"], 1e-12)),
+            DRY_SCALE: max(0.0, 1.0 - (share - 1.0) * torque["output"] / max(torque["motor"], 1e-12)),
         }
         for share in SIDES
     ]

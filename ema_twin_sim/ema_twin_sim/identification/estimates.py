@@ -14,6 +14,7 @@ from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.model_file import ABSENT
 from ..model.own_units import shown_entry
+from ..model.roles import DRY_FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS
@@ -110,7 +111,7 @@ def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict
         entry = shown_entry(base, model.value(place), std, CONSTANTS[place].unit)
         found.setdefault("transmission", {})[name] = {**entry, "nominal": given.value(place)}
     for name, instance in base.effects.items():
-        output = instance.options.get("side") == "output" and instance.effect == "coulomb_friction"
+        output = instance.options.get("side") == "output" and instance.effect == DRY_FRICTION
         path = "scale.output_coulomb" if output and f.hypothesis.parted else f"scale.{instance.effect}"
         if path in sure:
             p = catalogue()[instance.effect].parameters[0]

@@ -10,16 +10,17 @@ import numpy as np
 
 from ..criteria import ANY_SIZE, LAG_TOLERANCE, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
 from ..effects import catalogue
-from ..measured.scales import COMPLIANT_EFFECTS, INERTIAS
+from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..model.model_file import ABSENT
+from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION, PLAY, SPRING, TORQUE_FACTOR
 from ..plant.driven_output import RESOLVED
 
-FRICTION = ("viscous_friction", "coulomb_friction")
+DRY_SCALE = f"scale.{DRY_FRICTION}"
 LAG = "lag"
 EXACT = 1e-4  # relative: a tolerance of zero
 SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
-SHARES = ("scale.inertia", "scale.output_inertia", "scale.coulomb_friction", "scale.output_coulomb")
+SHARES = ("scale.inertia", "scale.output_inertia", DRY_SCALE, "scale.output_coulomb")
 LAG_LIMIT = 2.0 * LAG_TOLERANCE
 LAG_STEP = 1e-5  # own s
 
@@ -144,8 +145,8 @@ class Hypothesis:
             for path in sides[what]:
                 constants[path] = constants[path].at(constants[path].value * factor)
             return
-        effect = "coulomb_friction" if what == "output_coulomb" else what
-        sided = {"output_coulomb": ("output",), "coulomb_friction": ("motor",) if parted else ("motor", "output")}
+        effect = DRY_FRICTION if what == "output_coulomb" else what
+        sided = {"output_coulomb": ("output",), DRY_FRICTION: ("motor",) if parted else ("motor", "output")}
         size = catalogue()[effect].parameters[0].name
         for name, instance in self.base.effects.items():
             if instance.effect == effect and instance.options.get("side") in sided.get(what, ("motor", "output", None)):
@@ -206,17 +207,15 @@ class Hypothesis:
         now = self.by_path
         wanted: list[tuple[Free, float]] = []
         if held & set(COMPLIANT_EFFECTS) or self.base.kinds["transmission"] == "two_inertia":
-            sides = {
-                "scale.coulomb_friction": Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, 0.5))
-            }
+            sides = {DRY_SCALE: Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, 0.5))}
             if self.by_torque:  # else the inertia is what all torques are told in
                 sides["scale.inertia"] = Free(
                     "scale.output_inertia", 1.0 / SEARCHED_BEYOND_STARTS, SEARCHED_BEYOND_STARTS, 5e-3, (1.0, TOLERANCE)
                 )
             wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
-            if not self.by_torque and "shaft_compliance" not in held:  # more would wind up the teeth, which is no play
+            if not self.by_torque and SPRING not in held:  # more would wind up the teeth, which is no play
                 wanted = [(side if side.prior else replace(side, upper=1.0), value) for side, value in wanted]
-        if "backlash" in held and "shaft_compliance" not in held:
+        if PLAY in held and SPRING not in held:
             wanted += self._teeth()
         paths = [free.path for free, _ in wanted]
         keep = [k for k, f in enumerate(self.free) if f.path in paths or not f.path.startswith(SIDED)]
@@ -260,7 +259,7 @@ class Hypothesis:
         """By path, the factors that keep the sums of inertia and dry friction, and the file's shares of both sides."""
         model, base = self.model(), self.base
         inertia = sum(model.value(path) for path in INERTIAS) / sum(base.value(path) for path in INERTIAS)
-        dry = [name for name, instance in base.active.items() if instance.effect == "coulomb_friction"]
+        dry = [name for name, instance in base.active.items() if instance.effect == DRY_FRICTION]
         torque, nominal = (sum(m.effects[name].parameters["torque"] for name in dry) for m in (model, base))
         friction = torque / nominal if nominal > 0.0 else 1.0
         factors = dict(zip(SHARES, (inertia, inertia, friction, friction), strict=True))
@@ -322,7 +321,7 @@ class Hypothesis:
         The prediction stays, but for what torques the model's file has that are not free.
         """
         for name, instance in self.added.items():
-            if instance.effect == "torque_constant_error":
+            if instance.effect == TORQUE_FACTOR:
                 path = f"effects.{name}.scale"
                 free = next(free for free in self.free if free.path == path)
                 scale = self.by_path[path]
@@ -347,10 +346,10 @@ def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
     Where it is not judged ``by_torque``, only the friction is that is open: an output behind play comes to rest by it.
     """
     if not by_torque:
-        rubbing = [instance for instance in model.active.values() if instance.effect == "coulomb_friction"]
-        friction = Free("scale.coulomb_friction", 1.0, 1.0, 1e-3, (1.0, EXACT))
+        rubbing = [instance for instance in model.active.values() if instance.effect == DRY_FRICTION]
+        friction = Free(DRY_SCALE, 1.0, 1.0, 1e-3, (1.0, EXACT))
         if any(instance.open for instance in rubbing):
-            friction = Free("scale.coulomb_friction", *_possible_scales(model, "coulomb_friction"), 1e-3)
+            friction = Free(DRY_SCALE, *_possible_scales(model, DRY_FRICTION), 1e-3)
         return Hypothesis(model, {}, (friction,), np.ones(1))._sides()
     tolerance = max(model.constants[path].tolerance for path in INERTIAS if model.value(path) > 0.0)
     free = [

@@ -9,10 +9,10 @@ import numpy as np
 from ..model import EffectInstance
 from ..parallel import predictions
 from .equation import EquationErrorProblem
-from .hypothesis import LAG, Free, Hypothesis
+from .hypothesis import DRY_SCALE, LAG, Free, Hypothesis
 from .prediction import Prediction, Predictor, acts_at_the_motor
 
-AT_THE_MOTOR = ("scale.inertia", "scale.coulomb_friction")  # beside numbers of the output's own
+AT_THE_MOTOR = ("scale.inertia", DRY_SCALE)  # beside numbers of the output's own
 
 
 def jacobian(

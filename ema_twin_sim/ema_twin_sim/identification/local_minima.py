@@ -8,10 +8,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, FAR_OFF_ROW, NEGLIGIBLE
+from ..model.roles import DRY_FRICTION, PLAY, SPRING
 from .comparable import cheapest, costs_no_more
 from .equation import EquationErrorProblem
 from .fit import Fit, fits
-from .hypothesis import INERTIAS, Hypothesis
+from .hypothesis import DRY_SCALE, INERTIAS, Hypothesis
 
 FINALISTS = 2
 STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
@@ -66,7 +67,7 @@ def hopped(best: Fit, names: Collection[str]) -> Fit:
 def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
     """Factors, by path, that lead beside a hypothesis: stiffness and damping of an effect, or of the teeth."""
     owners = [f"effects.{name}" for name in names]
-    if any(h.added[name].effect == "backlash" for name in names):
+    if any(h.added[name].effect == PLAY for name in names):
         owners.append("contact")
     paths = {free.path for free in h.free}
     for owner in owners:
@@ -92,15 +93,15 @@ def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
     dry = {"motor": 0.0, "output": 0.0}
     for name in h.base.active:
         instance = model.effects[name]
-        if instance.effect == "coulomb_friction":
+        if instance.effect == DRY_FRICTION:
             dry[instance.options["side"]] += instance.parameters["torque"]
-    springs = [f"effects.{name}" for name, one in h.added.items() if one.effect == "shaft_compliance"]
+    springs = [f"effects.{name}" for name, one in h.added.items() if one.effect == SPRING]
     behind = ["scale.output_inertia", "scale.output_coulomb"]
     behind += [f"{owner}.{number}" for owner in ("contact", *springs) for number in ("stiffness", "damping")]
     for factor in HEAVIER:
         lighter = {
             "scale.inertia": 1.0 + (1.0 - factor) * output / max(motor, 1e-30),
-            "scale.coulomb_friction": 1.0 + (1.0 - factor) * dry["output"] / max(dry["motor"], 1e-30),
+            DRY_SCALE: 1.0 + (1.0 - factor) * dry["output"] / max(dry["motor"], 1e-30),
         }
         if min(lighter.values()) > 0.0:
             yield {**dict.fromkeys(behind, factor), **lighter}

@@ -9,6 +9,7 @@ from ..criteria import NEARLY_ALL, NEGLIGIBLE
 from ..effects import catalogue
 from ..model.constants import CONSTANTS
 from ..model.own_units import shown
+from ..model.roles import DRY_FRICTION
 from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import INERTIAS, Free
@@ -72,7 +73,7 @@ def _open(f: Fit, what: str) -> list[str]:
             f"record {INERTIA_SHOWN_BY}, {START_ELSEWHERE}"
             for path in paths
         ]
-    id = "coulomb_friction" if what == "output_coulomb" else what
+    id = DRY_FRICTION if what == "output_coulomb" else what
     size = catalogue()[id].parameters[0]
     return [
         f"{name}: {size.name} is on its bound {_written(f, model.effects[name].parameters[size.name], size.unit)}; "

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..effects import Effect, catalogue
 from ..model import EffectInstance
+from ..model.roles import TORQUE_FACTOR
 from ..parallel import predictions
 from .candidates import Candidate, starts
 from .equation import EquationErrorProblem
@@ -72,7 +73,7 @@ def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) 
             if name not in found or screened.gain > found[name].gain:
                 found[name] = screened
     for c in options:
-        if c.effect == "torque_constant_error":
+        if c.effect == TORQUE_FACTOR:
             screened = _one_factor(f, c)
             if c.name not in found or screened.gain > found[c.name].gain:
                 found[c.name] = screened

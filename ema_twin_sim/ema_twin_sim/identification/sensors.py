@@ -12,6 +12,7 @@ import numpy as np
 
 from ..criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS, INTERPOLATED, PART, SMALL
 from ..effects import catalogue
+from ..model.roles import SENSOR_DELAY, SENSOR_WAVE
 from ..plant.measured_motion import OUTPUT_ANGLE, REQUIRED, SPEED
 from .candidates import no_more_of
 from .comparable import by_chance
@@ -41,9 +42,9 @@ def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] 
         if cost > (1.0 - PART) * bare:
             continue
         own = coefficients[torque.shape[1] :]
-        if effect == "encoder_delay" and own[0] > 0.0:
+        if effect == SENSOR_DELAY and own[0] > 0.0:
             h = h.with_effect(effect, {}, {"delay": float(own[0])})
-        elif effect == "encoder_eccentricity" and own.any():
+        elif effect == SENSOR_WAVE and own.any():
             parameters = {"amplitude": math.hypot(*own), "phase": math.atan2(own[1], own[0])}
             h = h.with_effect(effect, catalogue()[effect].default_options(), parameters)
     return h.at(np.clip(h.values, *problem.bounds(h)))
@@ -96,9 +97,9 @@ def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, 
     """
     gearbox, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
-    delay = sensors["encoder_delay"]
+    delay = sensors[SENSOR_DELAY]
     gains = []
-    for others in (gearbox[:, GEARBOX_COLUMNS:], np.concatenate([gearbox, sensors["encoder_eccentricity"]], axis=1)):
+    for others in (gearbox[:, GEARBOX_COLUMNS:], np.concatenate([gearbox, sensors[SENSOR_WAVE]], axis=1)):
         _, bare = _regress(others, wanted)
         _, beside = _regress(np.concatenate([delay, others], axis=1), wanted)
         gains.append((bare - beside) / (CORRELATION * max(1.0, beside / len(wanted))))
@@ -132,8 +133,8 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
         # where the model's friction is all at the motor, only the speed tells which tooth is touched
         np.concatenate([np.sign(passed), passed, np.sign(moving), pieces], axis=1) / noise,
         {
-            "encoder_eccentricity": waves / noise,
-            "encoder_delay": -moving / noise,
+            SENSOR_WAVE: waves / noise,
+            SENSOR_DELAY: -moving / noise,
         },
     )
 

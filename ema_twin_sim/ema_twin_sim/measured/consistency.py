@@ -18,6 +18,7 @@ from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, NEGLIGIBLE, PART, SMALL, TOO_MUCH
+from ..effects import Trait, effects_with
 from ..model import Model
 from ..model.matching import BY_TORQUE
 from ..model.own_units import shown
@@ -33,9 +34,6 @@ from .twist import parts_by_angle
 WINDOW = 0.1  # own s over which ways are compared
 FEWEST = 30  # samples that do
 PIECE = 300.0  # own s that are judged at once: half an hour takes memory, and tells no more
-
-LOADS = frozenset({"constant_load", "gravity_load", "spring_load"})
-"""Effects whose torque a model knows beforehand, whatever moves."""
 
 _ALSO = {
     frozenset({"output_position", "motor_position"}): ", and machine.gear_ratio (with {ratio:.4g} they fit)",
@@ -375,7 +373,8 @@ def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) ->
 
 def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
     """Torque [N m] (m,) of the loads that the model has, and of a measured one; none where its gearbox parts."""
-    effects = {name: instance for name, instance in model.active.items() if instance.effect in LOADS}
+    loads = effects_with(Trait.LOAD)
+    effects = {name: instance for name, instance in model.active.items() if instance.effect in loads}
     assembly = assemble(replace(model, effects=effects))
     load = np.zeros(len(seen.rows))
     if assembly.plant[0]["two_inertia"] == 0.0:

@@ -9,20 +9,14 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..effects import catalogue
+from ..effects import Trait, catalogue, effects_with
 from ..effects.catalogue import is_own
 from ..model import Model
 from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import HOLDING
 
-SPEED_DEPENDENT = frozenset({"viscous_friction", "stribeck_friction", "quadratic_drag", "shear_thinning"})
-"""Effects that do not show where nothing turns."""
 PLACES = frozenset({"order", "output_position", "encoders"})
 """What an effect shows over that does not show where no position is known."""
-TRANSIENT = frozenset({"added_inertia", "presliding_friction", "thermal_friction", "encoder_delay"})
-"""Effects that no operating point shows: they take an acceleration, a way or a time."""
-BY_CURRENT = frozenset({"torque_ripple", "torque_constant_error", "phase_short", "rotor_eccentricity"})
-"""Effects in proportion to the very current that is to be explained: they would explain any."""
 
 
 def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
@@ -48,14 +42,14 @@ def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
     """Effects that operating points do not show, where all recordings are of such."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
-    hidden = {*TRANSIENT, *BY_CURRENT}
+    hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
     speeds = [np.abs(r.signals["speed"]) for r in recordings if r.has("speed")]
     if not any(float(np.nanmax(speed)) > HOLDING for speed in speeds):
-        hidden |= SPEED_DEPENDENT
+        hidden |= effects_with(Trait.NOT_AT_REST)
     positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
     if not any(float(np.nanmax(position) - np.nanmin(position)) > 0.0 for position in positions):
         hidden |= {id for id, effect in catalogue().items() if effect.depends_on in PLACES}
-    return frozenset(hidden)
+    return hidden
 
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:

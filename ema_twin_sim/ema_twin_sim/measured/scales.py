@@ -21,12 +21,12 @@ from ..effects.catalogue import is_own, own_files
 from ..model import Model, reference_bench
 from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
+from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION
 from ..simulation.behind_motor import encoder_units, of_encoders_alone, typical_units
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE
 from .balance_estimate import estimate_balance
 
-COMPLIANT_EFFECTS = ("backlash", "shaft_compliance")  # what lets the two encoders part
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 
 
@@ -68,7 +68,7 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
     factor = estimate.inertia / sum(model.value(path) for path in paths)
     constants = {path: model.constants[path].at(factor * model.value(path)) for path in paths}
     effects = dict(model.effects)
-    for id, size in (("viscous_friction", estimate.viscous), ("coulomb_friction", estimate.coulomb)):
+    for id, size in zip(FRICTION, (estimate.viscous, estimate.coulomb), strict=True):
         held = {name: effect for name, effect in model.active.items() if effect.effect == id}
         parameter = find_effect(id, id).parameters[0].name
         total = sum(effect.parameters[parameter] for effect in held.values())
@@ -135,7 +135,7 @@ def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
     held = {
         name: effect
         for name, effect in model.active.items()
-        if effect.effect == "coulomb_friction" and effect.open and effect.options.get("side") == "output"
+        if effect.effect == DRY_FRICTION and effect.open and effect.options.get("side") == "output"
     }
     # where these units are SI, a machine's size is another
     torque = reference_bench.OUTPUT_FRICTION * typical_units(recordings, model).factor("N m") / max(len(held), 1)

@@ -14,6 +14,7 @@ from ema_bench_replay.recording import AT, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
 from ..model.constants import CONSTANTS
+from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
 from ..reading_noise import noise_at_points, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .check_comment import CHECK, check_comment
@@ -83,10 +84,10 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         "transmission: {kind: rigid}",
         *(["sensors:", *sensors] if sensors else ["sensors: {}"]),
         "effects:",
-        "  viscous_friction: {effect: viscous_friction, options: {side: motor}, "
+        f"  {VISCOUS_FRICTION}: {{effect: {VISCOUS_FRICTION}, options: {{side: motor}}, "
         f"parameters: {{coefficient: {viscous}}}, open: true}}",
-        _friction_line("coulomb_friction", "motor", dry),
-        *([_friction_line("coulomb_friction_2", "output", dry * _BEHIND)] if two_sided else []),
+        _friction_line(DRY_FRICTION, "motor", dry),
+        *([_friction_line(f"{DRY_FRICTION}_2", "output", dry * _BEHIND)] if two_sided else []),
     ]
     remedy = "where it is the motor's, remove `shaft: output` from its line of the model"
     if given.torque_constant:
@@ -126,7 +127,7 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
 
 def _friction_line(name: str, side: str, torque: float) -> str:
     return (
-        f"  {name}: {{effect: coulomb_friction, options: {{side: {side}}}, "
+        f"  {name}: {{effect: {DRY_FRICTION}, options: {{side: {side}}}, "
         f"parameters: {{torque: {torque:g}, static_ratio: 1.0}}, open: true}}"
     )
 

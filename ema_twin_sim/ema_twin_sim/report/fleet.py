@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
@@ -30,8 +29,8 @@ from ..words.units import (
 )
 from .history_chart import history_chart
 from .markup import Markup, items, joined, section, table, tag
+from .whole_page import whole_page
 
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'"
 _UNITS = "units"
 _FILTER = (
     "const box=document.querySelector('input');"
@@ -68,19 +67,6 @@ def _file(unit: Unit) -> str:
     return f"{file_name(unit.name)}.html"
 
 
-def page_text(title: str, *body: str, script: str = "") -> str:
-    """A page that loads nothing."""
-    style = files(__package__).joinpath("page.css").read_text(encoding="utf-8")
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<meta name="color-scheme" content="light dark"><meta name="generator" content="ema-twin">'
-        f"{tag('title', title)}<style>{style}</style></head><body><main>{tag('h1', title)}{joined(body)}</main>"
-        f"<script>{script}</script></body></html>\n"
-    )
-
-
 def _overview(
     units: Sequence[Unit], ahead: Mapping[str, Sequence[Outlook]], health: Mapping[str, UnitHealth | None]
 ) -> str:
@@ -107,15 +93,17 @@ def _overview(
     head = ("unit", "judged", "not judged", "last recorded", "missing in", "beyond noise", "changed", "health")
     found = table(head, rows, words=(0, 3, 4, 6, 7))
     box = tag("p", tag("label", "Show units with ", Markup('<input type="search" aria-label="filter">')))
-    return page_text(f"{len(units)} units", tag("p", lead, class_="lead"), box, found, script=_FILTER)
+    title = f"{len(units)} units"
+    body = joined([tag("h1", title), tag("p", lead, class_="lead"), box, found])
+    return whole_page(title, body, script=_FILTER)
 
 
 def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> str:
     changed = [look for look in looks if look.change is not None]
     remarks = [*unit.remarks, *(() if health is None else health.remarks)]
     leading = [look for look in looks if look.life is not None or look.trend is not None]
-    return page_text(
-        unit.name,
+    parts = (
+        tag("h1", unit.name),
         tag("p", tag("a", "all units", href="../index.html")),
         section(
             "acquisition",
@@ -139,6 +127,7 @@ def _unit(unit: Unit, looks: Sequence[Outlook], health: UnitHealth | None) -> st
         section("advice", "Advice", items(*_advice(unit, changed, leading, health))),
         section("results", "Results", _results(unit)),
     )
+    return whole_page(unit.name, joined(parts))
 
 
 def _state(unit: Unit) -> str:

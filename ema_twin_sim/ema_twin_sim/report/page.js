@@ -72,7 +72,7 @@
       drawAll();
     });
   }
-  choice.addEventListener("change", () => drawAll());
+  choice?.addEventListener("change", () => drawAll());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawAll());
   addEventListener("beforeprint", () => {
     root.classList.add("printed");

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
 from pathlib import Path
-
-from plotly.offline import get_plotlyjs
 
 from ema_bench_replay.outputs import new_file
 
 from .chart import Charts
 from .compared import compared
 from .content import Content
-from .markup import Markup, section, tag
+from .markup import Markup, joined, section, tag
 from .ranking import diagnosis
 from .recordings import held_out, recordings
 from .steps import steps
 from .summary import head, verdict
 from .where import where
-
-_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
-"""What a browser may load for the page: nothing. What a reader saves of a plot is made in the page itself."""
+from .whole_page import whole_page
 
 
 def write_report(path: Path, content: Content, *, force: bool = False) -> None:
@@ -42,22 +37,7 @@ def page(content: Content) -> str:
         held_out(content),
         _next(content),
     ]
-    body = [head(content), _contents(), *sections]
-    title = tag("title", verdict(content))
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f'<meta name="color-scheme" content="light dark"><meta name="generator" content="ema-twin">{title}'
-        f"<style>{_part('page.css')}</style></head><body><main>{''.join(body)}</main>"
-        f"<script>{get_plotlyjs()}</script>"
-        f'<script type="application/json" id="charts">{charts.as_json()}</script>'
-        f"<script>{_part('page.js')}</script></body></html>\n"
-    )
-
-
-def _part(name: str) -> str:
-    return files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return whole_page(verdict(content), joined([head(content), _contents(), *sections]), charts=charts)
 
 
 _SECTIONS = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..effects import Effect, catalogue, mesh_friction
+from ..effects import Effect, Trait, catalogue, mesh_friction, the_effect
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..model.own_units import shown
@@ -120,7 +120,8 @@ def _check(model: Model, record: np.void) -> None:
         )
     if record["angle_errors"] > ANGLE_ERRORS:
         raise InputError(
-            f"model {model.name}: has {record['angle_errors']} encoder_eccentricity; give {ANGLE_ERRORS} at most"
+            f"model {model.name}: has {record['angle_errors']} {the_effect(Trait.SENSOR_WAVE)}; "
+            f"give {ANGLE_ERRORS} at most"
         )
     longest = longest_delay(model)
     if record["encoder_delay"] > longest:

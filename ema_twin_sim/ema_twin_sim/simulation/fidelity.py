@@ -14,6 +14,7 @@ from ..effects import catalogue
 from ..model import Model
 from ..model.constants import CONSTANTS
 from ..model.planetary_constants import DAMAGED_WHEELS, PLANETARY_CONSTANTS, RUNOUT_WHEELS
+from ..model.roles import SPRING
 from ..plant.energy import ENERGIES
 from ..plant.planetary.friction_coefficient import FRICTION_LAWS, dynamic_viscosity
 from ..plant.planetary.geometry import Gearing
@@ -248,7 +249,7 @@ def _train(model: Model, plant: np.void) -> tuple[np.ndarray, np.ndarray, float]
     for name in ("sun_radius", "planet_radius", "ring_radius", "second_planet_radius", "output_ring_radius"):
         record[name] = getattr(gearing, name)
     shaft = value["shaft_stiffness"]
-    if "shaft_compliance" in model.active:
+    if SPRING in model.active:
         shaft = plant["contact_stiffness"] if shaft == 0.0 else 1.0 / (1.0 / shaft + 1.0 / plant["contact_stiffness"])
         record["shaft_stiffness"] = shaft
     flexible = shaft > 0.0
@@ -259,7 +260,7 @@ def _train(model: Model, plant: np.void) -> tuple[np.ndarray, np.ndarray, float]
     if flexible:
         record["shaft_damping"] = (
             plant["contact_damping"]
-            if "shaft_compliance" in model.active
+            if SPRING in model.active
             else shaft_damping(shaft, inertia.sun, value["shaft_damping_ratio"])
         )
     masses = equivalent_masses(gearing, inertia, 0.0 if flexible else motor)

@@ -7,11 +7,12 @@ import numpy as np
 from ...criteria import APART, PART, SMALL
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
+from ...model.roles import DRY_FRICTION, VISCOUS_FRICTION
 
 CONSTANTS = {
     "inertia": "scale.inertia",
-    "viscous friction": "scale.viscous_friction",
-    "dry friction": "scale.coulomb_friction",
+    "viscous friction": f"scale.{VISCOUS_FRICTION}",
+    "dry friction": f"scale.{DRY_FRICTION}",
 }
 
 

@@ -13,18 +13,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...criteria import COST_PARAMETER, LEAST_SIZE, LIKELY, SIGNIFICANT, STRAINED_BESIDE, STRAINED_TOGETHER
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
 from ...identification.hypothesis import LAG, SIDED
 from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
+from ...model.roles import FRICTION, TORQUE_FACTOR
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction
 
-OVER = {"inertia": "acceleration", "viscous_friction": "speed", "coulomb_friction": "speed"}
-LIKE_CONSTANTS = frozenset({"added_inertia", "coulomb_friction", "viscous_friction"})
-"""Effects of which each may stand behind one constant that is off, where the model has it."""
-BEHIND_ALL = "torque_constant_error"  # what may stand behind all of them at once
+OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in FRICTION}
 
 
 def strained(f: Fit) -> tuple[str, ...]:
@@ -122,11 +120,12 @@ def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
     them must do so: where one constant alone is off, and only half put right, it is not what all have in common.
     """
     for name, instance in f.hypothesis.added.items():
-        if instance.effect == BEHIND_ALL:
+        if instance.effect == TORQUE_FACTOR:
             unscaled = fit(problem, f.hypothesis.without(name), 4, known=f)
             if f.prior_cost > _beside_the_worst(unscaled) + COST_PARAMETER:
                 return (name,)
-    alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in LIKE_CONSTANTS]
+    like = effects_with(Trait.LIKE_A_CONSTANT)
+    alike = [name for name, instance in f.hypothesis.added.items() if instance.effect in like]
     if len(alike) < 2:
         return ()
     bare = {name: fit(problem, f.hypothesis.without(name), 4, known=f) for name in alike}

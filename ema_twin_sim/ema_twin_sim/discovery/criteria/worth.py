@@ -25,20 +25,20 @@ from ...criteria import (
     SHAKY,
     SMALL,
 )
-from ...effects import catalogue
+from ...effects import Trait, catalogue, the_effect
 from ...identification.comparable import refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_shows
+from ...model.roles import SENSOR_DELAY, SENSOR_WAVE
 
 STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
-VARYING_LOADS = frozenset({"gravity_load", "output_ripple", "spring_load"})
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
 NOTHING_ELSE = frozenset({"acceleration", "current"})
 """Over these, no effect shows in anything but constants off their file."""
-ENCODER_ONLY = frozenset({"encoder_delay", "encoder_eccentricity"})  # effects that no torque shows
+ENCODER_ONLY = frozenset({SENSOR_DELAY, SENSOR_WAVE})  # effects that no torque shows
 
 
 def complexity_penalty(f: Fit) -> float:
@@ -125,8 +125,8 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     fall, excess = misfit - remains, max(misfit - count, 0.0)
     left = math.sqrt(max(1.0, remains / count))
     floor = LEAST_SIZE_BESIDE_IMPACTS if after.parted else LEAST_SIZE
-    if [*came.values()] == ["mesh_friction"]:
-        if not VARYING_LOADS & after.hypothesis.held:
+    if [*came.values()] == [the_effect(Trait.FRICTION_UNDER_LOAD)]:
+        if all(catalogue()[id].depends_on != "output_position" for id in after.hypothesis.held):  # no load varies
             floor = max(floor, LEAST_SIZE_LIKE_FRICTION)
         elif after.parted and penalised_gain(before, after) > DEPENDS:
             # a few per cent of a load are less than any other effect, and nothing else follows the load's size

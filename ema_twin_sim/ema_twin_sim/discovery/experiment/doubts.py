@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...criteria import CORRELATION, FAR_OUT, LEAST_SIZE, LIKELY, SIGNIFICANT, STANDSTILL
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import Candidate, candidates
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit, prior_rows
@@ -30,7 +30,6 @@ from ..search.trace import Search
 ALTERNATIVES = 3
 """Explanations that are held against a found effect."""
 NOTHING = "none"
-_SHOWN_BY_REVERSALS = ("constant_load", "asymmetric_friction")  # what only a reversal tells from friction
 _MOVING = 0.1  # own s of motion that make a direction
 
 
@@ -202,9 +201,10 @@ def _too_small(found: Search) -> Doubt | None:
 
 def _one_direction(problem: EquationErrorProblem, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
     """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
-    if best.hypothesis.held & {*_SHOWN_BY_REVERSALS} or named & {*_SHOWN_BY_REVERSALS}:
+    alike = effects_with(Trait.SHOWN_BY_REVERSALS)
+    if best.hypothesis.held & alike or named & alike:
         return None
-    id = next((id for id in _SHOWN_BY_REVERSALS if id not in without), None)
+    id = min(alike - without, key=lambda id: (id not in effects_with(Trait.LOAD), id), default=None)
     if id is None:
         return None
     rival = Rival(id, _as_large_as_may_be(problem, best, id))

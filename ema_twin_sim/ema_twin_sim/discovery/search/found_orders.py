@@ -9,12 +9,13 @@ import numpy as np
 
 from ...comparison.orders import find_order
 from ...criteria import CORRELATION, NEARLY_ALL, NEGLIGIBLE
-from ...effects import catalogue
+from ...effects import Trait, catalogue, the_effect
 from ...identification.candidates import Candidate, no_more_of
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...measured.observation import Observation
 from ...model import Model
+from ...model.roles import SENSOR_WAVE
 from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import MOTOR_ANGLE, OUTPUT_ANGLE, SPEED
 
@@ -40,12 +41,12 @@ def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
     if not base.other_orders:
         return []
     ratio = base.value("machine.gear_ratio")
-    found = [("cogging", str(order)) for order in standing_out(problem, f)]
+    found = [(the_effect(Trait.MOTOR_WAVE), str(order)) for order in standing_out(problem, f)]
     if ratio != 1.0:  # else the output's angle is the motor's
-        found += [("output_ripple", str(order)) for order in standing_out(problem, f, ratio)]
-    found += [("encoder_eccentricity", order) for order in of_the_encoders(problem, f, ratio)]
+        found += [(the_effect(Trait.OUTPUT_WAVE), str(order)) for order in standing_out(problem, f, ratio)]
+    found += [(SENSOR_WAVE, order) for order in of_the_encoders(problem, f, ratio)]
     if (order := of_the_gears(problem, f)) is not None:
-        found.append(("cogging" if ratio == 1.0 else "mesh_ripple", order))
+        found.append((the_effect(Trait.MOTOR_WAVE if ratio == 1.0 else Trait.GEAR_WAVE), order))
     held = {(i.effect, i.options.get("order")) for i in f.hypothesis.added.values()}
     full = no_more_of(f.hypothesis)
     return [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from ...criteria import CLEARLY_MORE, RIVAL_MARGIN, SMALL
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
@@ -14,8 +14,9 @@ from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
 from ...identification.unseen_encoders import parting_where_unseen
+from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
-from .search import LIKE_STRUCTURE, add_effects, prune, with_screened
+from .search import add_effects, prune, with_screened
 from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3
@@ -127,7 +128,8 @@ def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -
         return []
     problem = best.problem
     bare = fit(problem, best.hypothesis.without(name), 8, known=best)
-    options = [c for c in candidates(bare.hypothesis, without) if c.effect in LIKE_STRUCTURE]
+    like_gearbox = effects_with(Trait.LIKE_PLAY_OR_SPRING)
+    options = [c for c in candidates(bare.hypothesis, without) if c.effect in like_gearbox]
     ranked = [s for s in screen(problem, bare, options) if s.gain > SMALL * penalised_gain(bare, best)]
     gearbox = [other for other, held in best.hypothesis.added.items() if held.effect in COMPLIANT_EFFECTS]
     return [hopped(fit(problem, with_screened(problem, bare.hypothesis, s), 8), gearbox) for s in ranked[:1]]
@@ -171,7 +173,7 @@ def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]
     for f in tried:
         came = list(f.hypothesis.added)[-1]
         starts = [f.hypothesis]
-        if effect == "backlash":  # of a spring and the friction that winds it up, slow motion tells but the ratio
+        if effect == PLAY:  # of a spring and the friction that winds it up, slow motion tells but the ratio
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
         found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))

@@ -20,7 +20,7 @@ from ...criteria import (
     NEARLY_ALL,
     USUAL_EFFECTS,
 )
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest, costs_no_more
 from ...identification.compliance import structural_fits
@@ -33,6 +33,7 @@ from ...identification.screening import Screened, screen, screen_generic_bases
 from ...identification.sensors import gearbox_shows
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
+from ...model.roles import FRICTION, TORQUE_FACTOR
 from ...parallel import predictions
 from ..criteria.plausible import insignificant
 from ..criteria.worth import (
@@ -49,8 +50,6 @@ from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Round, Search, Trial, n
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
 SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
-LIKE_STRUCTURE = frozenset({"added_inertia", "torque_constant_error", "mesh_friction", "presliding_friction"})
-"""What a gearbox that rings or bounces looks like in the torque alone."""
 
 
 def settle(f: Fit) -> Fit:
@@ -246,7 +245,7 @@ def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
     """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
-    return ENCODER_ONLY | LIKE_STRUCTURE | (null.held & {"viscous_friction", "coulomb_friction"})
+    return ENCODER_ONLY | effects_with(Trait.LIKE_PLAY_OR_SPRING) | (null.held & {*FRICTION})
 
 
 def add_effects(
@@ -435,6 +434,6 @@ def _without(h: Hypothesis, name: str) -> Hypothesis:
     """A hypothesis less one effect, from where the others make up for it."""
     instance = h.instance(name)
     rest = h.without(name)
-    if instance.effect != "torque_constant_error":
+    if instance.effect != TORQUE_FACTOR:
         return rest
     return rest.with_torques_times(1.0 / instance.parameters["scale"])

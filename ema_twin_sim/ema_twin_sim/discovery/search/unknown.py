@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
@@ -20,7 +20,7 @@ from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_en
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, is_lacked
 from .rivals import substitutes, swapped
-from .search import LIKE_STRUCTURE, add_best, less, significant, with_what_made_room
+from .search import add_best, less, significant, with_what_made_room
 from .trace import Round, Search, new_names
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
@@ -121,7 +121,8 @@ def _doubtful(found: Search) -> list[str]:
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
         stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
     # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
-    drawn = {name for name in stands if added[name].effect in LIKE_STRUCTURE} if lags else set()
+    like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
+    drawn = {name for name in stands if added[name].effect in like_lag}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
