@@ -9,7 +9,7 @@ import ema_twin_sim
 from ema_twin_sim import criteria
 
 PACKAGE = Path(ema_twin_sim.__file__).resolve().parent
-ROOMS = ("measured", "identification", "comparison", "fitting", "discovery", "health")
+ROOMS = ("measured", "identification", "comparison", "fitting", "discovery", "health", "campaign", "live")
 MOST = 60
 PLAIN = {-1, 0, 0.5, 1, 2, 3, 4}  # no, all, half; a few: counts of things that are there
 ROUNDING = 1e-4  # smaller ones, and the reciprocals of such, keep arithmetic from failing
@@ -84,9 +84,25 @@ METHOD = {
     "health/phases.py": "_SMOOTHED _FEWEST _TOP _STARTING _RESTING",
     "health/remaining_life.py": "_BEYOND _HALVINGS",
     "health/wave.py": "_FEWEST_CYCLES _FINER _NEIGHBOURS",
+    "campaign/engine.py": "BATCH TASK AHEAD LARGEST DEATHS _CONNECTING",
+    "campaign/healthy.py": "PART_OF_ALL",
+    "campaign/histories.py": "FEWEST_HEALTHY _DAY",
+    "campaign/jobs.py": "_KEY_BYTES",
+    "campaign/store.py": "_MANY_FILES _TRIES",
+    "campaign/sweep.py": "MOST_POINTS",
+    "campaign/work.py": "_LEAST_SAMPLES _HASH_BYTES",
+    "live/diagnosing/judge.py": "_DIGITS",
+    "live/diagnosing/worker.py": "_NICENESS",
+    "live/diagnosing/worker_process.py": "_ENDING",
+    "live/mixing.py": "FEW",
+    "live/pace.py": "_WINDOW",
+    "live/sample_stream.py": "REORDERED",
+    "live/standalone.py": "_LOOKED_AT",
+    "live/trend.py": "_LEAST _WINDOWS _TOLD",
 }
 """What says how finely or for how long something is computed: widths, grids, starts, steps, counts of tries and of what
-is shown. A number that is none of these belongs into the table."""
+is shown; and what holds where the user does not say otherwise (false alarms, which results are healthy). A number that
+is none of these belongs into the table."""
 
 
 def numbers(node):

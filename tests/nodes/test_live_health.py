@@ -17,9 +17,11 @@ from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.campaign.unit_health import unit_health
 from ema_twin_sim.campaign.units import units_of
 from ema_twin_sim.campaign.work import judged
+from ema_twin_sim.commands.live import run as run_command
 from ema_twin_sim.live.unit_watch import UnitWatch
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.monitor import MonitorNode
+from ema_twin_sim.nodes.live import HealthAsked, run_live
+from ema_twin_sim.nodes.monitor import PARAMETERS, MonitorNode
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -126,3 +128,32 @@ def test_the_monitor_publishes_the_units_health(unit):
         assert float({v.key: v.value for v in status.values}["distance, in times of the limit's"]) > 1.0
     finally:
         graph.close()
+
+
+def test_live_hands_its_options_to_the_monitor(tmp_path):
+    asked = HealthAsked(tmp_path, "EMA", "test [0-5]/", 30.0)
+    given = {parameter.name: parameter.value for parameter in asked.parameters}
+    assert given == {"results": str(tmp_path), "unit": "EMA", "healthy": "test [0-5]/", "judged_after": 30.0}
+    assert given.keys() <= {declared.name for declared in PARAMETERS}
+    assert "judged_after" not in {p.name for p in asked._replace(judged_after=None).parameters}
+
+
+@pytest.mark.parametrize("given", [{"unit": "EMA"}, {"healthy": "4"}, {"judged_after": 10.0}])
+def test_live_refuses_choices_without_results(given):
+    with pytest.raises(InputError, match="give --results"):
+        run_command(model="polito_bench", headless=True, **given)
+
+
+def test_live_refuses_a_folder_without_results(unit):
+    with pytest.raises(InputError, match="holds no results; give the folder"):
+        run_live(None, load_model("polito_bench"), health=HealthAsked(unit / "runs", "", "", None))
+
+
+@pytest.mark.slow
+def test_live_ends_with_the_units_health(unit):
+    worn = load(unit / "runs" / "EMA" / "test 6" / "1.mcap")
+    asked = HealthAsked(unit / "results", "EMA", "test [0-5]/", None)
+    live = run_live(worn, load_model("polito_bench"), rate=0.0, health=asked)
+    assert live.complete and live.health["unit"] == "EMA" and live.health["off"]
+    assert "effort in steady motion" in live.health["words"] and "friction" in live.health["figures"]
+    assert run_live(worn, load_model("polito_bench"), rate=0.0).health is None

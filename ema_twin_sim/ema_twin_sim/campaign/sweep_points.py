@@ -9,13 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..criteria import SIGNIFICANT
+from ..criteria import MOSTLY, SIGNIFICANT
 from ..effects import catalogue
 from .results import DONE
 from .sweep import VERB
-
-ENOUGH = 0.8
-"""Named in this share of a point's results, a size counts as detected."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +119,7 @@ class DetectionLimit:
     path: str
     unit: str
     bound: float  # SIGNIFICANT times the least standard error, at the smallest size
-    named: float | None  # the smallest size from which on ENOUGH of the results name it; None: none is
+    named: float | None  # the smallest size from which on MOSTLY (a share) of the results name it; None: none is
 
 
 def detection_limit(points: Sequence[SweptPoint]) -> DetectionLimit | None:
@@ -135,7 +132,7 @@ def detection_limit(points: Sequence[SweptPoint]) -> DetectionLimit | None:
         return None
     named = None
     for point in reversed(points):
-        if point.share is None or point.share < ENOUGH:
+        if point.share is None or point.share < MOSTLY:
             break
         named = point.settings[0][1]
     return DetectionLimit(path, unit, SIGNIFICANT * bound, named)

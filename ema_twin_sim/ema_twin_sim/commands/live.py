@@ -32,7 +32,9 @@ ema-twin live run.mcap --model polito_bench --loop --web -o better.yaml     (d: 
 
 ema-twin live --model polito_bench --record bench --max-bag-duration 600     (a file every ten minutes)
 
-ema-twin live --model polito_bench     (attaches to a running /bench/state: the real bench)"""
+ema-twin live --model polito_bench     (attaches to a running /bench/state: the real bench)
+
+ema-twin live --model polito_bench --results results --unit EMA-07 --healthy "test 0[0-7]"     (its health)"""
 
 
 def run(
@@ -65,6 +67,34 @@ def run(
             help="With --record: a file spans this long at most, then the next begins.",
         ),
     ] = None,
+    results: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="RESULTS",
+            help="Judge the health of the unit that runs beside its healthy recordings: the folder that campaign "
+            "--do health wrote.",
+        ),
+    ] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="With --results: which of their units runs; needed where they hold several."),
+    ] = None,
+    healthy: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N|PATTERN",
+            help="With --results: which of its recordings are healthy, as units --healthy has it; by default the "
+            "first third.",
+        ),
+    ] = None,
+    judged_after: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            parser=options.number(1.0, 3600.0, "s"),
+            help="With --results: a run that goes on is judged each time by its last S seconds; 60 unless given.",
+        ),
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="MODEL", help="Write the model that the twin ends with."),
@@ -80,8 +110,8 @@ def run(
     """Replay a recording beside the twin and the monitor as ROS 2 nodes, in real time, until every sample is compared.
 
     The nodes publish /bench/state, /twin/state, /monitor/residual and /monitor/health; what they end with is what
-    compare gives for the same recording and model. On a terminal, d asks which effect the model lacks beside what was
-    played so far, a adds what was found to the running twin, q ends.
+    compare gives for the same recording and model. With --results they judge the unit's health, too. On a terminal, d
+    asks which effect the model lacks beside what was played so far, a adds what was found to the running twin, q ends.
     """
     from ema_bench_replay.recording import refuse_points
 
@@ -90,7 +120,7 @@ def run(
     from ..model import save_model
     from ..model.matching import matched
     from ..model.model_file import check_model_name
-    from ..nodes.live import run_live
+    from ..nodes.live import HealthAsked, run_live
     from ..own_effects import load_effects
     from ..simulation.behind_motor import refuse_encoders_alone
     from ..simulation.dc_link_check import refuse_recording_beyond_link
@@ -121,6 +151,9 @@ def run(
         refuse_recording_beyond_link(found, recording, driving)
     if record is None and (max_bag_size is not None or max_bag_duration is not None):
         raise InputError("--max-bag-size and --max-bag-duration split what --record writes; give --record DIR")
+    if results is None and (unit, healthy, judged_after) != (None, None, None):
+        raise InputError("--unit, --healthy and --judged-after choose what of --results is judged by; give --results")
+    watched = None if results is None else HealthAsked(results, unit or "", healthy or "", judged_after)
     replaced = _check_outputs(rrd, record, force)
     if recording is None:
         console.print("Waiting for /bench/state; Ctrl-C ends.", style="dim")
@@ -153,6 +186,7 @@ def run(
                 record_to=record,
                 max_bag_size=round(max_bag_size or 0.0),
                 max_bag_duration=max_bag_duration or 0.0,
+                health=watched,
                 replaced=replaced,
                 stop=stop,
             )
@@ -192,6 +226,7 @@ def as_json(result: LiveResult) -> dict[str, object]:
         "complete": result.complete,
         "counts": dict(result.counts),
         "elapsed": result.elapsed,
+        **({} if result.health is None else {"health": result.health}),
         **({} if result.pace is None else {"twin_times_real_time": result.pace}),
     }
 
@@ -215,6 +250,8 @@ def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
     console.print(
         f"\n[bold]{result.name}[/bold] beside {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
     )
+    if result.health is not None:
+        say(f"Health of {result.health['unit']}: {result.health['words']}")
     for name in shown_signals(result.input, result.signals):
         signal = result.signals[name]
         rmse, floor = signal["rmse"], signal["noise_floor"]

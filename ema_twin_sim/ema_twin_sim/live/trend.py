@@ -8,16 +8,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ..criteria import APART, SMALL
+
 _LEAST = 4
 """Windows that a slope with a standard error takes."""
 _WINDOWS = 720
 """Windows looked back over: an hour of 5 s each."""
 _TOLD = 20
 """Windows from which on a slope is told in words: of fewer, the standard error itself is a guess."""
-_SURE = 5.0
-"""Standard errors that a slope must be of, to be called a trend: it is looked at after each window."""
-_SHARE = 0.1
-"""Of the mean RMSE: what must have come together over all windows, to be worth telling."""
 
 
 class Trend:
@@ -59,13 +57,17 @@ class Trend:
         return {name: slope for name, (slope, _) in self._slopes.items()}
 
     def growing(self) -> tuple[str, float] | None:
-        """The signal whose error surely grows the most, and by which share of its mean in an hour; None without one."""
+        """The signal whose error surely grows the most, and by which share of its mean in an hour; None without one.
+
+        A slope is asked after each window, and neighbouring windows are alike: more than chance is wanted of it, and
+        that a share of the mean has come together over all windows.
+        """
         shares = {}
         for name, (slope, std) in self._slopes.items():
             errors = self._errors[name]
             mean = float(np.mean([value for _, value in errors]))
             span = errors[-1][0] - errors[0][0]
-            if len(errors) >= _TOLD and slope > _SURE * std and slope * span > _SHARE * mean:
+            if len(errors) >= _TOLD and slope > APART * std and slope * span > SMALL * mean:
                 shares[name] = slope / mean * 3600.0
         return max(shares.items(), key=lambda item: item[1], default=None)
 

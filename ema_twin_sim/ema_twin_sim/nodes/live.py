@@ -52,6 +52,22 @@ class Pair(NamedTuple):
     residuals: Mapping[str, float]
 
 
+class HealthAsked(NamedTuple):
+    """By what the monitor judges the health of the unit that runs: its parameters of the same names."""
+
+    results: Path  # of a campaign
+    unit: str  # empty: the only one
+    healthy: str  # empty: the first third
+    judged_after: float | None  # s; None: as the monitor has it
+
+    @property
+    def parameters(self) -> list[Parameter]:
+        """Those of the monitor."""
+        given = {"results": str(self.results), "unit": self.unit, "healthy": self.healthy}
+        after = {} if self.judged_after is None else {"judged_after": self.judged_after}
+        return [Parameter(name, value=value) for name, value in (given | after).items()]
+
+
 class Change(NamedTuple):
     """A parameter to set on the running twin."""
 
@@ -69,6 +85,7 @@ class LiveResult:
     `pace` is the time that the twin simulated over the time that it computed; `elapsed` [s] from the first pair to the
     last. `twin` is the model that the twin ended with, the effects that were switched on among its own. `unrecorded`
     says in words why the recording of the topics is not whole; it is empty where it is, or none was asked for.
+    `health` is what `MonitorNode.health_of_unit` told at the end; None where it was not asked for.
     """
 
     name: str
@@ -85,6 +102,7 @@ class LiveResult:
     elapsed: float = 0.0
     twin: Model | None = None
     unrecorded: str = ""
+    health: Mapping[str, object] | None = None
 
 
 @dataclass
@@ -185,6 +203,7 @@ class _Session:
             elapsed=self.ended - self.began,
             twin=self.twin.model_as_it_stands(self.monitor.model),
             unrecorded=unrecorded,
+            health=self.monitor.health_of_unit(),
         )
 
 
@@ -203,6 +222,7 @@ def run_live(
     max_bag_size: int = 0,
     max_bag_duration: float = 0.0,
     replaced: Sequence[Path] = (),
+    health: HealthAsked | None = None,
     stop: threading.Event | None = None,
 ) -> LiveResult:
     """Play a recording to a twin and a monitor, all as ROS nodes in this process, until every sample was compared.
@@ -221,12 +241,14 @@ def run_live(
         max_bag_size: bytes at which the recording's next file begins; 0: it is one file.
         max_bag_duration: s that a file of the recording spans at most; 0: it is one file.
         replaced: files of an earlier bag, which go when all is ready for the new one.
+        health: by what the health of the unit that runs is judged; None: it is not.
         stop: set it to end early, from another thread or from a callback.
 
     SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
 
     Raises:
-        InputError: where a change is refused, `record_to` cannot be written, or the twin's simulation diverges.
+        InputError: where a change is refused, `record_to` cannot be written, `health` tells of no unit, or the twin's
+            simulation diverges.
     """
     context = Context()
     stop = stop or threading.Event()
@@ -240,7 +262,9 @@ def run_live(
             twin = TwinNode(model, parameters=[from_start, source], context=context)
             nodes.append(twin)
             noise = None if recording is None else noise_of([recording], model)
-            monitor = MonitorNode(model, parameters=[from_start, source], context=context, noise=noise)
+            asked_health = [] if health is None else health.parameters
+            given_monitor = [from_start, source, *asked_health]
+            monitor = MonitorNode(model, parameters=given_monitor, context=context, noise=noise)
             nodes.append(monitor)
             replay = None
             if recording is not None:

@@ -269,6 +269,14 @@ class MonitorNode(Node):
         self._judged_at = self._stamp
         self.unit_watch.judge(lambda: self._history.recordings(stretch, self._place()[0])[-1])
 
+    def health_of_unit(self) -> dict[str, object] | None:
+        """What is told of the unit that runs, its last samples included; None where no results were given."""
+        watch = self.unit_watch
+        if watch is None:
+            return None
+        self._judge_unit()
+        return {"unit": watch.unit, "off": watch.off, "words": watch.words, "figures": dict(watch.figures)}
+
     def _report_unit(self) -> diagnostics.Report:
         watch = self.unit_watch
         assert watch is not None  # reported only where there is one
