@@ -2,19 +2,13 @@
 
 import subprocess
 import sys
-import time
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import pytest
 from ros_graph import start_process
 
 from ema_bench_replay.nodes import loopback
 from ema_bench_replay.nodes.loopback import LOOPBACK, PROFILES, RANGE, keep_to_this_machine
-
-EPHEMERAL = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
-"""Ports from here on belong to sockets that only send."""
-LOOPBACK_ADDRESS = "0100007F"  # 127.0.0.1 as the kernel has it
 
 
 def test_a_range_that_was_chosen_stays():
@@ -63,43 +57,6 @@ def start(monkeypatch, tmp_path):
     for process in processes:
         process.kill()
         process.communicate()
-
-
-def listening(process):
-    """The addresses (hexadecimal, as the kernel has them) on which a process waits for datagrams or connections."""
-    held = set()
-    for descriptor in Path(f"/proc/{process}/fd").iterdir():
-        try:
-            held.add(str(descriptor.readlink()))
-        except OSError:  # closed meanwhile
-            continue
-    found = []
-    for kind in ("udp", "udp6", "tcp", "tcp6"):
-        for line in Path(f"/proc/net/{kind}").read_text().splitlines()[1:]:
-            cells = line.split()
-            address, port = cells[1].split(":")
-            if f"socket:[{cells[9]}]" in held and int(port, 16) < EPHEMERAL:
-                found.append(address)
-    return found
-
-
-@pytest.mark.parametrize(
-    ("module", "parameter"),
-    [
-        ("ema_bench_replay.nodes.record", "output:=bag.mcap"),
-        ("ema_twin_sim.nodes.twin", "input:=standalone"),
-        ("ema_twin_sim.nodes.monitor", "services:=false"),
-    ],
-)
-def test_a_node_listens_on_loopback_alone(module, parameter, start):
-    process = start(module, parameter)
-    until = time.monotonic() + 60.0
-    while not listening(process.pid) and time.monotonic() < until:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.1)
-    time.sleep(0.5)  # the last of its sockets
-    assert {*listening(process.pid)} == {LOOPBACK_ADDRESS}
-    assert "/dev/shm/fastrtps" not in Path(f"/proc/{process.pid}/maps").read_text()
 
 
 PLAIN_NODE = """
