@@ -115,6 +115,11 @@ class BenchProcesses:
         times = [since, *(arrival for arrival in self.arrivals if since < arrival < until), until]
         return max(after - before for before, after in pairwise(times))
 
+    @property
+    def waits(self) -> int:
+        """How often the replay has waited some 0.1 s for a reader, which no busy machine makes it do by itself."""
+        return int(self.figures.get("replay", {}).get("sent again, a reader was behind", "0"))
+
     def told_since(self, since: float) -> set[str]:
         """What each node told after that time."""
         return {f"{node}: {words}" for when, node, words in self.told if when > since}

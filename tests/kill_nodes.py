@@ -35,11 +35,13 @@ class Kill(NamedTuple):
     dead: float  # longest halt of the bench while the node was dead, and once it worked again
     joins: float  # longest halt of the bench from the node's start until it worked
     works: float  # from the node's start until it worked
+    waits: int  # how often the bench waited some 0.1 s for a reader, from the kill on
     told: set[str]  # by all nodes, with N for each number
 
 
 def kill_and_restart(bench: BenchProcesses, name: str, away: float, watched: float) -> Kill:
     """Kill a node and start it again `away` seconds later; look on until `watched` seconds after it was killed."""
+    waits = bench.waits if name != "replay" else 0
     killed = bench.kill(name)
     bench.graph.spin_for(away)
     begun = time.monotonic()
@@ -49,7 +51,7 @@ def kill_and_restart(bench: BenchProcesses, name: str, away: float, watched: flo
     bench.graph.spin_for(max(2.0, killed + watched - joined))
     dead = max(bench.longest_halt(killed, begun), bench.longest_halt(joined, time.monotonic()))
     told = {re.sub(r"\d[\d.]*", "N", words) for words in bench.told_since(killed)}
-    return Kill(dead, bench.longest_halt(begun, joined), works, told)
+    return Kill(dead, bench.longest_halt(begun, joined), works, bench.waits - waits, told)
 
 
 def undisturbed(bench: BenchProcesses, watched: float) -> float:
@@ -93,6 +95,7 @@ def main() -> int:
                     if name == "replay":  # without it there is no stream
                         dead, joins = [], []
                     _print_row(rate, name, since, dead, joins, works)
+                    print(f"          the bench waited for a reader {sum(kill.waits for kill in kills)} times", flush=True)
                     for words in sorted(set().union(*(kill.told for kill in kills))):
                         print(f"          {words}", flush=True)
                 orders = list(permutations(MODULES))
