@@ -39,6 +39,7 @@ class BenchProcesses:
     """The four nodes; a recording is played over and over.
 
     Attributes:
+        up: when [s, monotonic] each node's present process told that it runs; before that Python reads libraries.
         arrivals: monotonic times [s] of the bench's samples.
         told: (monotonic time, node, words) of all diagnostics.
         figures: the last figures of each node's diagnostics, by their names.
@@ -54,6 +55,7 @@ class BenchProcesses:
         self._bags = 0
         self._last = b""
         self._health: tuple[float, Health] = (0.0, Health(level=Health.STALE))
+        self.up: dict[str, float] = {}
         self.arrivals: list[float] = []
         self.told: list[tuple[float, str, str]] = []
         self.figures: dict[str, dict[str, str]] = {}
@@ -80,8 +82,9 @@ class BenchProcesses:
         self.graph.spin_for(_SENT_BEFORE)
         self._begun[name] = (time.monotonic(), *self._newest)
         process = start_process(MODULES[name], *parameters.get(name, []))
-        threading.Thread(target=process.stderr.read, daemon=True).start()
         self._processes[name] = process
+        self.up.pop(name, None)
+        threading.Thread(target=self._listen, args=(name, process), daemon=True).start()
 
     @property
     def processes(self) -> dict[str, int]:
@@ -128,6 +131,12 @@ class BenchProcesses:
         """End all processes."""
         self.kill(*self._processes)
         self.graph.close()
+
+    def _listen(self, name: str, process: subprocess.Popen[str]) -> None:
+        """Note when a node tells that it runs, which is the first that it says."""
+        if process.stderr.readline() and self._processes.get(name) is process:
+            self.up[name] = time.monotonic()
+        process.stderr.read()
 
     def _works(self, name: str) -> bool:
         if name == "record":

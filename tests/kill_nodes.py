@@ -35,6 +35,7 @@ class Kill(NamedTuple):
     dead: float  # longest halt of the bench while the node was dead, and once it worked again
     joins: float  # longest halt of the bench from the node's start until it worked
     works: float  # from the node's start until it worked
+    pairs: float  # from when its process was up until it worked
     waits: int  # how often the bench waited some 0.1 s for a reader, from the kill on
     told: set[str]  # by all nodes, with N for each number
 
@@ -51,7 +52,8 @@ def kill_and_restart(bench: BenchProcesses, name: str, away: float, watched: flo
     bench.graph.spin_for(max(2.0, killed + watched - joined))
     dead = max(bench.longest_halt(killed, begun), bench.longest_halt(joined, time.monotonic()))
     told = {re.sub(r"\d[\d.]*", "N", words) for words in bench.told_since(killed)}
-    return Kill(dead, bench.longest_halt(begun, joined), works, bench.waits - waits, told)
+    pairs = joined - bench.up.get(name, joined)
+    return Kill(dead, bench.longest_halt(begun, joined), works, pairs, bench.waits - waits, told)
 
 
 def undisturbed(bench: BenchProcesses, watched: float) -> float:
@@ -95,7 +97,9 @@ def main() -> int:
                     if name == "replay":  # without it there is no stream
                         dead, joins = [], []
                     _print_row(rate, name, since, dead, joins, works)
-                    print(f"          the bench waited for a reader {sum(kill.waits for kill in kills)} times", flush=True)
+                    print(f"          the bench waited for a reader {sum(kill.waits for kill in kills)} times")
+                    pairs = [kill.pairs for kill in kills]
+                    print(f"          works {median(pairs):.2f} s after its process is up, at most {max(pairs):.2f} s")
                     for words in sorted(set().union(*(kill.told for kill in kills))):
                         print(f"          {words}", flush=True)
                 orders = list(permutations(MODULES))
