@@ -8,7 +8,7 @@ unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLC
 	PYTHONHOME PYTHONPATH RMW_IMPLEMENTATION ROS_DISTRO VIRTUAL_ENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-all test-pictures docs bench kill fuzz soak accuracy wear figures pictures blueprints lock clean
+.PHONY: help setup demo test test-all test-pictures docs bench kill fuzz soak mutants vulnerabilities accuracy wear figures pictures blueprints lock clean
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST)
@@ -50,6 +50,14 @@ fuzz: setup ## random files and messages for all that reads them: none may break
 soak: setup ## the four nodes at 1 kHz for a long time: memory, samples lost, the twin's time; ARGS="--minutes 60"
 	@$(RUN) -m tests.soak $(ARGS)
 
+mutants: setup ## faults in the criteria and the pairing, one at a time: what no test notices; ARGS="--sample 200", "--files worth"
+	@$(RUN) -m tests.mutants $(ARGS)
+
+vulnerabilities: ## which locked libraries have known vulnerabilities; asks the package index, so it needs a network
+	@$(PYTHON) -m venv --clear .venv-audit && .venv-audit/bin/python -m pip install --quiet pip-audit || \
+		{ echo "could not be asked: pip-audit could not be installed"; rm -rf .venv-audit; exit 2; }
+	@.venv-audit/bin/python tests/vulnerabilities.py .venv-audit/bin/pip-audit; status=$$?; rm -rf .venv-audit; exit $$status
+
 accuracy: setup ## how well missing effects are named on another bench; ARGS="--sweep", "--other-machines 60", "--calibration", "--contradictions 200", "--help"
 	@$(RUN) -m tests.accuracy.run $(ARGS)
 
@@ -73,4 +81,4 @@ lock: ## refresh requirements.lock
 	@rm -rf .venv-lock
 
 clean: ## remove .venv
-	rm -rf .venv .venv-lock
+	rm -rf .venv .venv-lock .venv-audit

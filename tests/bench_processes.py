@@ -11,6 +11,7 @@ from pathlib import Path
 from diagnostic_msgs.msg import DiagnosticArray
 
 from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes.sample_codec import read_state
 from ema_twin_msgs.msg import EmaState, Health
 from tests.ros_graph import Graph, start_process
 
@@ -30,12 +31,15 @@ _RECORDED_RATE = 500.0
 """Hz."""
 _BEGUN = 100_000
 """Bytes of a bag that holds samples."""
+_SENT_BEFORE = 0.05
+"""s in which what was sent before a node is started arrives here: it tells nothing of that node."""
 
 
 class BenchProcesses:
     """The four nodes; a recording is played over and over.
 
     Attributes:
+        up: when [s, monotonic] each node's present process told that it runs; before that Python reads libraries.
         arrivals: monotonic times [s] of the bench's samples.
         told: (monotonic time, node, words) of all diagnostics.
         figures: the last figures of each node's diagnostics, by their names.
@@ -49,7 +53,9 @@ class BenchProcesses:
         self._processes: dict[str, subprocess.Popen[str]] = {}
         self._begun: dict[str, tuple[float, int, int]] = {}
         self._bags = 0
+        self._last = b""
         self._health: tuple[float, Health] = (0.0, Health(level=Health.STALE))
+        self.up: dict[str, float] = {}
         self.arrivals: list[float] = []
         self.told: list[tuple[float, str, str]] = []
         self.figures: dict[str, dict[str, str]] = {}
@@ -73,10 +79,12 @@ class BenchProcesses:
         if name == "record":
             self._bags += 1
             parameters["record"] = [f"output:={self._folder / str(self._bags)}"]
-        self._begun[name] = (time.monotonic(), *((0, 0) if name == "monitor" else self._compared))
+        self.graph.spin_for(_SENT_BEFORE)
+        self._begun[name] = (time.monotonic(), *self._newest)
         process = start_process(MODULES[name], *parameters.get(name, []))
-        threading.Thread(target=process.stderr.read, daemon=True).start()
         self._processes[name] = process
+        self.up.pop(name, None)
+        threading.Thread(target=self._listen, args=(name, process), daemon=True).start()
 
     @property
     def processes(self) -> dict[str, int]:
@@ -98,7 +106,7 @@ class BenchProcesses:
         return killed
 
     def wait_for(self, *names: str) -> float:
-        """Wait until these nodes work: something is compared that was not yet, by this monitor; a bag holds samples.
+        """Wait until these nodes work: a sample is compared that the bench sent after their start; a bag holds samples.
 
         Returns how long that took [s] since the last of them was started.
         """
@@ -110,6 +118,11 @@ class BenchProcesses:
         times = [since, *(arrival for arrival in self.arrivals if since < arrival < until), until]
         return max(after - before for before, after in pairwise(times))
 
+    @property
+    def waits(self) -> int:
+        """How often the replay has waited some 0.1 s for a reader, which no busy machine makes it do by itself."""
+        return int(self.figures.get("replay", {}).get("sent again, a reader was behind", "0"))
+
     def told_since(self, since: float) -> set[str]:
         """What each node told after that time."""
         return {f"{node}: {words}" for when, node, words in self.told if when > since}
@@ -118,6 +131,12 @@ class BenchProcesses:
         """End all processes."""
         self.kill(*self._processes)
         self.graph.close()
+
+    def _listen(self, name: str, process: subprocess.Popen[str]) -> None:
+        """Note when a node tells that it runs, which is the first that it says."""
+        if process.stderr.readline() and self._processes.get(name) is process:
+            self.up[name] = time.monotonic()
+        process.stderr.read()
 
     def _works(self, name: str) -> bool:
         if name == "record":
@@ -134,8 +153,15 @@ class BenchProcesses:
         _, health = self._health
         return health.run, health.header.stamp.sec * 10**9 + health.header.stamp.nanosec
 
-    def _on_state(self, _message: bytes) -> None:
+    def _on_state(self, message: bytes) -> None:
         self.arrivals.append(time.monotonic())
+        self._last = message
+
+    @property
+    def _newest(self) -> tuple[int, int]:
+        """Run and stamp [ns] of the newest sample of the bench."""
+        state = read_state(self._last) if self._last else None
+        return (0, 0) if state is None else (state.run, state.stamp)
 
     def _on_health(self, health: Health) -> None:
         self._health = time.monotonic(), health

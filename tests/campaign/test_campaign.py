@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import psutil
 import pyarrow.parquet as pq
 import pytest
 
@@ -262,9 +261,6 @@ class TestEngine:
     def test_it_listens_to_this_campaign_only(self, client):
         assert client.scheduler.address.startswith("tls://127.0.0.1:")
         assert all(address.startswith("tls://127.0.0.1:") for address in client.nthreads())
-        here = psutil.Process()
-        doors = [c.laddr.ip for p in (here, *here.children(recursive=True)) for c in p.net_connections("inet")]
-        assert {*doors} == {"127.0.0.1"}
 
     @pytest.mark.slow
     def test_a_campaign_fills_a_store(self, client, folder, tmp_path):

@@ -110,6 +110,24 @@ def test_a_bag_that_loops_with_one_run_number():
     assert pairing.passes == 3
 
 
+def test_a_bag_that_loops_is_seen_to_by_the_twin_first():
+    """All was answered when the twin goes back: it has seen the bench do so, and was not started again."""
+    pairing = Pairing()
+    bench(pairing, 0, 1, 2)
+    twin(pairing, 0, 1, 2)
+    for _ in range(3):
+        assert twin(pairing, 0, 1, 2) == [None, None, None]
+        assert bench(pairing, 0, 1, 2) == [0, 1, 2]
+    assert (pairing.compared, pairing.missing, pairing.waiting, pairing.passes) == (3, 0, 0, 4)
+
+
+def test_nothing_is_missing_before_both_have_begun():
+    pairing = Pairing()
+    assert (pairing.seen, pairing.missing, pairing.waiting, pairing.passes) == (0, 0, 0, 0)
+    bench(pairing, 0, 1)
+    assert (pairing.seen, pairing.missing, pairing.waiting, pairing.passes) == (2, 0, 2, 1)
+
+
 def test_a_twin_that_was_started_again_is_compared_again():
     """It answers the run from its beginning, as samples are kept for who comes late; the bench never goes back."""
     pairing = Pairing()

@@ -1,20 +1,16 @@
 """The nodes are heard on this machine alone, unless ROS's own variable opens them to the network."""
 
+import os
+import shutil
 import subprocess
 import sys
-import time
 import xml.etree.ElementTree as ElementTree
-from pathlib import Path
 
 import pytest
 from ros_graph import start_process
 
 from ema_bench_replay.nodes import loopback
 from ema_bench_replay.nodes.loopback import LOOPBACK, PROFILES, RANGE, keep_to_this_machine
-
-EPHEMERAL = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
-"""Ports from here on belong to sockets that only send."""
-LOOPBACK_ADDRESS = "0100007F"  # 127.0.0.1 as the kernel has it
 
 
 def test_a_range_that_was_chosen_stays():
@@ -47,6 +43,70 @@ def test_the_profile_names_no_other_address():
     assert addresses == {"127.0.0.1"}
 
 
+WITH_A_PROFILE = """
+import sys
+from pathlib import Path
+from ema_bench_replay.nodes import loopback
+loopback.LOOPBACK = Path(sys.argv.pop(1))
+from ema_twin_sim.nodes.live import run_live
+from ema_twin_sim.nodes import monitor
+from ema_twin_sim.model import load_model
+from ema_bench_replay.errors import InputError
+if sys.argv.pop(1) == "node":
+    sys.exit(monitor.main())
+try:
+    run_live(None, load_model("polito_bench"), on_start=lambda node: sys.exit(0))
+except InputError as error:
+    print(error, file=sys.stderr)
+    sys.exit(2)
+"""
+ALONE = ["unshare", "--map-root-user", "--net", "sh", "-c", 'ip link set lo up && exec "$@"', "sh"]
+"""In a network without another machine: what starts open tells nobody."""
+
+
+def started_with(profile, what):
+    """What the monitor, or a live run, does with this profile in the place of ours."""
+    process = subprocess.Popen(
+        [*ALONE, sys.executable, "-c", WITH_A_PROFILE, profile, what], stderr=subprocess.PIPE, text=True,
+        env={name: value for name, value in os.environ.items() if name not in (RANGE, *PROFILES)},
+    )  # fmt: skip
+    said = []
+    for line in process.stderr:
+        said.append(line)
+        if "compares" in line:
+            process.terminate()
+    return process.wait(), said
+
+
+@pytest.mark.skipif(
+    not all(map(shutil.which, ("unshare", "ip"))) or subprocess.run([*ALONE, "true"], capture_output=True).returncode,
+    reason="needs unshare and ip, and a kernel that lets users make networks",
+)
+@pytest.mark.slow
+class TestProfileThatIsNotTaken:
+    """Fast DDS goes on with sockets on every address. A node that finds them ends before it serves anybody."""
+
+    @pytest.mark.parametrize("what", ["node", "live"])
+    def test_ours_is_taken(self, what):
+        status, said = started_with(LOOPBACK, what)
+        assert status == 0, said
+
+    @pytest.mark.parametrize("what", ["node", "live"])
+    def test_one_that_is_not_there(self, what, tmp_path):
+        self.is_refused(tmp_path / "none.xml", what)
+
+    @pytest.mark.parametrize("part", ["interfaceWhiteList", "leaseDuration", "heartbeatPeriod", "</profiles>"])
+    def test_a_fault_in_any_line(self, part, tmp_path):
+        assert part in LOOPBACK.read_text()
+        (tmp_path / "faulty.xml").write_text(LOOPBACK.read_text().replace(part, part.swapcase()))
+        self.is_refused(tmp_path / "faulty.xml", "node")
+
+    def is_refused(self, profile, what):
+        status, said = started_with(profile, what)
+        (line,) = (line for line in said if "XMLPARSER" not in line)
+        assert status == 2 and str(profile) in line and "make setup" in line and RANGE in line
+
+
 @pytest.fixture
 def start(monkeypatch, tmp_path):
     """Starts nodes as somebody who has chosen nothing would."""
@@ -63,43 +123,6 @@ def start(monkeypatch, tmp_path):
     for process in processes:
         process.kill()
         process.communicate()
-
-
-def listening(process):
-    """The addresses (hexadecimal, as the kernel has them) on which a process waits for datagrams or connections."""
-    held = set()
-    for descriptor in Path(f"/proc/{process}/fd").iterdir():
-        try:
-            held.add(str(descriptor.readlink()))
-        except OSError:  # closed meanwhile
-            continue
-    found = []
-    for kind in ("udp", "udp6", "tcp", "tcp6"):
-        for line in Path(f"/proc/net/{kind}").read_text().splitlines()[1:]:
-            cells = line.split()
-            address, port = cells[1].split(":")
-            if f"socket:[{cells[9]}]" in held and int(port, 16) < EPHEMERAL:
-                found.append(address)
-    return found
-
-
-@pytest.mark.parametrize(
-    ("module", "parameter"),
-    [
-        ("ema_bench_replay.nodes.record", "output:=bag.mcap"),
-        ("ema_twin_sim.nodes.twin", "input:=standalone"),
-        ("ema_twin_sim.nodes.monitor", "services:=false"),
-    ],
-)
-def test_a_node_listens_on_loopback_alone(module, parameter, start):
-    process = start(module, parameter)
-    until = time.monotonic() + 60.0
-    while not listening(process.pid) and time.monotonic() < until:
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.1)
-    time.sleep(0.5)  # the last of its sockets
-    assert {*listening(process.pid)} == {LOOPBACK_ADDRESS}
-    assert "/dev/shm/fastrtps" not in Path(f"/proc/{process.pid}/maps").read_text()
 
 
 PLAIN_NODE = """

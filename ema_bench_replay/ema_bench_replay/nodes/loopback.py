@@ -17,16 +17,23 @@ that a node gets as it joins. A reader asks for them when the sender tells what 
 from __future__ import annotations
 
 import os
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 
+from rclpy.node import Node
 from rclpy.utilities import get_rmw_implementation_identifier
+
+from ema_bench_replay.errors import InputError
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 """ROS's variable: SUBNET opens the nodes to the network, as plain ROS has it; LOCALHOST, SYSTEM_DEFAULT, OFF."""
 PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
 """Where Fast DDS looks for transports: today's variable, and that of older versions."""
 LOOPBACK = Path(__file__).with_name("loopback.xml")
+_LOOPBACK_ADDRESS = "0100007F"
+"""127.0.0.1 as the kernel lists it."""
+_FIRST_PORT, _PORTS = 7400, 250
+"""The first port of domain 0, and how many each domain has (DDS-RTPS 2.5, 9.6.2: PB and DG)."""
 
 
 def keep_to_this_machine(environment: MutableMapping[str, str] = os.environ) -> None:
@@ -42,3 +49,36 @@ def keep_to_this_machine(environment: MutableMapping[str, str] = os.environ) -> 
         return
     environment[RANGE] = "SYSTEM_DEFAULT"  # what the profile says; for LOCALHOST, ROS would add shared memory to it
     environment.update(dict.fromkeys(PROFILES, str(LOOPBACK)))
+
+
+def check_kept_to_this_machine(node: Node, environment: Mapping[str, str] = os.environ) -> None:
+    """Raise InputError where Fast DDS has not taken our profile, and this process listens on every address.
+
+    After the first node of a process is made, and before it is served: nobody was answered until then. What somebody
+    has chosen himself is his: a range, a profile or a middleware of his own is not looked at, nor a system without
+    Linux's list of sockets.
+    """
+    table = Path("/proc/self/net/udp")
+    ours = environment.get(RANGE) == "SYSTEM_DEFAULT" and environment.get(PROFILES[0]) == str(LOOPBACK)
+    if not ours or not table.exists():
+        return
+    first = _FIRST_PORT + _PORTS * node.context.get_domain_id()
+    held = {_target(descriptor) for descriptor in Path("/proc/self/fd").iterdir()}
+    for line in table.read_text().splitlines()[1:]:
+        cells = line.split()
+        address, port = cells[1].split(":")
+        here = address == _LOOPBACK_ADDRESS and first <= int(port, 16) < first + _PORTS
+        if here and f"socket:[{cells[9]}]" in held:
+            return
+    raise InputError(
+        f"{LOOPBACK}: Fast DDS did not take this profile, and the node would be open to the network; run make setup, "
+        f"which installs it anew, or open the node on purpose: export {RANGE}=SUBNET"
+    )
+
+
+def _target(descriptor: Path) -> str:
+    """What a descriptor of this process is of; nothing where it was closed meanwhile."""
+    try:
+        return str(descriptor.readlink())
+    except OSError:
+        return ""

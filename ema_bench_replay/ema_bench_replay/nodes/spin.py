@@ -27,7 +27,7 @@ from rclpy.utilities import remove_ros_args
 
 from ema_bench_replay.errors import InputError
 
-from .loopback import keep_to_this_machine
+from .loopback import check_kept_to_this_machine, keep_to_this_machine
 from .parameter_help import parameter_help
 from .parameters import Declaration
 
@@ -143,6 +143,7 @@ def run(
         try:
             _initialise(words)
             node = make_node()
+            check_kept_to_this_machine(node)
             executor = make_executor([node])
             node.get_logger().info(getattr(node, "ready_words", "") or "running")
             spin(executor, until=lambda: getattr(node, "finished", False))

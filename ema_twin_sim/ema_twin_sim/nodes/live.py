@@ -16,7 +16,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.nodes.loopback import keep_to_this_machine
+from ema_bench_replay.nodes.loopback import check_kept_to_this_machine, keep_to_this_machine
 from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.replay import ReplayNode
 from ema_bench_replay.nodes.spin import (
@@ -247,8 +247,8 @@ def run_live(
     SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
 
     Raises:
-        InputError: where a change is refused, `record_to` cannot be written, `health` tells of no unit, or the twin's
-            simulation diverges.
+        InputError: where a change is refused, `record_to` cannot be written, `health` tells of no unit, the twin's
+            simulation diverges, or Fast DDS did not take the profile that keeps the nodes on this machine.
     """
     context = Context()
     stop = stop or threading.Event()
@@ -261,6 +261,7 @@ def run_live(
         try:
             twin = TwinNode(model, parameters=[from_start, source], context=context)
             nodes.append(twin)
+            check_kept_to_this_machine(twin)
             noise = None if recording is None else noise_of([recording], model)
             asked_health = [] if health is None else health.parameters
             given_monitor = [from_start, source, *asked_health]
