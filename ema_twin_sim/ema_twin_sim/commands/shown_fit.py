@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..quantities import estimate, quantity
-from ..words.sentences import effect_words, options_words
+from ..words.parameters import numbers_of, parameter_rows
 from .output import console, say, warn
 from .tables import ReportTable
 from .torque_errors import show_torque_errors
@@ -43,14 +43,10 @@ def _parameters(found: FitResult, before: Model) -> ReportTable:
     table.words("effect", "options", "parameter")
     table.numbers("before", "fitted", justify="left")
     for name, entry in found.parameters.items():
-        first = (effect_words(name), options_words(entry["options"]))
-        for parameter, held in entry.items():
-            if parameter in ("effect", "options"):
-                continue
+        for first, parameter, held in parameter_rows(name, entry["options"], numbers_of(entry)):
             old = estimate(before.effects[name].parameters[parameter], None, held["unit"])
             new = "held" if held["std"] is None else estimate(held["value"], held["std"], held["unit"])
             table.add_row(*first, parameter.replace("_", " "), old, new)
-            first = ("", "")
     return table
 
 

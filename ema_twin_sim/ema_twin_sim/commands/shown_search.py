@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 
 from ..quantities import estimate, quantity
+from ..words.parameters import numbers_of, parameter_rows
 from ..words.sentences import (
     REFIT,
     REFIT_IS,
@@ -16,7 +17,6 @@ from ..words.sentences import (
     groups_sentence,
     has_moved,
     left_sentence,
-    options_words,
     order_sentences,
     refit_sentence,
     removed_words,
@@ -138,12 +138,9 @@ def _parameters(found: Discovery) -> ReportTable:
     table.words("effect", "options", "parameter")
     table.numbers("value", justify="left")
     for name, entry in found.parameters.items():
-        first = (effect_words(name), options_words(entry["options"]))
-        for parameter, held in entry.items():
-            if parameter not in ("effect", "options"):
-                fitted = "" if held["std"] is not None else " (typical value, not fitted)"
-                table.add_row(*first, parameter, f"{estimate(held['value'], held['std'], held['unit'])}{fitted}")
-                first = ("", "")
+        for first, parameter, held in parameter_rows(name, entry["options"], numbers_of(entry)):
+            fitted = "" if held["std"] is not None else " (typical value, not fitted)"
+            table.add_row(*first, parameter, f"{estimate(held['value'], held['std'], held['unit'])}{fitted}")
     return table
 
 

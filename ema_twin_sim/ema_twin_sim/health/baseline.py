@@ -40,7 +40,6 @@ class BlockLimit:
 
     features: tuple[str, ...]
     limit: float  # natural logarithm
-    farthest_healthy: float  # the same of the farthest healthy run, judged by the other tests
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +176,7 @@ def _limits(
     counts = (left_out < np.array(rates)).sum(axis=0)
     unlikely = stats.binom.sf(counts - 1, len(values), np.exp(rates)) < 1.0 - NEARLY_ALL
     limits = tuple(
-        BlockLimit(block, min(rate, float(far)) if odd else rate, float(far))
+        BlockLimit(block, min(rate, float(far)) if odd else rate)
         for block, rate, far, odd in zip(blocks, rates, farthest, unlikely, strict=True)
     )
     return limits, beyond

@@ -40,11 +40,6 @@ class Family(Enum):
     LOAD = "load"
     UNKNOWN = "unknown"
 
-    @property
-    def about_fit(self) -> bool:
-        """Whether it is how tightly parts fit each other: balls and tracks, nuts, gears, bearings."""
-        return self in (Family.PRELOAD_UP, Family.FRICTION_DOWN, Family.PLAY)
-
 
 DIRECTIONS: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
     Family.FRICTION_UP: {"friction": (1,), "slow_roughness": (1,)},

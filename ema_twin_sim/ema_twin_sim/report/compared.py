@@ -86,25 +86,14 @@ def _chart(name: str, parts: Sequence[Shown], names: Sequence[str], points: int,
     twins = "both twins" if len(names) == 2 else "all twins"
     caption = f"{capitalised(title)}: measured and {twins}; below, measured minus twin"
     layout = {"xaxis": {"anchor": "y2"}, "yaxis": {"domain": [0.46, 1.0]}, "yaxis2": {"domain": [0.0, 0.40]}}
-    return Chart(
-        caption,
-        380,
-        layout,
-        choices=choices,
-        link="time",
-        wide=wide,
-    )
+    return Chart(caption, 380, layout, choices=choices, link="time", wide=wide)
 
 
 def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int) -> dict[str, Any]:
     """What is drawn of one recording; nothing where it lacks the signal."""
     if any(name not in beside.curves for beside in besides):
-        lacks = {
-            "text": f"this recording has no {signal_words(name)}",
-            "showarrow": False,
-            "xref": "paper",
-            "yref": "paper",
-        }
+        text = f"this recording has no {signal_words(name)}"
+        lacks = {"text": text, "showarrow": False, "xref": "paper", "yref": "paper"}
         return {"traces": [], "layout": {"annotations": [{**lacks, "x": 0.5, "y": 0.5}]}}
     values, order, along = abscissa(besides[0])
     twins = [beside.curves[name] for beside in besides]

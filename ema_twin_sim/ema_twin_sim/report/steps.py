@@ -11,17 +11,17 @@ from ..comparison.running_comparison import share_removed
 from ..listing import listed
 from ..quantities import axis_unit, estimate, quantity
 from ..words.findings import Findings, Held, UnseenErrors
+from ..words.parameters import parameter_rows
 from ..words.sentences import (
     REFIT,
     REFIT_IS,
     change_words,
     effect_words,
-    options_words,
     removed_words,
     why_step,
 )
 from .backwards import gone_effects
-from .chart import AFTER, FAINT, Chart, Charts, Trace, axis, label, log_axis
+from .chart import AFTER, FAINT, Chart, Charts, axis, label, line, log_axis
 from .content import Content, signal_words
 from .difference import NewEffect, moved_numbers, new_effects
 from .fitted import TwoValues, apart
@@ -79,40 +79,15 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
     places = _places(findings, len(unseen.rmse))
     if len(whole) > len(unseen.rmse):
         places = ["as given", REFIT, *places[1:]]
-    at = list(range(len(places)))
-    traces: list[Trace] = [
-        {
-            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(values) / scale,
-            "name": label(name), "line": {"color": FAINT, "width": 1.2}, "marker": {"size": 5, "color": FAINT},
-        }
-        for name, values in each
-    ]  # fmt: skip
-    traces.append(
-        {
-            "type": "scatter", "mode": "lines+markers", "x": at, "y": np.array(whole) / scale,
-            "name": "all recordings", "line": {"color": AFTER, "width": 3.5}, "marker": {"size": 10, "color": AFTER},
-        }
-    )  # fmt: skip
+    at = np.arange(len(places))
+    traces = [line(at, np.array(values) / scale, name, FAINT, width=1.2, **_points(5, FAINT)) for name, values in each]
+    traces.append(line(at, np.array(whole) / scale, "all recordings", AFTER, width=3.5, **_points(10, AFTER)))
     floor = unseen.noise_floor / scale
     shown = [value / scale for values in (whole, *(values for _, values in each)) for value in values]
-    noise = {
-        "type": "line",
-        "xref": "x domain",
-        "x0": 0,
-        "x1": 1,
-        "y0": floor,
-        "y1": floor,
-        "line": {"color": FAINT, "dash": "dash"},
-    }
-    told = {
-        "text": "the sensors' noise",
-        "xref": "x domain",
-        "x": 0,
-        "xanchor": "left",
-        "y": float(np.log10(floor)) if floor > 0.0 else 0,
-        "yanchor": "bottom",
-        "showarrow": False,
-    }
+    across = {"type": "line", "xref": "x domain", "x0": 0, "x1": 1}
+    noise = {**across, "y0": floor, "y1": floor, "line": {"color": FAINT, "dash": "dash"}}
+    above = {"y": float(np.log10(floor)) if floor > 0.0 else 0, "yanchor": "bottom"}
+    told = {"text": "the sensors' noise", "xref": "x domain", "x": 0, "xanchor": "left", **above, "showarrow": False}
     judged = (
         "each with numbers fitted to the others" if len(unseen.recordings) > 1 else "to which the numbers were fitted"
     )
@@ -120,12 +95,17 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
         f"RMSE of the {signal_words(unseen.signal)} after each step: all recordings (thick) and each (thin), {judged}"
     )
     layout = {
-        "xaxis": axis("step", tickvals=at, ticktext=places, range=[-0.4, len(at) - 0.6]),
+        "xaxis": axis("step", tickvals=[*range(len(at))], ticktext=places, range=[-0.4, len(at) - 0.6]),
         "yaxis": log_axis(f"RMSE [{unit}]", np.array([*shown, floor])),
         "shapes": [noise],
         "annotations": [told],
     }
     return Chart(caption, _HEIGHT, layout, traces, wide=True)
+
+
+def _points(size: int, colour: str) -> dict[str, object]:
+    """That a curve shows its points."""
+    return {"mode": "lines+markers", "marker": {"size": size, "color": colour}}
 
 
 def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
@@ -161,11 +141,9 @@ def _parameters(content: Content) -> list[Markup]:
 def _of_effects(effects: Sequence[NewEffect], caption: str) -> list[Markup]:
     rows = []
     for effect in effects:
-        first = (effect_words(effect.name), options_words(effect.options))
-        for name, held in effect.parameters.items():
+        for first, name, held in parameter_rows(effect.name, effect.options, effect.parameters):
             size = "–" if not held["std"] or not held["value"] else f"{100.0 * held['std'] / abs(held['value']):.1f} %"
             rows.append((*first, name, estimate(held["value"], held["std"], held["unit"]), size))
-            first = ("", "")
     if not rows:
         return []
     head = ("effect", "options", "parameter", "value ± standard error", "relative error")
@@ -177,12 +155,10 @@ def _of_fitted_effects(effects: Sequence[NewEffect], content: Content, caption: 
     fitted = {(each.part, each.name): each for each in content.fitted_numbers}
     rows = []
     for effect in effects:
-        first = (effect_words(effect.name), options_words(effect.options))
-        for name, held in effect.parameters.items():
+        for first, name, held in parameter_rows(effect.name, effect.options, effect.parameters):
             both = fitted.get((effect.name, name))
             cells = ("the same", "") if both is None else (_estimate(both.fitted), _moved(both))
             rows.append((*first, name, _estimate(held), *cells))
-            first = ("", "")
     if not rows:
         return []
     head = ("effect", "options", "parameter", *content.labels[1:], "moved by fitting")

@@ -189,25 +189,12 @@ class _Signal:
                 if chosen.sum() >= _FEWEST
             }
             lower, median, upper = np.array(list(told.values())).reshape(-1, 3).T
-            spread = {
-                "type": "data",
-                "symmetric": False,
-                "array": upper - median,
-                "arrayminus": median - lower,
-                "color": role,
-                "thickness": 2,
-                "width": 7,
-            }
+            quarters = {"array": upper - median, "arrayminus": median - lower}
+            spread = {"type": "data", "symmetric": False, **quarters, "color": role, "thickness": 2, "width": 7}
+            marker = {"color": role, "size": 10 if self.widths[role] >= 1.0 else 6, "symbol": _SYMBOLS[role]}
             traces.append(
-                {
-                    "type": "scatter",
-                    "mode": "markers",
-                    "x": list(told),
-                    "y": median,
-                    "name": label(model),
-                    "error_y": spread,
-                    "marker": {"color": role, "size": 10 if self.widths[role] >= 1.0 else 6, "symbol": _SYMBOLS[role]},
-                }
+                {"type": "scatter", "mode": "markers", "x": list(told), "y": median, "name": label(model)}
+                | {"error_y": spread, "marker": marker}
             )
         return self._chart("the direction of motion", axis("direction", type="category"), traces)
 
@@ -307,15 +294,6 @@ def _marked(orders: Sequence[float]) -> tuple[list[dict[str, object]], list[dict
     for group in groups:
         text = str(group[0] + 1) if len(group) == 1 else f"{group[0] + 1}–{group[-1] + 1}"
         place = float(np.mean(np.log10([orders[k] for k in group])))
-        numbers.append(
-            {
-                "text": text,
-                "x": place,
-                "xref": "x",
-                "y": 1.0,
-                "yref": "y domain",
-                "yanchor": "bottom",
-                "showarrow": False,
-            }
-        )
+        above = {"xref": "x", "y": 1.0, "yref": "y domain", "yanchor": "bottom", "showarrow": False}
+        numbers.append({"text": text, "x": place, **above})
     return lines, numbers

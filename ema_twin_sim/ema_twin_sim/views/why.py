@@ -8,6 +8,7 @@ import rerun.blueprint as rrb
 from ..quantities import estimate
 from ..report.ranking import REFUSED, signature_chart, told_signatures, worth_showing
 from ..words.findings import Findings, Signature
+from ..words.parameters import numbers_of
 from ..words.sentences import NOT_IN_CATALOGUE, effect_words, no_effect_words, options_words, removed_words
 from .drawn_bars import Bar, draw_bars
 from .drawn_chart import draw
@@ -60,8 +61,8 @@ def _sizes(findings: Findings) -> list[Bar]:
     """The numbers of the effects that were found, each as a hundred percent of itself."""
     bars = []
     for name, entry in (findings.parameters or {}).items():
-        for parameter, held in entry.items():
-            if parameter in ("effect", "options") or held["std"] is None or not held["value"]:
+        for parameter, held in numbers_of(entry).items():
+            if held["std"] is None or not held["value"]:
                 continue
             text = estimate(held["value"], held["std"], held["unit"])
             relative = 100.0 * held["std"] / abs(held["value"])
