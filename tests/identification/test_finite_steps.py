@@ -36,3 +36,8 @@ def test_a_delay_as_long_as_the_plant_remembers_is_not_stepped_over(stock):
     problem = EquationErrorProblem([few_rows(np.zeros(50), encoder=np.zeros(50))])
     late = null_hypothesis(quick).with_effect("encoder_delay", {}, {"delay": longest_delay(quick)})
     assert np.isfinite(fit(problem, late, 0).jacobian).all()
+
+
+def test_the_step_of_a_small_number_that_is_held_leaves_it_above_zero():
+    """An output's inertia that is held at a small share of the file's: none at all would be no machine behind play."""
+    assert 0.002 + inner_step(0.002, 0.002, 0.002, 0.01) > 0.0

@@ -93,4 +93,7 @@ def inner_step(value: float, lower: float, upper: float, step: float) -> float:
     if below >= step:
         return -step
     farther = above if above >= below else -below
-    return farther or -step  # a number that is held has no side to go to
+    if farther:
+        return farther
+    # a number that is held has no side to go to: towards zero, but not as far, since an inertia of none is no machine's
+    return -min(step, 0.5 * value) if value > 0.0 else -step
