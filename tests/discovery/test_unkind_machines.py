@@ -30,7 +30,7 @@ pytestmark = pytest.mark.slow
     ],
     ids=lambda value: "-".join(value) if isinstance(value, list) else "",
 )
-def test_what_is_hidden_is_named_and_nothing_else(effects, seed):
+def test_what_is_hidden_is_named_and_nothing_wrong(effects, seed):
     verdict = solve(other_machine_case("unkind", "plain", effects, seed))
     assert {*effects} <= {*verdict.added}
     assert not verdict.wrong  # the spring of a gearbox that rings is none

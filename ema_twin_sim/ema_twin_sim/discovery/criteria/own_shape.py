@@ -100,7 +100,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if gained >= share * gained_by_any:
         return True
     # what explains as much beside that shape as it does alone is no likeness of it: both are there
-    return _gained(any_shape, fit_with_basis(beside, f, best), scale) >= MOSTLY * gained
+    return gained > 0.0 and _gained(any_shape, fit_with_basis(beside, f, best), scale) >= MOSTLY * gained
 
 
 def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:

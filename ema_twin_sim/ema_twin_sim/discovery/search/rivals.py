@@ -129,7 +129,11 @@ def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -
     problem = best.problem
     bare = fit(problem, best.hypothesis.without(name), 8, known=best)
     like_gearbox = effects_with(Trait.LIKE_PLAY_OR_SPRING)
-    options = [c for c in candidates(bare.hypothesis, without) if c.effect in like_gearbox]
+    options = [
+        c
+        for c in candidates(bare.hypothesis, without | {best.hypothesis.added[name].effect})
+        if c.effect in like_gearbox
+    ]
     ranked = [s for s in screen(problem, bare, options) if s.gain > SMALL * penalised_gain(bare, best)]
     gearbox = [other for other, held in best.hypothesis.added.items() if held.effect in COMPLIANT_EFFECTS]
     return [hopped(fit(problem, with_screened(problem, bare.hypothesis, s), 8), gearbox) for s in ranked[:1]]

@@ -203,8 +203,8 @@ def significant(found: Search) -> Search:
 def with_what_made_room(found: Search) -> Search:
     """The search with what was needless beside something that is no longer there, where it is worth its price again.
 
-    And with an encoder's own error where that something came in its place. What was taken out for a reason of its own
-    does not come back.
+    And with an encoder's own error where that something came in its place, and with what wandering friction explained
+    beside play or a spring that is gone. What was taken out for a reason of its own does not come back.
     """
     reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # which is asked beside play and springs alone
     once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
