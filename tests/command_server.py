@@ -9,14 +9,14 @@ import atexit
 import gc
 import json
 import os
-import select
-import signal
 import subprocess
 import sys
 import tempfile
 import threading
 from importlib import import_module
 from pathlib import Path
+
+from tests.child import exit_status
 
 _AGREED = "ema-twin command server"
 _READ = ("commands.main", "discovery.diagnose", "discovery.plan", "fitting.fit", "new_machine.drafts", "report.page")
@@ -77,15 +77,7 @@ def _given_to_a_child(order):
     child = os.fork()
     if child == 0:
         _become(order)
-    waiting = os.pidfd_open(child)
-    try:
-        done, _, _ = select.select([waiting], [], [], order["timeout"])
-        if not done:
-            os.killpg(child, signal.SIGKILL)
-        _, status = os.waitpid(child, 0)
-        return os.waitstatus_to_exitcode(status) if done else None
-    finally:
-        os.close(waiting)
+    return exit_status(child, order["timeout"])
 
 
 def _become(order):

@@ -16,8 +16,6 @@ import ast
 import json
 import os
 import random
-import select
-import signal
 import sys
 import tempfile
 import time
@@ -27,6 +25,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+
+from tests.child import exit_status
 
 ROOT = Path(__file__).resolve().parents[1]
 _PACKAGE = ROOT / "ema_twin_sim" / "ema_twin_sim"
@@ -162,15 +162,7 @@ def in_a_child(work: Callable[[], int], longest: float) -> int | None:
             status = int(work())
         finally:
             os._exit(status)
-    waiting = os.pidfd_open(child)
-    try:
-        ended, _, _ = select.select([waiting], [], [], longest)
-        if not ended:
-            os.kill(child, signal.SIGKILL)
-        _, status = os.waitpid(child, 0)
-        return os.waitstatus_to_exitcode(status) if ended else None
-    finally:
-        os.close(waiting)
+    return exit_status(child, longest)
 
 
 def run_tests(tests: Sequence[str], *plugins: object) -> int:

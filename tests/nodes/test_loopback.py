@@ -108,11 +108,8 @@ class TestProfileThatIsNotTaken:
 
 
 @pytest.fixture
-def start(monkeypatch, tmp_path):
+def start(nothing_chosen):
     """Starts nodes as somebody who has chosen nothing would."""
-    for name in (RANGE, *PROFILES):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
     processes = []
 
     def start(module, *parameters):

@@ -14,7 +14,6 @@ from pathlib import Path
 import pytest
 from ros_graph import start_process
 
-from ema_bench_replay.nodes.loopback import PROFILES, RANGE
 from tests.command_line import ENDING, MODEL, TWIN
 from tests.conftest import RECORDINGS
 from tests.sockets import family, sockets, sockets_during
@@ -25,11 +24,8 @@ SINE = next(RECORDINGS.glob("*sine_0.05*"))
 
 
 @pytest.fixture
-def started(monkeypatch, tmp_path):
+def started(nothing_chosen):
     """Keeps processes that were started by somebody who has chosen nothing; what they say goes into lists of lines."""
-    for name in (RANGE, *PROFILES):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.chdir(tmp_path)
     processes = []
 
     def keep(process, stream):

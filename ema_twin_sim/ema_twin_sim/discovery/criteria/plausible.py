@@ -50,8 +50,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
     bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
     noise over. Not asked of what constants off their file show: how far they are off was that effect's worth; nor,
-    beside a generic basis, which fits anything, of what every machine has. Of two that take each other's place it is
-    the later one, which explains less.
+    beside a generic basis, which fits anything, of what every machine has. Where constants are open, no shape may stand
+    on its bound either. Of two that take each other's place it is the later one, which explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
@@ -92,12 +92,11 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     shape = {f"effects.{name}.{p.name}" for p in effect.parameters[1:] if not p.periodic}
-    for free, value, lower, upper in zip(
-        f.hypothesis.free, f.hypothesis.values, *problem.bounds(f.hypothesis), strict=True
-    ):
-        if free.path in shape and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value)):
-            return True
-    return False
+    numbers = zip(f.hypothesis.free, f.hypothesis.values, *problem.bounds(f.hypothesis), strict=True)
+    return any(
+        free.path in shape and reached_bound(float(value), float(lower), float(upper), math.inf, abs(value))
+        for free, value, lower, upper in numbers
+    )
 
 
 def _sureness(f: Fit, spread: np.ndarray, off: float, size: int, shape: Sequence[int]) -> float:
