@@ -91,8 +91,18 @@ def _begun_at(first, whole, stock):
     return predicted.plant[0], behind
 
 
-@pytest.mark.parametrize(("width", "run"), [(0.01, FAST), (0.02, ("triangle:0.2:3",))])
-def test_wide_play_is_named_by_one_recording(width, run, stock):
+@pytest.mark.parametrize(
+    ("width", "run"),
+    [(0.01, ("triangle:0.2:2",)), (0.01, ("triangle:0.4:2",)), (0.02, ("triangle:0.2:3",))],
+)
+def test_wide_play_is_all_that_is_missing(width, run, stock):
     found = discover(record(stock.with_effect("backlash", {"width": width}), run), stock)
     assert (found.verdict, found.added) == ("explained", ("backlash",))
     assert found.parameters["backlash"]["width"]["value"] == pytest.approx(width, rel=0.01)
+
+
+def test_play_that_throws_its_output_is_named_and_sized(thrown, stock):
+    """What is left of such impacts goes with the last digit of what is measured: the verdict is either."""
+    found = discover(thrown, stock)
+    assert found.added == ("backlash",)
+    assert found.parameters["backlash"]["width"]["value"] == pytest.approx(0.01, rel=0.01)
