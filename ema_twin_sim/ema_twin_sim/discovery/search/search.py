@@ -95,9 +95,10 @@ def search(
     if parts:
         progress("looking at the torque alone")
     begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
-    current, rounds = add_effects(begun, by_torque, progress, most=most)
-    if may_wander and current.problem.weighting.wander is None and not null.base.is_open:
-        current, rounds = _beside_wander(null, current, rounds, by_torque, progress, most)
+    if may_wander and begun.problem.weighting.wander is None and not null.base.is_open:
+        current, rounds = _add_effects_or_wander(null, begun, by_torque, progress, most)
+    else:
+        current, rounds = add_effects(begun, by_torque, progress, most=most)
     if parts:
         current = fit(_beside_impacts(current.problem.with_encoders()), current.hypothesis)
         if parted_encoders(current):
@@ -134,6 +135,35 @@ def _gives_way(f: Fit) -> bool:
     return not {*f.hypothesis.effects}.isdisjoint(COMPLIANT_EFFECTS)
 
 
+def _add_effects_or_wander(
+    null: Hypothesis, begun: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
+) -> tuple[Fit, list[Round]]:
+    """The torque's effects, added until none is worth its price, or those beside friction that wanders.
+
+    Wandering is asked for where something is left, or as soon as it takes suspiciously many effects to leave nothing.
+    More of them only make what they explain cheaper: what is refused beside that many is refused beside more.
+    """
+    first = min(most, USUAL_EFFECTS + 1)
+    current, rounds = add_effects(begun, without, progress, most=first)
+    refused = False
+    if len(rounds) == first and rounds[-1].added:
+        if _many(current):
+            beside = _beside_wander(null, current, rounds, without, progress, most)
+            if beside is not None:
+                return beside
+            refused = True
+        current, more = add_effects(current, without | _fleeting(rounds), progress, most=most - first)
+        rounds += more
+    if (refused and _many(current)) or (torque_left(current) <= MISFIT_LEFT and not _many(current)):
+        return current, rounds
+    return _beside_wander(null, current, rounds, without, progress, most) or (current, rounds)
+
+
+def _many(f: Fit) -> bool:
+    """Whether more effects were added than a machine may usually lack."""
+    return len(f.hypothesis.added) > USUAL_EFFECTS
+
+
 def _beside_wander(
     null: Hypothesis,
     current: Fit,
@@ -141,19 +171,13 @@ def _beside_wander(
     without: frozenset[str],
     progress: Callable[[str], None],
     most: int,
-) -> tuple[Fit, list[Round]]:
-    """The end and the rounds begun anew beside friction that wanders, if that explains the torque; else those given.
-
-    Asked where something is left, or where it took suspiciously many effects to leave nothing.
-    """
-    many = len(current.hypothesis.added) > USUAL_EFFECTS
-    if torque_left(current) <= MISFIT_LEFT and not many:
-        return current, rounds
+) -> tuple[Fit, list[Round]] | None:
+    """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque."""
     plain = current.problem
-    wander = wandering(plain, rounds[1].after if many else current)
+    wander = wandering(plain, rounds[1].after if _many(current) else current)
     if wander is None:
-        return current, rounds
-    cost_of_many = _torque_cost(current) if many else math.inf
+        return None
+    cost_of_many = _torque_cost(current) if _many(current) else math.inf
     progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
     anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
     beside, rounds_beside = add_effects(settle(fit(anew, null)), without, progress, most=most)
@@ -161,8 +185,13 @@ def _beside_wander(
     too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
     paid = left + CORRELATION * wander.complexity_penalty / plain.size
     if left > MISFIT_LEFT or too_dear or depends_on_more(plain, beside.hypothesis, paid):
-        return current, rounds
+        return None
     return beside, rounds_beside
+
+
+def _fleeting(rounds: Iterable[Round]) -> frozenset[str]:
+    """Effects that went as soon as they came."""
+    return frozenset(turn.effect_of(name) for turn in rounds for name in turn.removed if name in turn.added)
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
@@ -280,7 +309,7 @@ def add_best(
         if not turn.added:
             break
         progress("found " + " and ".join(turn.added))
-        excluded |= {turn.effect_of(n) for n in turn.removed if n in turn.added}
+        excluded |= _fleeting([turn])
         current = turn.after
     return current, rounds
 
@@ -396,28 +425,43 @@ def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> 
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
-def prune(f: Fit) -> Fit:
+def prune(f: Fit, certain: float = math.inf) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included.
 
-    A generic basis fits anything: beside it, what every machine has and the model lacked stays.
+    A generic basis fits anything: beside it, what every machine has and the model lacked stays. So does, however small
+    it is, an effect that gains more than ``certain``.
     """
     problem = f.problem
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
         names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]
-        trials = [*zip(names, fits(problem, [_without(h, n) for n in names], 6, known=f), strict=True)]
+        trials = [*zip(names, _less_each(f, names), strict=True)]
         less = [h.without_generic_basis(n) for n in h.generic_bases]
         trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [
             g
             for n, g in trials
-            if penalised_gain(f, g) >= 0.0 or not (_on_the_other_side(h, n) or has_effect_size(problem, g, f))
+            if (lost := -penalised_gain(f, g)) <= 0.0
+            or (lost <= certain and not (_on_the_other_side(h, n) or has_effect_size(problem, g, f)))
         ]
         if not needless:
             break
         best = max(needless, key=lambda g: penalised_gain(f, g))
         f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
     return f
+
+
+def _less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
+    """Fits less one of the added effects each.
+
+    To first order in what stays; but where play and a spring are there, each takes the other's place in its own way.
+    """
+    less = fits(f.problem, [_without(f.hypothesis, n) for n in names], 6, known=f)
+    compliant = [k for k, n in enumerate(names) if f.hypothesis.added[n].effect in COMPLIANT_EFFECTS]
+    if len(compliant) > 1:
+        for k, whole in zip(compliant, fits(f.problem, [less[k].hypothesis for k in compliant]), strict=True):
+            less[k] = whole
+    return less
 
 
 def _on_the_other_side(h: Hypothesis, name: str) -> bool:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from ...criteria import BESIDE_IMPACTS, CORRELATION
+from ...criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS
 from ...identification.fit import Fit, fit
 from ...identification.wander import Wander
 from ...identification.wandering import wandering
@@ -39,14 +39,15 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     """The search beside friction that wanders and less what is needless then; itself where nothing is.
 
     Asked beside play or a spring, where the search could not ask before both were found: what the friction's
-    wandering adds over a few reversals has the shape of some friction curve, and of a small load.
+    wandering adds over a few reversals has the shape of some friction curve, and of a small load. Beside wandering that
+    has taken some of it, an effect may be small; one that still gains clearly is explained by nothing else.
     """
     wander = _wander(found) if found.fit.parted else None
     if wander is None:
         return found
     progress(f"friction seems to wander by {wander.share:.1%}: asking what that explains as well")
     beside = _beside(found.fit, wander)
-    after = prune(beside)
+    after = prune(beside, DEPENDS)
     return found if after is beside else significant(found.ended(after, WANDERS))
 
 
