@@ -30,6 +30,7 @@ def few_rows(torque, noise=0.01, encoder=(), encoder_noise=1e-5, name="by_hand")
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         torque_noise=np.full(count, noise),
+        torque_step=0.0,
         coarse=False,
         hit=np.zeros(count),
         after_impact=np.zeros(count, bool),

@@ -44,7 +44,11 @@ from .search.search import less, search, settle, significant
 from .search.search_order import in_another_order, search_without_first
 from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
-from .search.wandering_end import less_what_wandering_explains, wandering_after_all
+from .search.wandering_end import (
+    less_what_wandering_explains,
+    less_what_warms_no_more_than_it_wanders,
+    wandering_after_all,
+)
 from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
 from .unmoved import beside_constants_as_filed, freed, with_unmoved_constants
@@ -266,6 +270,7 @@ def _searched(
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(problem, null, excluded, progress)
     if null.base.is_open:
+        found = less_what_warms_no_more_than_it_wanders(found)
         return found, explained(found.problem, found.fit, found.rounds[0].before)
     if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
         return found, False

@@ -57,6 +57,7 @@ class Observation:
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
+    torque_step: float  # N m, between two readings of the current next to each other
     coarse: bool  # whether the current's steps are wide beside its noise: neighbouring rows are rounded alike
     hit: np.ndarray  # (n,) rad/s2, the hardest acceleration shortly before; zero where nothing can be shaken
     after_impact: np.ndarray  # bool (n,), a harder one before: an output with play rests anywhere
@@ -214,6 +215,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
         torque_rate=smooth(drive, gaussian(width, period, 1))[rows],
         acceleration=acceleration[rows],
         torque_noise=noise[rows],
+        torque_step=model.value("machine.torque_constant") * _step(recording.signals["current"]) if by_torque else 0.0,
         coarse=by_torque and _resolution(recording.signals["current"], model, reading_noise(signals["current"])) > 0.0,
         hit=hit,
         after_impact=after_impact,
@@ -249,6 +251,7 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
         torque_rate=np.zeros(count),
         acceleration=np.zeros(count),
         torque_noise=np.full(count, max(constant * noise, LEAST_NOISE * float(np.abs(torque).max()))),
+        torque_step=0.0,
         coarse=False,
         hit=np.zeros(2 * count),
         after_impact=np.zeros(2 * count, bool),
@@ -330,9 +333,14 @@ def _resolution(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
 
     That is the model's, or what was ``read`` off the recording where the model tells of none.
     """
-    levels = np.unique(raw[np.isfinite(raw)])
-    step = float(np.diff(levels).min()) if len(levels) > 1 else 0.0
+    step = _step(raw)
     return step / math.sqrt(12.0) if step > 2.0 * max(model.value("sensors.current_noise"), read) else 0.0
+
+
+def _step(raw: np.ndarray) -> float:
+    """The least difference of two readings."""
+    levels = np.unique(raw[np.isfinite(raw)])
+    return float(np.diff(levels).min()) if len(levels) > 1 else 0.0
 
 
 def _encoder_noise(model: Model) -> float:

@@ -20,6 +20,7 @@ from ...identification.hypothesis import LAG, SIDED
 from ...identification.on_bound import reached_bound
 from ...identification.uncertainty import covariance, scaled_inverse
 from ...model.roles import FRICTION, TORQUE_FACTOR
+from .reversals import shows_where_slowest
 from .worth import NOTHING_ELSE, is_lacked, largest_rms_reduction
 
 OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in FRICTION}
@@ -49,7 +50,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
     free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
     bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
-    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth; nor,
+    noise over. Where constants are open, what turns with a shaft must also show elsewhere than beside standstill. Not
+    asked of what constants off their file show: how far they are off was that effect's worth; nor,
     beside a generic basis, which fits anything, of what every machine has. Where constants are open, no shape may stand
     on its bound either. Of two that take each other's place it is the later one, which explains less.
     """
@@ -61,7 +63,7 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
         instance = f.hypothesis.instance(name)
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
-        if f.hypothesis.base.is_open and _shape_on_bound(problem, f, name):
+        if f.hypothesis.base.is_open and (_shape_on_bound(problem, f, name) or shows_where_slowest(problem, f, name)):
             return name
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
             continue

@@ -104,7 +104,11 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     refuse_different_weightings(before, after)
     came = {n: held.effect for n, held in after.hypothesis.added.items() if n not in before.hypothesis.added}
     if any(
-        _does_nothing(after, name) or _too_large(problem, after, name) or _within_counts(after, name) for name in came
+        _does_nothing(after, name)
+        or _too_large(problem, after, name)
+        or _within_counts(after, name)
+        or _within_steps(problem, after, name)
+        for name in came
     ):
         return False
     over = {catalogue()[id].depends_on for id in came.values()}
@@ -192,6 +196,21 @@ def _within_counts(f: Fit, name: str) -> bool:
         value("sensors.output_encoder_counts"), value("sensors.motor_encoder_counts") * value("machine.gear_ratio")
     )
     return abs(instance.parameters[size.name]) < 0.5 * f.hypothesis.base.turn / counts
+
+
+def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether what differs by direction is less than a step of the torque that was read: so does what a drive rounds
+    down.
+
+    Asked where constants are open: else the model's file tells how the sensor reads.
+    """
+    instance = f.hypothesis.instance(name)
+    step = max((o.torque_step for o in problem.observations if len(o.rows)), default=0.0)
+    if catalogue()[instance.effect].depends_on != "direction" or not f.hypothesis.base.is_open or not step:
+        return False
+    size = catalogue()[instance.effect].parameters[0]
+    slope = f.slopes()[f"effects.{name}.{size.name}"][: problem.size]
+    return abs(instance.parameters[size.name]) * float(np.median(np.abs(slope) * problem.noise)) < step
 
 
 def _does_nothing(f: Fit, name: str) -> bool:

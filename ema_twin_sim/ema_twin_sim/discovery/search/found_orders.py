@@ -124,7 +124,7 @@ def highest_order(o: Observation) -> float:
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model: Model) -> list[Candidate]:
     """The candidates without those that repeat with each turn where the motor made too little of one, and without the
-    orders that points do not resolve. On a machine of unknown orders, one cycle must have been recorded.
+    orders that points do not resolve. On a machine of unknown orders, two cycles must have been recorded.
 
     Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
     """
@@ -134,12 +134,12 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
 
     def shows(c: Candidate) -> bool:
         effect = catalogue()[c.effect]
-        by_turns = effect.depends_on not in ("output_position", "encoders") and any(
-            p.periodic for p in effect.parameters
-        )
+        repeats = effect.depends_on != "encoders" and any(p.periodic for p in effect.parameters)
+        by_turns = repeats and effect.depends_on != "output_position"
         order = motor_order(c.effect, float(c.options.get("order", 1.0)), model.value("machine.gear_ratio"))
-        unseen = model.other_orders and turns * order < 1.0  # what never came a second time is not seen to repeat
-        if by_turns and (turns < FEWEST_TURNS or unseen):
+        # a slow bend of the torque over the angle looks like a wave; gravity, which has no other orders, is known to be
+        unseen = model.other_orders and turns * order < 2.0 and (by_turns or "order" in c.options)
+        if (by_turns and turns < FEWEST_TURNS) or (repeats and unseen):
             return False
         return "order" not in c.options or order < highest
 

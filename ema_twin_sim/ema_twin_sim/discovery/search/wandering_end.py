@@ -10,12 +10,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ...criteria import BESIDE_IMPACTS, CORRELATION, DEPENDS
+from ...effects import catalogue
 from ...identification.fit import Fit, fit
 from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ..criteria.explained import explained
-from .search import add_effects, depends_on_more, prune, settle, significant, torque_left
+from ..criteria.worth import penalised_gain
+from .search import add_effects, depends_on_more, less, prune, settle, significant, torque_left
 from .trace import WANDERS, Search
 
 
@@ -49,6 +51,26 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     beside = _beside(found.fit, wander)
     after = prune(beside, DEPENDS)
     return found if after is beside else significant(found.ended(after, WANDERS))
+
+
+def less_what_warms_no_more_than_it_wanders(found: Search) -> Search:
+    """The search of a machine whose constants are open, less what changes with time where wandering explains that.
+
+    There wandering is no part of the noise, since free constants of friction do much of what it does; but a friction
+    that falls and rises again looks like one that warms up, over one recording.
+    """
+    over_time = [n for n, i in found.fit.hypothesis.added.items() if catalogue()[i.effect].depends_on == "time"]
+    wander = _wander(found) if over_time else None
+    if wander is None:
+        return found
+    beside = _beside(found.fit, wander)
+    gone = [
+        name
+        for name in over_time
+        if name in beside.hypothesis.added
+        and penalised_gain(fit(beside.problem, beside.hypothesis.without(name)), beside) <= DEPENDS
+    ]
+    return significant(less(found, gone, WANDERS)) if gone else found
 
 
 def _wander(found: Search) -> Wander | None:
