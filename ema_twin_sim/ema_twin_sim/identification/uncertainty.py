@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ..effects import catalogue
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
@@ -48,7 +50,24 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
     residual = residual - aside @ (aside.T @ residual)
     pj = pj[:, asked]
     found[np.ix_(asked, asked)] += disagreement(jacobian, residual, pj, which)
-    return found
+    return _within_ranges(found, f)
+
+
+def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
+    """Covariance (k, k) beside what is known of a share, which is somewhere between its ends: no share is 1 ± 1.7.
+
+    Any value between two ends is as likely, with a variance of a twelfth of their distance squared.
+    """
+    for k, free in enumerate(f.hypothesis.free):
+        name, _, parameter = free.path.removeprefix("effects.").partition(".")
+        if name not in f.hypothesis.added:
+            continue
+        table = catalogue()[f.hypothesis.added[name].effect].parameters
+        p = next(p for p in table if p.name == parameter)
+        width = p.upper - p.lower
+        if math.isfinite(width) and not p.periodic:
+            spread = spread - np.outer(spread[:, k], spread[k]) / (spread[k, k] + width**2 / 12.0)
+    return spread
 
 
 def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray, which: np.ndarray) -> np.ndarray:
