@@ -1,0 +1,125 @@
+"""Joints of which no constant is known, one recording each: what a law of friction leaves over is named as nothing."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery.criteria.reversals import shows_where_slowest
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.search.found_orders import resolved
+from ema_twin_sim.identification.candidates import Candidate
+from ema_twin_sim.identification.equation import EquationErrorProblem
+from ema_twin_sim.identification.fit import fit
+from ema_twin_sim.identification.hypothesis import null_hypothesis
+from ema_twin_sim.identification.screening import screen
+from ema_twin_sim.identification.uncertainty import covariance
+from ema_twin_sim.measured.observation import observe_all
+from ema_twin_sim.measured.scales import to_own_units
+from ema_twin_sim.model import load_model
+
+NOISE = 0.02  # A
+PERIOD = 0.01  # s
+DRY, VISCOUS, INERTIA, TORQUE_CONSTANT = 12.0, 25.0, 5.0, 10.0
+
+
+@pytest.fixture(scope="module")
+def joint():
+    model = load_model("laas_motor").with_value("machine.torque_constant", TORQUE_CONSTANT)
+    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
+    model = model.with_effect("coulomb_friction", {"torque": 10.0})
+    model = model.with_effect("viscous_friction", {"coefficient": 20.0})
+    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+
+
+def moved(friction=lambda time, angle, speed: 0.0, turns=0.25, seconds=40.0, seed=1, step=0.0, sway=0.1):
+    """To and fro by ``turns``, with a ``friction`` [N m] beside Coulomb's and viscous; readings in steps [A]."""
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    rate = 2.0 * math.pi * 0.15
+    angle = math.pi * turns * np.sin(rate * time) * (1.0 + sway * np.sin(0.31 * rate * time))
+    speed = np.gradient(angle, PERIOD)
+    torque = INERTIA * np.gradient(speed, PERIOD) + DRY * np.tanh(speed / 1e-3) + VISCOUS * speed
+    torque = torque + friction(time, angle, speed)
+    current = torque / TORQUE_CONSTANT + NOISE * np.random.default_rng(seed).standard_normal(len(time))
+    if step:
+        current = step * np.floor(current / step)
+    signals = {"current": current, "speed": speed, "motor_position": angle}
+    return Recording(f"joint_{seed}", np.arange(len(time)) * 10_000_000, signals, motor_angle_origin=0.0)
+
+
+def in_own_units(recording, model):
+    """What is judged, and the model's own hypothesis."""
+    recordings, model = to_own_units([recording], model)
+    return EquationErrorProblem(observe_all(list(recordings), model)), null_hypothesis(model)
+
+
+@pytest.mark.parametrize(("order", "offered"), [("3", False), ("5", True)])
+def test_an_order_that_was_not_recorded_twice_is_not_looked_for(order, offered, joint):
+    """Over half a turn, three to a turn is one bend and a half: so is a friction that is a little more at one end."""
+    option = Candidate("cogging", {"order": order})
+    problem, h = in_own_units(moved(turns=0.5), joint)
+    assert resolved(problem, [option], h.base) == ([option] if offered else [])
+
+
+def pulse(angle, height=3.0):
+    away = np.abs(np.mod(angle - 1.0 + math.pi, 2.0 * math.pi) - math.pi)
+    return np.where(away < 0.2, 0.5 * height * (1.0 + np.cos(math.pi * away / 0.2)), 0.0)
+
+
+def test_what_lies_at_reversals_is_no_damaged_tooth(joint):
+    """The machine turns at the same angles each time; a tooth is passed at every speed."""
+    turns = (1.0 + 2.0 * math.pi) / math.pi  # it reverses where the tooth is
+
+    def fitted(friction):
+        problem, h = in_own_units(moved(friction, turns, sway=0.0), joint)
+        option = Candidate("tooth_fault", {"order": "1", "kind": "conservative"})
+        (screened,) = screen(problem, fit(problem, h), [option])
+        return problem, fit(problem, h.with_effect("tooth_fault", option.options, screened.start), 20)
+
+    def gives_way(time, angle, speed, travel=0.03):  # rad over which a bristle bends (Dahl)
+        bent = np.zeros(len(angle))
+        for k, way in enumerate(np.diff(angle), 1):
+            bent[k] = np.clip(bent[k - 1] + way / travel, -1.0, 1.0)
+        return DRY * (bent - np.tanh(speed / 1e-3))
+
+    assert not shows_where_slowest(*fitted(lambda t, angle, v: pulse(angle)), "tooth_fault")
+    assert shows_where_slowest(*fitted(gives_way), "tooth_fault")
+
+
+def test_friction_that_comes_and_goes_does_not_warm_up(joint):
+    def wanders(time, angle, speed):
+        share = 0.05 * np.interp(time, [0.0, 8.0, 16.0, 24.0, 32.0, 40.0], [1.5, 0.2, 0.5, -0.9, 0.1, -0.6])
+        return share * (DRY * np.tanh(speed / 1e-3) + VISCOUS * speed)
+
+    assert discover([moved(wanders)], joint).added == ()
+
+
+def test_friction_that_warms_up_is_named(joint):
+    def warms(time, angle, speed):
+        return -0.25 * (1.0 - np.exp(-time / 12.0)) * (DRY * np.tanh(speed / 1e-3) + VISCOUS * speed)
+
+    assert discover([moved(warms)], joint).added == ("thermal_friction",)
+
+
+@pytest.mark.parametrize(("load", "named"), [(0.0, ()), (1.2, ("constant_load",))])
+def test_what_a_drive_rounds_down_is_no_load(load, named, joint):
+    """Rounded down, a reading is half a step less on average, as of a constant load."""
+    step = 0.05  # A, which is 0.5 N m
+    assert discover([moved(lambda *_: load, step=step, seed=k) for k in (1, 2)], joint).added == named
+
+
+def test_a_share_is_between_its_ends(joint):
+    """Beyond what was driven a lubricant thins by a share at one speed, or by more at a higher one."""
+
+    def thins(time, angle, speed):
+        return -VISCOUS * speed * 0.9 * np.abs(speed) / (np.abs(speed) + 4.0)
+
+    problem, h = in_own_units(moved(thins), joint)
+    h = h.with_effect("shear_thinning", {}, {"fraction": 0.9, "speed": 4.0})
+    f = fit(problem, h, 20)
+    spread = covariance(problem, f)
+    k = [free.path for free in h.free].index("effects.shear_thinning.fraction")
+    assert math.sqrt(spread[k, k]) <= 1.0 / math.sqrt(12.0)
+    assert np.linalg.eigvalsh(spread / np.outer(*2 * [np.sqrt(np.diag(spread))])).min() > -1e-9
