@@ -95,19 +95,39 @@ def search(
     if parts:
         progress("looking at the torque alone")
     begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
-    if may_wander and begun.problem.weighting.wander is None and not null.base.is_open:
-        current, rounds = _add_effects_or_wander(null, begun, by_torque, progress, most)
-    else:
-        current, rounds = add_effects(begun, by_torque, progress, most=most)
+    may_wander = may_wander and begun.problem.weighting.wander is None and not null.base.is_open
+    current, rounds = _add_effects_or_wander(null, begun, [], by_torque, by_torque, progress, most, may_wander)
     if parts:
-        current = fit(_beside_impacts(current.problem.with_encoders()), current.hypothesis)
-        if parted_encoders(current):
-            progress("looking at the gearbox")
-            current, by_gearbox = _add_structure(current, without)
-            rounds += by_gearbox
-        current, by_all = add_effects(current, without, progress, most=most)
-        rounds += by_all
+        current, rounds = _beside_encoders(null, current, rounds, without, by_torque, progress, most, may_wander)
     return significant(Search(current, tuple(rounds)))
+
+
+def _beside_encoders(
+    null: Hypothesis,
+    current: Fit,
+    rounds: list[Round],
+    without: frozenset[str],
+    by_torque: frozenset[str],
+    progress: Callable[[str], None],
+    most: int,
+    may_wander: bool,
+) -> tuple[Fit, list[Round]]:
+    """What the torque alone told, then play and spring, then all together.
+
+    Where a rigid train would take suspiciously many effects and wandering explains the torque instead, the encoders are
+    asked beside that.
+    """
+    may_wander = may_wander and current.problem.weighting.wander is None
+    current = fit(_beside_impacts(current.problem.with_encoders()), current.hypothesis)
+    if parted_encoders(current):
+        progress("looking at the gearbox")
+        current, by_gearbox = _add_structure(current, without)
+        rounds = [*rounds, *by_gearbox]
+    may_wander = may_wander and not current.parted
+    current, rounds = _add_effects_or_wander(null, current, rounds, without, by_torque, progress, most, may_wander)
+    if may_wander and current.problem.weighting.wander is not None:
+        return _beside_encoders(null, current, rounds, without, by_torque, progress, most, False)
+    return current, rounds
 
 
 def _beside_impacts(problem: EquationErrorProblem) -> EquationErrorProblem:
@@ -136,27 +156,49 @@ def _gives_way(f: Fit) -> bool:
 
 
 def _add_effects_or_wander(
-    null: Hypothesis, begun: Fit, without: frozenset[str], progress: Callable[[str], None], most: int
+    null: Hypothesis,
+    begun: Fit,
+    rounds: list[Round],
+    without: frozenset[str],
+    by_torque: frozenset[str],
+    progress: Callable[[str], None],
+    most: int,
+    may_wander: bool,
 ) -> tuple[Fit, list[Round]]:
-    """The torque's effects, added until none is worth its price, or those beside friction that wanders.
+    """More effects after ``rounds``, until none is worth its price; or anew, ``by_torque``, beside wandering friction.
 
-    Wandering is asked for where something is left, or as soon as it takes suspiciously many effects to leave nothing.
-    More of them only make what they explain cheaper: what is refused beside that many is refused beside more.
+    Wandering is asked for where something is left of the torque alone, or as soon as it takes suspiciously many effects
+    to leave nothing. More of them only make what they explain cheaper: what is refused beside that many is refused
+    beside more.
     """
-    first = min(most, USUAL_EFFECTS + 1)
-    current, rounds = add_effects(begun, without, progress, most=first)
+    if not may_wander:
+        current, more = add_effects(begun, without, progress, most=most)
+        return current, [*rounds, *more]
+    later = bool(rounds)  # what the torque alone leaves was asked before
+    first = min(most, max(USUAL_EFFECTS + 1 - len(begun.hypothesis.added), 1))
+    current, more = add_effects(begun, without, progress, most=first)
     refused = False
-    if len(rounds) == first and rounds[-1].added:
+    if len(more) == first and more[-1].added:
         if _many(current):
-            beside = _beside_wander(null, current, rounds, without, progress, most)
+            beside = _beside_wander(
+                null, _by_torque(current, later), current, [*rounds, *more], by_torque, progress, most
+            )
             if beside is not None:
                 return beside
             refused = True
-        current, more = add_effects(current, without | _fleeting(rounds), progress, most=most - first)
-        rounds += more
-    if (refused and _many(current)) or (torque_left(current) <= MISFIT_LEFT and not _many(current)):
+        current, rest = add_effects(current, without | _fleeting(more), progress, most=most - first)
+        more += rest
+    rounds = [*rounds, *more]
+    many = _many(current)
+    if (refused and many) or not (many or (torque_left(current) > MISFIT_LEFT and not later)):
         return current, rounds
-    return _beside_wander(null, current, rounds, without, progress, most) or (current, rounds)
+    plain = _by_torque(current, later)
+    return _beside_wander(null, plain, current, rounds, by_torque, progress, most) or (current, rounds)
+
+
+def _by_torque(f: Fit, later: bool) -> EquationErrorProblem:
+    """The problem that is asked for wandering: of the torque alone where the encoders' part came ``later``."""
+    return f.problem.by_torque_alone() if later else f.problem
 
 
 def _many(f: Fit) -> bool:
@@ -166,6 +208,7 @@ def _many(f: Fit) -> bool:
 
 def _beside_wander(
     null: Hypothesis,
+    plain: EquationErrorProblem,
     current: Fit,
     rounds: list[Round],
     without: frozenset[str],
@@ -173,7 +216,6 @@ def _beside_wander(
     most: int,
 ) -> tuple[Fit, list[Round]] | None:
     """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque."""
-    plain = current.problem
     wander = wandering(plain, rounds[1].after if _many(current) else current)
     if wander is None:
         return None
@@ -304,6 +346,8 @@ def add_best(
     rounds: list[Round] = []
     excluded: frozenset[str] = frozenset()
     for _ in range(most):
+        if len(current.hypothesis.added) >= MOST_EFFECTS and not current.hypothesis.base.is_open:
+            break  # what takes more of them is something else
         turn = take_best(current, entering(current, excluded))
         rounds.append(turn)
         if not turn.added:
