@@ -85,6 +85,7 @@ class Guess:
     doubt: str = ""  # what to look at, where the unit was not in the name
     of_motor: bool = False  # whether its name says that it is told at the motor's shaft
     shaft_doubt: str = ""  # what to look at, where the shaft was not in the name
+    turned_round: bool = False  # whether its sign is turned
 
     @property
     def shaft(self) -> str:
