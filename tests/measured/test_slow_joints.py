@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.measured.balance_estimate import estimate_balance
-from ema_twin_sim.measured.observation import observe
+from ema_twin_sim.measured.observation import observe, observe_all
 from ema_twin_sim.measured.scales import rms_torque, standstill
 from tests.large_arm import COULOMB, INERTIA, VISCOUS, open_arm
 
@@ -72,3 +73,28 @@ def test_a_row_that_mostly_stands_is_not_judged_and_a_quick_reversal_is(stock):
     quick = 20.0 * np.sin(np.arange(10_000) * 2e-2)
     rows = observe(run(quick, 2e-3), model).rows
     assert np.diff(rows).max() == np.diff(rows).min()
+
+
+def test_a_log_without_an_even_clock_is_judged_nearly_as_well_as_one_with_it(stock):
+    """A computer logs when it comes to it: a quarter of its steps is longer than one and a half usual ones."""
+    model = stock.with_value("machine.output_inertia", 0.0)
+    speed = 50.0 * np.cos(np.arange(40_000) * 2e-3)
+    even = np.arange(0, len(speed), 4)
+    steps = np.random.default_rng(3).choice([2, 3, 4, 4, 5, 7, 8, 9], len(even))
+    logged = np.cumsum(steps) - steps[0]
+    logged = logged[logged < len(speed)]
+    whole, uneven = (observe(run(speed, 1e-3, kept), model) for kept in (even, logged))
+    assert (
+        len(uneven.rows) * len(uneven.kernel) * uneven.period > 0.8 * len(whole.rows) * len(whole.kernel) * whole.period
+    )
+
+
+def test_a_refusal_tells_of_an_uneven_rate_of_samples(stock):
+    model = stock.with_value("machine.output_inertia", 0.0)
+    steps = np.random.default_rng(3).choice([2, 3, 4, 4, 5, 7, 8, 9], 400)
+    logged = np.cumsum(steps) - steps[0]
+    recording = run(50.0 * np.cos(np.arange(logged[-1] + 1) * 2e-3), 1e-3, logged)
+    with pytest.raises(
+        InputError, match=r"or log at an even rate: run's samples come 5 ms apart, and often 10 ms or more"
+    ):
+        observe_all([recording], model)

@@ -1,9 +1,14 @@
 """A torque sensor in an unloaded joint tells its own offset: init takes it for a load only if the drive follows it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.measured.consistency import inconsistencies
+from ema_twin_sim.model import load_model
 
 CONSTANT = 7.6  # N m/A at the joint
 
@@ -58,3 +63,18 @@ def test_no_torque_constant_need_be_known(constant, tmp_path):
     assert "load_torque" in (tmp_path / "a_map.yaml").read_text()
     init(str(tmp_path / "b"), [trace(tmp_path, lambda t: 0.0 * t, drifting, constant)])
     assert "load_torque" not in (tmp_path / "b_map.yaml").read_text()
+
+
+@pytest.mark.parametrize(("shown", "turned"), [(wandering, False), (lambda t: -wandering(t), True)])
+def test_a_sensor_that_counts_against_the_drive_is_read_with_its_sign_turned(shown, turned, tmp_path, capsys):
+    """Where it were read as it stands, the load would push where it brakes, and no effect would explain that."""
+    path = trace(tmp_path, wandering, shown)
+    init(str(tmp_path / "joint"), [path], torque_constant=CONSTANT)
+    drawn = (tmp_path / "joint_map.yaml").read_text()
+    assert ("unit: N m, factor: -1" in drawn) == turned
+    assert ("so its sign is turned" in capsys.readouterr().out) == turned
+    recording = load(path, import_map=tmp_path / "joint_map.yaml")
+    model = load_model(tmp_path / "joint.yaml")
+    assert not [*inconsistencies(recording, model)]
+    load_turned = replace(recording, signals={**recording.signals, "load_torque": -recording.signals["load_torque"]})
+    assert ["load's sign" in str(found) for found in inconsistencies(load_turned, model)] == [True]

@@ -124,7 +124,8 @@ def run(
         for column in drafts.left_out:
             say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
         _warn_of_foreign_units(guesses)
-        _say_what_it_rests_on(files[1], (*assumed_units(guesses), *drafts.assumed))
+        joint = (guesses.joint.sentence,) if guesses.joint.number else ()
+        _say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
     for question in drafts.questions:
         warn(question)
     _say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)

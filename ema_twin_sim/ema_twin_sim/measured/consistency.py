@@ -27,6 +27,7 @@ from ..reading_noise import reading_noise
 from ..simulation.angle_origins import origins_of
 from ..simulation.assembly import assemble
 from ..simulation.required import required_torque
+from .load_sensor import falls_with_load
 from .observation import Observation, observe
 from .smoothing import smooth_at
 from .twist import parts_by_angle
@@ -136,6 +137,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
             "check unit, factor and counts of both in the import map"
             + _ALSO.get(frozenset(pair), "").format(ratio=model.value("machine.gear_ratio") / abs(found.value)),
         )
+    yield from _by_load(recording)
     yield from _by_limit(recording, model)
     yield from _by_inertia(recording, model)
 
@@ -257,6 +259,16 @@ def _mistake(factor: _Factor, model: Model) -> str:
         if abs(abs(value) - size) <= relation.named * size:
             return f", {words}" + (", and of the other sign" if value < 0.0 else "")
     return ", of the other sign" if abs(value + 1.0) <= relation.named else ""
+
+
+def _by_load(recording: Recording) -> Iterator[Inconsistency]:
+    """Whether the drive holds the load that was measured, and does not give way to it."""
+    if falls_with_load([recording]):
+        yield Inconsistency(
+            recording.name,
+            "the drive's torque falls where load_torque rises, as if the load's sign were turned round",
+            "check the sign of load_torque and of current in the import map (`factor: -1` turns one)",
+        )
 
 
 def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:

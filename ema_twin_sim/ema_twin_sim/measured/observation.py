@@ -15,7 +15,18 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import Recording
 
-from ..criteria import CHAOTIC, CORRELATION, COUNTED, HARD, LEAST_ROWS, NEGLIGIBLE, SHAKEN, STANDSTILL, THROWN
+from ..criteria import (
+    CHAOTIC,
+    CORRELATION,
+    COUNTED,
+    HARD,
+    LEAST_ROWS,
+    NEARLY_ALL,
+    NEGLIGIBLE,
+    SHAKEN,
+    STANDSTILL,
+    THROWN,
+)
 from ..model import Model
 from ..model.own_units import shown
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
@@ -156,6 +167,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
+    width = max(width, 2.0 * _usual_step(recording))
     kernel = gaussian(width, period)
     whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges what is much shorter than itself
     if len(time) < 4 * len(kernel):
@@ -226,6 +238,16 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     )
 
 
+def _usual_step(recording: Recording) -> float:
+    """The step [s] that nearly all steps between samples keep to, in whole sample periods.
+
+    A computer that logs beside other work keeps no even rate: its longer steps are no gaps, and a kernel that spans two
+    of them bridges each. Where a clock gives the samples and a few are missing, it is the sample period.
+    """
+    steps = np.diff(recording.stamps) * 1e-9
+    return float(np.rint(np.quantile(steps, NEARLY_ALL) / recording.sample_period)) * recording.sample_period
+
+
 def _observe_points(recording: Recording, model: Model) -> Observation:
     """Operating points: rows that are judged as they are, each by itself."""
     motion = motion_at_points(recording, model)
@@ -289,8 +311,20 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
         raise InputError(
             f"{', '.join(o.name for o in found)}: {shown(model, moving, 's')[0]:.2g} s of motion faster than "
             f"{standstill:.2g} {unit} at the motor; a diagnosis needs more of it: record longer, or move faster"
+            f"{_without_clock(recordings, model)}"
         )
     return found
+
+
+def _without_clock(recordings: list[Recording], model: Model) -> str:
+    """What an uneven rate of samples costs, and the remedy; empty where all have a clock."""
+    uneven = next((r for r in recordings if not r.of_points and _usual_step(r) > r.sample_period), None)
+    if uneven is None:
+        return ""
+    usual, long = (1e3 * shown(model, step, "s")[0] for step in (uneven.sample_period, _usual_step(uneven)))
+    return (
+        f", or log at an even rate: {uneven.name}'s samples come {usual:.3g} ms apart, and often {long:.3g} ms or more"
+    )
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:

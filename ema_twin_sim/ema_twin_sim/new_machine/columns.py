@@ -6,7 +6,6 @@ was measured, and the motor's shaft from the output's. Each signal is taken once
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,10 +15,11 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import AT_EITHER_SHAFT
 from ema_bench_replay.traces.import_map import TIME_UNITS
-from ema_bench_replay.units import MOTIONS, units_of
+from ema_bench_replay.units import units_of
 
 from ..criteria import SMALL
 from .header_words import COUNTS, HeaderWords, header_words
+from .joints import ONE_JOINT, Joint, Numbered, likeness, one_joint, travel
 
 _STEMS: dict[str, str] = {
     "time": r"time|zeit|^temps?$|^tempo$|^tiempo",
@@ -59,6 +59,10 @@ _NO_SIGNAL = (
     r"error|fehler|deviat|abweich|limit|grenz|ripple|accel|beschleun|status|^(mode|flags?|ddot|max|min|dc|udc|idc)$"
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
+_TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
+"""What measures a torque behind a machine whose current is measured, too."""
+_FILTERED = r"^filt|smooth|geglaett"
+"""A copy of a signal that somebody smoothed: taken only where the signal itself is not there."""
 _SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
 """Words of positions that may be lengths."""
 _TIME_WORDS = (
@@ -81,6 +85,7 @@ class Guess:
     doubt: str = ""  # what to look at, where the unit was not in the name
     of_motor: bool = False  # whether its name says that it is told at the motor's shaft
     shaft_doubt: str = ""  # what to look at, where the shaft was not in the name
+    turned_round: bool = False  # whether its sign is turned
 
     @property
     def shaft(self) -> str:
@@ -98,6 +103,7 @@ class Guesses:
     motion: str  # rotary, or linear where a position is in metres
     of_points: bool = False  # whether each row is an operating point, and no sample of a motion
     points_doubt: str = ""  # why it is taken for one, where nobody said so
+    joint: Joint = ONE_JOINT  # whose columns they are, where a trace holds several joints'
 
     @property
     def drives(self) -> bool:
@@ -134,12 +140,14 @@ def guess_columns(
     header: Sequence[str],
     no_numbers: frozenset[str] = frozenset(),
     numbers: Mapping[str, np.ndarray] | None = None,
+    joint: str = "",
 ) -> Guesses:
     """What each column of a header is taken for.
 
     Nothing is made of the columns that hold ``no_numbers``. ``numbers`` are the columns' own, (n,) each: of two
-    positions that move together and whose names tell no shaft, the one that goes farther is the motor's. Raises
-    InputError where the time is among those without numbers.
+    positions that move together and whose names tell no shaft, the one that goes farther is the motor's. Of several
+    joints' columns, those of ``joint`` are taken, else those of the one that goes farthest. Raises InputError where the
+    time is among those without numbers.
     """
     names = [header_words(name) for name in header]
     linear = _is_linear(names)
@@ -150,6 +158,8 @@ def guess_columns(
             f"header: column {time.name!r} holds no numbers; export the time in s or ms, counted from the start"
         )
     usable = [read for read in names if read is not time and read.name not in no_numbers]
+    whole = {name: values for name, values in (numbers or {}).items() if name not in no_numbers}
+    of_joint, usable = one_joint([_numbered(read) for read in usable], whole, joint)
     columns = [column for column in map(_column, usable) if column is not None]
     taken = _signals(columns, numbers or {})
     motion = "linear" if linear else "rotary"
@@ -158,14 +168,14 @@ def guess_columns(
             signal,
             column.name,
             _unit(column.read, signal, motion),
-            column.shaft == "output",
+            column.shaft == "output" or (signal == "load_torque" and column.shaft == ""),
             of_motor=column.shaft == "motor",
         )
         for signal, column in taken.items()
     )
     used = {column.name for column in taken.values()}
     left = tuple(name for name in header if name not in used and (time is None or name != time.name))
-    return _timed(time, signals, left, motion)
+    return replace(_timed(time, signals, left, motion), joint=of_joint)
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
@@ -292,22 +302,29 @@ def _column(read: HeaderWords) -> _Column | None:
     return _Column(read, quantity, desired or _has(words, _SETPOINT), _has(words, _ACTUAL), shaft)
 
 
+def _numbered(read: HeaderWords) -> Numbered:
+    """What a column may tell of a joint that its name numbers."""
+    column = _column(read)
+    return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)
+
+
 def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> dict[str, _Column]:
     """The column of each signal that has one."""
     taken: dict[str, _Column] = {}
 
     def of(quantity: str, *, setpoint: bool = False) -> list[_Column]:
         found = [c for c in columns if c.quantity == quantity and c.setpoint == setpoint and c not in taken.values()]
-        return sorted(found, key=lambda c: (c.shaft == "output", not c.actual))
+        return sorted(found, key=lambda c: (_has(c.read.words, _FILTERED), c.shaft == "output", not c.actual))
 
     def take(signal: str, found: Sequence[_Column]) -> None:
         if found:
             taken[signal] = found[0]
 
     take("temperature", of("temperature"))
-    torques = of("torque")
-    take("motor_torque", [c for c in torques if c.shaft != "output"])
-    take("load_torque", [c for c in torques if c.shaft == "output"])
+    torques, currents = of("torque"), of("current")
+    behind = [c for c in torques if c.shaft == "output" or (c.shaft == "" and currents and _measured_behind(c))]
+    take("motor_torque", [c for c in torques if c not in behind])
+    take("load_torque", behind)
     for signal, setpoint in (("current", False), ("current_setpoint", True)):
         take(signal, sorted(of("current", setpoint=setpoint), key=lambda c: not _quadrature(c.read.words)))
     take("voltage", of("voltage"))
@@ -318,10 +335,11 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
     outputs = [c for c in positions if c.shaft == "output"]
     unsaid = [c for c in positions if c.shaft == ""]
     if numbers:
-        unsaid.sort(key=lambda c: -_travel(c, numbers))
+        unsaid.sort(key=lambda c: (_has(c.read.words, _FILTERED), -travel(c.read, numbers)))
     take("motor_position", [*(c for c in positions if c.shaft == "motor"), *unsaid])
     if (motor := taken.get("motor_position")) is not None:
-        outputs += [c for c in unsaid if c is not motor and _together(motor, c, numbers)]
+        beside = [c for c in unsaid if c is not motor and not _has(c.read.words, _FILTERED)]
+        outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
     take("output_position", outputs)
     for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
         # of a joint's angle alone, it is the motor's that the joint tells
@@ -346,19 +364,14 @@ _ORDER = (
 """Signals in the order in which a map lists them."""
 
 
-def _travel(column: _Column, numbers: Mapping[str, np.ndarray]) -> float:
-    """How far a position goes, in SI units where its name tells one."""
-    known = {unit: size for motion in MOTIONS for unit, size in units_of("motor_position", motion).items()}
-    return float(np.ptp(numbers[column.name])) * known.get(column.read.unit or "", 1.0)
+def _of_one_train(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether two positions go the same way, or against each other, all the time; False where there are no numbers."""
+    return bool(numbers) and likeness(numbers[one.name], numbers[other.name]) > 1.0 - SMALL
 
 
-def _together(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether two positions are of one train: they go the same way, or against each other, all the time."""
-    if not numbers:
-        return False
-    ways = [numbers[column.name] - numbers[column.name].mean() for column in (one, other)]
-    size = math.sqrt(float(ways[0] @ ways[0]) * float(ways[1] @ ways[1]))
-    return size > 0.0 and abs(float(ways[0] @ ways[1])) > (1.0 - SMALL) * size
+def _measured_behind(torque: _Column) -> bool:
+    """Whether a torque's name tells that a transducer measured it, which the drive has none of."""
+    return _has(torque.read.words, _TRANSDUCER)
 
 
 def _quadrature(words: Sequence[str]) -> bool:

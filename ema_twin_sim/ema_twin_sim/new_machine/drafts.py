@@ -15,11 +15,11 @@ from ema_bench_replay.load import load
 from ema_bench_replay.recording import AT_EITHER_SHAFT, MOTION, Recording
 from ema_bench_replay.traces.import_map import load_map
 
+from ..measured.load_sensor import falls_with_load, follows_load
 from ..model import load_model
 from ..model.constants import CONSTANTS
 from .columns import Guess, Guesses
 from .given import Given
-from .load_sensor import follows_load
 from .map_draft import draft_map
 from .model_draft import ModelDraft, draft_model, farthest
 from .shaft import Shaft, position_shaft, too_slow_for_a_motor
@@ -58,6 +58,14 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if left_out:
         guesses = guesses.without(left_out)
         recordings = _read(draft_map(guesses, of, shaft), traces)
+    assumed = []
+    if falls_with_load(recordings):
+        guesses = replace(guesses, signals=tuple(map(_turned_round, guesses.signals)))
+        recordings = _read(draft_map(guesses, of, shaft), traces)
+        columns = ", ".join(g.column for g in guesses.signals if g.turned_round)
+        assumed.append(
+            f"{columns} counts against the drive: the drive's torque falls where it rises, so its sign is turned"
+        )
     units = {guess.signal: guess.unit for guess in guesses.signals}
     questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
@@ -67,19 +75,23 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
     unnamed = not any(guess.of_motor for guess in guesses.signals if guess.signal in ("motor_position", "speed"))
-    assumed = []
     if shaft == Shaft() and unnamed and (slow := too_slow_for_a_motor(recordings, given.gear_ratio)):
         shaft = Shaft("output", given.gear_ratio, f"{slow}: taken for the output's angle")
         guesses = replace(guesses, signals=tuple(map(_of_the_output, guesses.signals)))
         recordings = _read(draft_map(guesses, of, shaft), traces)
         columns = ", ".join(g.column for g in guesses.signals if g.of_output and g.signal in AT_EITHER_SHAFT)
-        assumed = [
+        assumed.append(
             f"{columns} told at the output's shaft: {slow} rad/s (where one is the motor's, write so in its name, "
             "as in 'motor position [rad]', and run init again)"
-        ]
+        )
     model = checked_model(recordings, given, shaft)
     asked = (*questions, *model.questions)
     return Drafts(draft_map(guesses, of, shaft), model.text, asked, (*assumed, *model.assumed), left_out)
+
+
+def _turned_round(guess: Guess) -> Guess:
+    """The load's column, to be read with its sign turned."""
+    return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
 
 
 def _of_the_output(guess: Guess) -> Guess:

@@ -60,10 +60,12 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
             f"{guess.counts or ASSUMED_COUNTS:g}{of_output}}}{doubt}"
         )
     unit = guess.unit or signal_unit(guess.signal, motion)
-    doubt = look(guess.doubt if guess.unit else "the header names no unit of it")
+    sign = "the drive's torque falls where it rises: its sign is turned" if guess.turned_round else ""
+    doubt = look("; ".join(filter(None, (guess.doubt if guess.unit else "the header names no unit of it", sign))))
     if of_position and not doubt and not of_output and motion != "linear":
         doubt = "  # of the motor's shaft; `shaft: output` where it is given as the output's"
-    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{of_output}}}{doubt}"
+    turned = ", factor: -1" if guess.turned_round else ""
+    return f"  {guess.signal}: {{columns: [{_quoted(guess.column)}], unit: {unit}{turned}{of_output}}}{doubt}"
 
 
 def _quoted(column: str) -> str:

@@ -1,4 +1,6 @@
-"""Whether a torque that a sensor measured behind the machine is its load: then the drive's torque follows it."""
+"""Whether a torque that a sensor measured behind the machine is its load: then the drive's torque follows it, and rises
+with it; one that falls where the load rises tells that the sensor counts the other way.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +11,9 @@ import numpy as np
 from ema_bench_replay.recording import Recording
 
 from ..criteria import NEGLIGIBLE, PART, TOO_MUCH
-from ..measured.smoothing import gaussian, smooth
-from ..measured.spoilt_samples import despiked
 from ..reading_noise import reading_noise
+from .smoothing import gaussian, smooth
+from .spoilt_samples import despiked
 
 _WIDTH = 10.0  # samples over which all is smoothed, and
 _SHARE = 0.002  # of a recording's
@@ -23,20 +25,37 @@ _MOTION = 4  # columns of what the motion takes: acceleration, speed, its direct
 def follows_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque follows the load that was measured, beside what the motion takes.
 
-    True where that cannot be told: without a drive's torque or a motion, or with a load that changes by no more than
-    its sensor's noise. A sensor in an unloaded joint tells its own offset, which drifts; taken for a load, that would
-    stand in the friction's place.
+    True where that cannot be told. A sensor in an unloaded joint tells its own offset, which drifts; taken for a load,
+    that would stand in the friction's place.
+    """
+    likeness = _likeness(recordings)
+    return likeness is None or abs(likeness) >= PART
+
+
+def falls_with_load(recordings: Sequence[Recording]) -> bool:
+    """Whether the drive's torque falls where the load rises, as where the sensor counts the other way.
+
+    Whatever moves a machine, its drive has to hold what stands against it beside inertia and friction.
+    """
+    likeness = _likeness(recordings)
+    return likeness is not None and likeness <= -PART
+
+
+def _likeness(recordings: Sequence[Recording]) -> float | None:
+    """The correlation of load and drive's torque beside what the motion takes; None where it cannot be told.
+
+    That is without a drive's torque or a motion, or with a load that changes by no more than its sensor's noise.
     """
     parts = [_rows(r) for r in recordings if r.has("load_torque") and not r.of_points]
     rows = np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
     if len(rows) < _FEWEST:
-        return True
+        return None
     motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
     if np.std(load) < max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * max(map(_load_noise, recordings))):
-        return True
+        return None
     by_load, by_torque = _beside(motion, load), _beside(motion, torque)
     both = float(np.linalg.norm(by_load) * np.linalg.norm(by_torque))
-    return both == 0.0 or abs(float(by_load @ by_torque)) >= PART * both
+    return float(by_load @ by_torque) / both if both > 0.0 else None
 
 
 def _load_noise(recording: Recording) -> float:

@@ -1,0 +1,112 @@
+"""The columns of several joints in one trace, as robots log them: a search judges one joint, whose columns are taken.
+
+Joints are told by a number in the names, as in ``q1 … q6`` or ``pos (3)``. Two numbered shafts that move together are
+one train, motor and output.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ema_bench_replay.units import MOTIONS, units_of
+
+from ..criteria import SMALL
+from .header_words import HeaderWords
+
+_DRIVES = frozenset({"current", "torque"})
+_MOVES = ("position", "speed")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """The joint whose columns are taken, by its number, and the numbers of the others; empty where there is one."""
+
+    number: str = ""
+    others: tuple[str, ...] = ()
+
+    @property
+    def sentence(self) -> str:
+        """Which was chosen and why, and what to do to have another."""
+        return (
+            f"the columns numbered {self.number}, of the joint that goes farthest; those of {', '.join(self.others)} "
+            "are not used (to have another joint, remove the others' columns, and run init again)"
+        )
+
+
+ONE_JOINT = Joint()
+
+
+@dataclass(frozen=True)
+class Numbered:
+    """A column's name, what it measures, and whether it is a setpoint."""
+
+    read: HeaderWords
+    quantity: str | None
+    setpoint: bool
+
+
+def one_joint(
+    columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], wanted: str = ""
+) -> tuple[Joint, list[HeaderWords]]:
+    """The joint whose columns are taken, and the names of those and of all that is no joint's, without its number.
+
+    ``numbers`` are the columns' own, (n,) each; ``wanted`` is the joint of another trace of the same machine.
+    """
+    names = [column.read for column in columns]
+    joints = _joints(columns, numbers)
+    if len(joints) < 2 or any(_one_train(a, b, numbers) for a, b in _pairs(joints)):
+        return ONE_JOINT, names
+    chosen = wanted if wanted in joints else max(joints, key=lambda number: travel(joints[number], numbers))
+    others = frozenset(joints) - {chosen}
+    kept = [
+        replace(read, words=tuple(word for word in read.words if word != chosen))
+        for read in names
+        if not others & {*_numbers_in(read)}
+    ]
+    return Joint(chosen, tuple(number for number in joints if number in others)), kept
+
+
+def _joints(columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray]) -> dict[str, HeaderWords]:
+    """The column that tells the motion of each joint, by number; a joint has a drive and a motion of its own."""
+    found: dict[str, dict[str, HeaderWords]] = {}
+    for column in columns:
+        digits = _numbers_in(column.read)
+        if len(digits) == 1 and column.quantity and not column.setpoint and column.read.name in numbers:
+            found.setdefault(digits[0], {}).setdefault(column.quantity, column.read)
+    return {
+        number: held.get("position", held.get("speed", next(iter(held.values()))))
+        for number, held in found.items()
+        if _DRIVES & held.keys() and any(move in held for move in _MOVES)
+    }
+
+
+def _numbers_in(read: HeaderWords) -> list[str]:
+    """The numbers in a column's name, one in brackets among them."""
+    return [word for word in (*read.words, read.foreign) if word.isdigit()]
+
+
+def _pairs(joints: Mapping[str, HeaderWords]) -> list[tuple[HeaderWords, HeaderWords]]:
+    reads = list(joints.values())
+    return [(one, other) for place, one in enumerate(reads) for other in reads[place + 1 :]]
+
+
+def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
+    """How far a position goes, in SI units where its name tells one."""
+    known = {unit: size for motion in MOTIONS for unit, size in units_of("motor_position", motion).items()}
+    return float(np.ptp(numbers[read.name])) * known.get(read.unit or "", 1.0)
+
+
+def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
+    """Whether nearly all of one motion is that of the other: two joints may well swing to the same beat."""
+    return math.sqrt(1.0 - likeness(numbers[one.name], numbers[other.name]) ** 2) < SMALL
+
+
+def likeness(one: np.ndarray, other: np.ndarray) -> float:
+    """How far two motions (n,) go the same way, or against each other: the size of their correlation."""
+    ways = [values - values.mean() for values in (one, other)]
+    size = math.sqrt(float(ways[0] @ ways[0]) * float(ways[1] @ ways[1]))
+    return min(1.0, abs(float(ways[0] @ ways[1])) / size) if size > 0.0 else 0.0

@@ -1,0 +1,93 @@
+"""Traces that hold several joints, a torque transducer, or a filtered copy: which columns init takes."""
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.commands.init import run as init
+from ema_twin_sim.new_machine.columns import guess_columns
+
+TIME = np.arange(3000) * 2e-3
+
+
+def taken(numbers, **more):
+    return {guess.signal: guess.column for guess in guess_columns(list(numbers), numbers=numbers, **more).signals}
+
+
+def robot(names, far=2):
+    """Three joints that move each to its own beat; joint ``far`` goes farthest."""
+    numbers = {"time [s]": TIME}
+    for joint in (1, 2, 3):
+        beat = 0.7 + 0.4 * joint
+        size = 2.0 if joint == far else 0.3
+        motions = (size * np.sin(beat * TIME), size * beat * np.cos(beat * TIME), np.cos(beat * TIME))
+        numbers |= dict(zip((name.format(joint) for name in names), motions, strict=True))
+    return numbers
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]"),
+        ("pos ({})", "speed ({})", "current ({})"),
+        ("J{}_q", "J{}_qd", "J{}_i"),
+    ],
+)
+@pytest.mark.parametrize("far", [1, 2, 3])
+def test_one_joint_of_a_robots_trace_is_taken_whole(names, far):
+    numbers = robot(names, far)
+    position, speed, drive = (name.format(far) for name in names)
+    found = taken(numbers)
+    assert (found["motor_position"], found["speed"]) == (position, speed)
+    assert found.get("motor_torque", found.get("current")) == drive
+    assert "output_position" not in found and "load_torque" not in found
+    other = 1 + far % 3
+    assert taken(numbers, joint=str(other))["motor_position"] == names[0].format(other)
+
+
+def test_two_numbered_shafts_of_one_train_stay_motor_and_output():
+    angle = 30.0 * np.sin(TIME)
+    numbers = {
+        "time [s]": TIME,
+        "position 1 [rad]": angle,
+        "torque 1 [Nm]": np.cos(TIME),
+        "position 2 [rad]": angle / 6.0 + 1e-3 * np.sign(np.cos(TIME)),
+        "torque 2 [Nm]": 5.0 * np.cos(TIME),
+    }
+    found = taken(numbers)
+    assert (found["motor_position"], found["output_position"]) == ("position 1 [rad]", "position 2 [rad]")
+    assert (found["motor_torque"], found["load_torque"]) == ("torque 1 [Nm]", "torque 2 [Nm]")
+
+
+def test_init_tells_which_joint_it_took_and_reads_further_traces_of_it(tmp_path, capsys):
+    traces = []
+    for place, far in enumerate((2, 3)):  # in the second, another joint goes farther
+        numbers = robot(("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]"), far)
+        traces.append(tmp_path / f"{place}.csv")
+        np.savetxt(
+            traces[-1], np.stack([*numbers.values()], axis=1), "%.7g", ",", header=",".join(numbers), comments=""
+        )
+    init(str(tmp_path / "robot"), traces)
+    assert "the columns numbered 2, of the joint that goes farthest; those of 1, 3" in capsys.readouterr().out
+    assert "q2 " in (tmp_path / "robot_map.yaml").read_text()
+
+
+def test_a_transducers_torque_beside_a_current_is_the_load():
+    numbers = {
+        "time [s]": TIME,
+        "motor position [rad]": np.sin(TIME),
+        "current [A]": np.cos(TIME),
+        "torque sensor [Nm]": np.cos(TIME) ** 2,
+    }
+    assert taken(numbers)["load_torque"] == "torque sensor [Nm]"
+    assert "motor_torque" not in taken(numbers)
+    del numbers["current [A]"]  # then it is all that tells of a torque
+    assert taken(numbers)["motor_torque"] == "torque sensor [Nm]"
+
+
+def test_a_filtered_copy_of_a_position_is_no_output():
+    position = np.sin(TIME)
+    numbers = {"time": TIME, "pos_filt": 0.999 * position, "pos_meas": position, "tau_meas": np.cos(TIME)}
+    found = taken(numbers)
+    assert found["motor_position"] == "pos_meas" and "output_position" not in found
+    del numbers["pos_meas"]
+    assert taken(numbers)["motor_position"] == "pos_filt"
