@@ -63,6 +63,16 @@ class TestJobs:
         assert [(job.unit, job.time.day) for job in jobs] == [("EMA7", 1), ("EMA8", 2)]
         assert "notes.csv" in told[0]
 
+    def test_a_time_that_is_none_leaves_one_recording_out(self, tmp_path):
+        for name in ("EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv"):
+            (tmp_path / name).write_text("a\n")
+        told = []
+        pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
+        jobs = find_jobs(Grouping.of(tmp_path, pattern, "recording"), COMPARE, tell=told.append)
+        assert [job.name for job in jobs] == ["EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv"]
+        (one,) = told
+        assert "EMA7_2026-13-01.csv: 2026-13-01 is no time" in one and one.endswith("left out")
+
     @pytest.mark.parametrize(
         ("pattern", "reason"), [("(", "no regular"), ("EMA", "a group"), ("(?P<unit>.)(?P<day>.)", "a group")]
     )
@@ -374,6 +384,27 @@ class TestHistories:
         assert 19 <= look.change.begin <= 26
         assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
         assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
+
+    def test_healthy_ones_by_a_pattern_count_wherever_they_are(self):
+        """Recordings of a spare that stood in for some weeks are no baseline, and those after it are one again."""
+        values = 100.0 + np.random.default_rng(7).normal(size=40)
+        values[4:12] += 30.0
+        healthy = Healthy.of("week ([0-3]|1[2-9]|2.|3.)$", 4)
+        (look,) = outlooks(self.a_unit(values), {}, healthy=healthy)
+        assert look.healthy == pytest.approx(100.0, abs=0.6) and look.history.healthy.sum() == 32
+        assert (look.history.names[look.change.begin], look.history.names[look.change.alarm]) == ("week 4", "week 4")
+        assert look.change.size == pytest.approx(30.0, abs=2.0) and look.history.as_asked
+
+    def test_too_few_healthy_ones_by_a_pattern_are_told(self):
+        (look,) = outlooks(self.a_unit(100.0 + np.arange(30.0)), {}, healthy=Healthy.of("week 29", 4))
+        assert not look.history.as_asked and look.history.healthy.tolist() == [True] * 10 + [False] * 20
+
+    def test_a_day_is_healthy_where_all_its_results_are(self):
+        unit = self.a_unit(100.0 + np.random.default_rng(8).normal(size=40))
+        rows = [{**row, "time": datetime.fromtimestamp((k // 2) * 7 * 86400.0 + 60.0 * (k % 2), timezone.utc)}
+                for k, row in enumerate(unit.rows)]  # fmt: skip
+        (look,) = outlooks(units_of(rows)[0], {}, healthy=Healthy(11))
+        assert look.history.healthy.tolist() == [True] * 5 + [False] * 15
 
     def test_what_all_recordings_share_hides_no_change(self):
         """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""
