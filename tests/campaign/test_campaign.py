@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
@@ -335,24 +336,59 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     assert not [*tmp_path.rglob("*.part")]
 
 
-def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["worker", "scheduler", "client"])
+def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path, capsys):
+    """A cluster of others' making: of its processes one is killed, and the campaign is started again where it ended."""
     asked = (*_forty_recordings(tmp_path), "--scheduler")
-    with own_cluster(tmp_path / "first") as own:
+    with own_cluster(tmp_path / "first", workers=2) as own:
         first = _command(*asked, own.address)
-        _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
-        own.scheduler.kill()
-        _, errors = first.communicate(timeout=120)
-        assert first.returncode == 2, errors
-        assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
-        own.workers[0].wait(timeout=120)  # with its scheduler
+        _until(lambda: len(_keys(tmp_path)) >= 15)
+        {"worker": own.workers[0], "scheduler": own.scheduler, "client": first}[victim].kill()
+        at = len(_keys(tmp_path))
+        told, errors = first.communicate(timeout=300)
+        if victim == "worker":
+            assert first.returncode == 0 and "40 judged" in told, errors
+        elif victim == "scheduler":
+            assert first.returncode == 2, errors
+            assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+            for worker in own.workers:
+                worker.wait(timeout=120)  # with its scheduler
+        else:
+            _until(lambda: not _at_work(own.address))  # what it had given out is done, or given up
     done = Store(tmp_path / "r").settled()
-    assert 5 <= len(done) < 40
-    with own_cluster(tmp_path / "second") as own:
+    with own_cluster(tmp_path / "second", workers=2) as own:
         told, errors = _command(*asked, own.address).communicate(timeout=300)
-    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
-    assert again == len(done) and f"{40 - again} judged" in told, errors
-    keys = [key for file in tmp_path.rglob("*.parquet") for key in pq.read_table(file)["key"].to_pylist()]
-    assert len(keys) == len({*keys}) == 40
+    again = re.search(r"(\d+) of 40 are judged already", told)
+    assert again and int(again[1]) == len(done) >= at, errors
+    keys = _keys(tmp_path)
+    rows = Store(tmp_path / "r").rows()
+    with capsys.disabled():
+        print(
+            f"\n  {victim} killed after {at} of 40: {len(keys) - len({*keys})} done twice, {40 - len(rows)} lost",
+            end="",
+        )
+    assert len(keys) == len({*keys}) == len(rows) == 40
+    assert {row["status"] for row in rows} == {DONE}
+    assert len({str(row["errors"]) for row in rows}) == 1  # of forty copies: that of a campaign that nobody disturbed
+    assert not [*tmp_path.rglob("*.part")]
+
+
+def _keys(folder):
+    """The key of every row in the store, as often as it stands there."""
+    keys = []
+    for file in folder.rglob("*.parquet"):
+        with suppress(FileNotFoundError):  # made one with others
+            keys += pq.read_table(file)["key"].to_pylist()
+    return keys
+
+
+def _at_work(address):
+    """How many tasks a scheduler has."""
+    from distributed import Client
+
+    with Client(address) as client:
+        return sum(len(tasks) for tasks in client.processing().values())
 
 
 class TestHistories:
