@@ -20,7 +20,7 @@ import pytest
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
-from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.engine import SPARING, Outcome, cluster, run
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
@@ -242,6 +242,12 @@ def _stub(jobs, folder):
     return [Outcome(job, DONE, "", 1e-4) for job in jobs]
 
 
+def _settings(names):
+    import dask
+
+    return [dask.config.get(name) for name in names]
+
+
 def _lost(job, reason):
     return Outcome(job, FAILED, reason, 0.0)
 
@@ -272,6 +278,11 @@ class TestEngine:
     def test_it_listens_to_this_campaign_only(self, client):
         assert client.scheduler.address.startswith("tls://127.0.0.1:")
         assert all(address.startswith("tls://127.0.0.1:") for address in client.nthreads())
+
+    @pytest.mark.slow
+    def test_no_process_watches_itself(self, client):
+        told = client.run(_settings, [*SPARING])
+        assert len(told) == 2 and all(settings == [*SPARING.values()] for settings in told.values())
 
     @pytest.mark.slow
     def test_a_campaign_fills_a_store(self, client, folder, tmp_path):
