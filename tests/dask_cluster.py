@@ -1,14 +1,20 @@
 """A dask cluster in processes of its own, as on a cluster: each can be killed, or asked what it took."""
 
 import json
+import os
 import subprocess
 import sys
 import time
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from ema_twin_sim.campaign.engine import Outcome
+from ema_twin_sim.campaign.engine import SPARING, Outcome
 from ema_twin_sim.campaign.results import DONE
+
+ENVIRONMENT = os.environ | {
+    f"DASK_{name.upper().replace('.', '__').replace('-', '_')}": str(value) for name, value in SPARING.items()
+}
+"""Tells a cluster of others' making what a campaign tells its own."""
 
 
 def no_work(jobs):
@@ -57,4 +63,5 @@ def _dask(*arguments):
     return subprocess.Popen(
         [sys.executable, "-m", "dask", *map(str, arguments)],
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+        env=ENVIRONMENT,
     )  # fmt: skip

@@ -83,7 +83,7 @@ METHOD = {
     "health/features.py": "_FEW _PEAK _LOCAL _TINY",
     "health/phases.py": "_SMOOTHED _FEWEST _TOP _STARTING _RESTING",
     "health/remaining_life.py": "_BEYOND _HALVINGS",
-    "health/wave.py": "_FEWEST_CYCLES _FINER _NEIGHBOURS",
+    "health/wave.py": "FEWEST_CYCLES _FINER _NEIGHBOURS",
     "campaign/engine.py": "BATCH TASK AHEAD LARGEST DEATHS _CONNECTING",
     "campaign/healthy.py": "PART_OF_ALL",
     "campaign/histories.py": "FEWEST_HEALTHY _DAY",

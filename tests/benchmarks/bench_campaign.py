@@ -1,13 +1,15 @@
-"""What a campaign costs beside its work: of a thousand recordings, and of 10⁵ jobs that do nothing.
+"""What a campaign costs beside its work: of a thousand recordings, of 10⁵ jobs that do nothing, of as many results.
 
 Scheduler and workers are processes of their own, so that what each takes is told apart. Shown are seconds of a
 processor, which a busy machine hardly moves, and seconds of the clock, which it does. EMA_BENCH_RECORDINGS makes it
 fewer.
 """
 
+import math
 import os
 import shutil
 import time
+from datetime import datetime, timedelta, timezone
 
 import psutil
 import pytest
@@ -16,18 +18,30 @@ from ema_bench_replay.bags.bag_writer import write_mcap
 from ema_twin_sim.campaign.campaign import campaign
 from ema_twin_sim.campaign.engine import Outcome, cluster, run
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
-from ema_twin_sim.campaign.results import DONE, FAILED
+from ema_twin_sim.campaign.results import DONE, FAILED, SCHEMA
 from ema_twin_sim.campaign.store import Store
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
+from tests.accuracy.commands import Drive
+from tests.accuracy.machine import stock_machine
+from tests.accuracy.other_bench import OtherBench
+from tests.accuracy.unkind import Unkind
 from tests.dask_cluster import no_work, own_cluster, second_of_no_work
 
+OVERVIEW = """
+    SELECT unit, count(*), max(time), max(list_max(list_transform(beyond_noise, lambda signal: signal.times))),
+           sum(list_contains(missing, 'backlash')::INT)
+    FROM results GROUP BY unit ORDER BY 4 DESC
+"""
+OVERVIEW_TIME = 1.0  # s of a processor
+UNITS, EACH = 1000, 100
 RECORDINGS = int(os.environ.get("EMA_BENCH_RECORDINGS", "1000"))
+SECONDS = 20.0  # of each recording
 STUBS = 100_000
 COMPARE = Task("compare", "polito_bench")
 OVERHEAD = 1e-3  # s of a processor that a job which does nothing may take, of all processes together
-SCALING = 0.8  # of the workers' own time: caches of a busy machine are shared
+SCALING = 0.9  # of the workers' own time
 GROWTH = 60.0  # MiB, of a worker from a tenth of the recordings on
 
 
@@ -48,14 +62,15 @@ def told(capsys, text):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Recordings of 2 s of one bench, in ten units."""
+    """Recordings of the virtual bench and of another program's plant by turns, in ten units."""
     folder = tmp_path_factory.mktemp("campaign")
-    bench = virtual_bench(load_model("polito_bench"), parse_command("triangle:0.1:0.5"), 2.0)
-    write_mcap(bench, folder / "one.mcap")
+    write_mcap(virtual_bench(load_model("polito_bench"), parse_command("triangle:0.1:0.5"), SECONDS), folder / "0.mcap")
+    write_mcap(OtherBench(stock_machine(), (), Unkind(), seed=3).record(Drive("triangle", 0.1, 0.5), SECONDS),
+               folder / "1.mcap")  # fmt: skip
     for k in range(RECORDINGS):
-        unit = folder / "runs" / f"U{k % 10}"
+        unit = folder / "runs" / f"U{k // 2 % 10}"
         unit.mkdir(parents=True, exist_ok=True)
-        shutil.copy(folder / "one.mcap", unit / f"{k}.mcap")
+        shutil.copy(folder / f"{k % 2}.mcap", unit / f"{k}.mcap")
     return folder
 
 
@@ -129,3 +144,32 @@ def test_what_a_job_costs_that_does_nothing(work, tmp_path, capsys):
     )
     if work is no_work:
         assert (scheduler + client_time + worker) / number <= OVERHEAD
+
+
+def test_an_overview_of_a_hundred_thousand_results(tmp_path, capsys):
+    store = Store.made(tmp_path / "results")
+    begun = datetime(2026, 1, 1, tzinfo=timezone.utc)
+    for unit in range(UNITS):
+        store.write(
+            [
+                {
+                    **dict.fromkeys(SCHEMA.names),
+                    **{"key": f"{unit} {k}", "unit": f"EMA-{unit:04}", "name": f"week {k}", "task": "discover"},
+                    **{"model": "m", "status": DONE, "time": begun + timedelta(weeks=k), "done_at": begun},
+                    **{"verdict": "explained", "missing": ["backlash"] if k % 3 else []},
+                    "beyond_noise": [{"signal": "current", "times": 1.0 + k}],
+                    "parameters": [{"owner": "backlash", "name": "width", "value": 2e-3, "std": 1e-5, "unit": "rad"}],
+                }
+                for k in range(EACH)
+            ]
+        )
+    taken_best, clock = math.inf, math.inf
+    for _ in range(3):
+        own, begun_at = time.process_time(), time.perf_counter()
+        with store.query() as database:
+            units = database.sql(OVERVIEW).fetchall()
+        taken_best = min(taken_best, time.process_time() - own)
+        clock = min(clock, time.perf_counter() - begun_at)
+    assert len(units) == UNITS and all(count == EACH for _, count, *_ in units)
+    told(capsys, f"overview of {UNITS * EACH} results: {taken_best:.2f} s of a processor, {clock:.2f} s of the clock")
+    assert taken_best <= OVERVIEW_TIME

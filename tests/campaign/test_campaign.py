@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from datetime import datetime, timezone
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,7 @@ import pytest
 from ema_bench_replay.bags.stream_writer import StreamWriter
 from ema_bench_replay.errors import InputError
 from ema_twin_sim.campaign.campaign import campaign
-from ema_twin_sim.campaign.engine import Outcome, cluster, run
+from ema_twin_sim.campaign.engine import SPARING, Outcome, cluster, run
 from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks, read_limits
 from ema_twin_sim.campaign.jobs import Grouping, Job, Task, find_jobs
@@ -62,6 +63,16 @@ class TestJobs:
         jobs = find_jobs(Grouping.of(tmp_path, pattern, "unit"), COMPARE, tell=told.append)
         assert [(job.unit, job.time.day) for job in jobs] == [("EMA7", 1), ("EMA8", 2)]
         assert "notes.csv" in told[0]
+
+    def test_a_time_that_is_none_leaves_one_recording_out(self, tmp_path):
+        for name in ("EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv"):
+            (tmp_path / name).write_text("a\n")
+        told = []
+        pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
+        jobs = find_jobs(Grouping.of(tmp_path, pattern, "recording"), COMPARE, tell=told.append)
+        assert [job.name for job in jobs] == ["EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv"]
+        (one,) = told
+        assert "EMA7_2026-13-01.csv: 2026-13-01 is no time" in one and one.endswith("left out")
 
     @pytest.mark.parametrize(
         ("pattern", "reason"), [("(", "no regular"), ("EMA", "a group"), ("(?P<unit>.)(?P<day>.)", "a group")]
@@ -231,6 +242,12 @@ def _stub(jobs, folder):
     return [Outcome(job, DONE, "", 1e-4) for job in jobs]
 
 
+def _settings(names):
+    import dask
+
+    return [dask.config.get(name) for name in names]
+
+
 def _lost(job, reason):
     return Outcome(job, FAILED, reason, 0.0)
 
@@ -261,6 +278,11 @@ class TestEngine:
     def test_it_listens_to_this_campaign_only(self, client):
         assert client.scheduler.address.startswith("tls://127.0.0.1:")
         assert all(address.startswith("tls://127.0.0.1:") for address in client.nthreads())
+
+    @pytest.mark.slow
+    def test_no_process_watches_itself(self, client):
+        told = client.run(_settings, [*SPARING])
+        assert len(told) == 2 and all(settings == [*SPARING.values()] for settings in told.values())
 
     @pytest.mark.slow
     def test_a_campaign_fills_a_store(self, client, folder, tmp_path):
@@ -325,24 +347,59 @@ def test_a_campaign_that_was_killed_goes_on_where_it_was(tmp_path):
     assert not [*tmp_path.rglob("*.part")]
 
 
-def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["worker", "scheduler", "client"])
+def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path, capsys):
+    """A cluster of others' making: of its processes one is killed, and the campaign is started again where it ended."""
     asked = (*_forty_recordings(tmp_path), "--scheduler")
-    with own_cluster(tmp_path / "first") as own:
+    with own_cluster(tmp_path / "first", workers=2) as own:
         first = _command(*asked, own.address)
-        _until(lambda: len([*tmp_path.rglob("*.parquet")]) >= 5)
-        own.scheduler.kill()
-        _, errors = first.communicate(timeout=120)
-        assert first.returncode == 2, errors
-        assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
-        own.workers[0].wait(timeout=120)  # with its scheduler
+        _until(lambda: len(_keys(tmp_path)) >= 15)
+        {"worker": own.workers[0], "scheduler": own.scheduler, "client": first}[victim].kill()
+        at = len(_keys(tmp_path))
+        told, errors = first.communicate(timeout=300)
+        if victim == "worker":
+            assert first.returncode == 0 and "40 judged" in told, errors
+        elif victim == "scheduler":
+            assert first.returncode == 2, errors
+            assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+            for worker in own.workers:
+                worker.wait(timeout=120)  # with its scheduler
+        else:
+            _until(lambda: not _at_work(own.address))  # what it had given out is done, or given up
     done = Store(tmp_path / "r").settled()
-    assert 5 <= len(done) < 40
-    with own_cluster(tmp_path / "second") as own:
+    with own_cluster(tmp_path / "second", workers=2) as own:
         told, errors = _command(*asked, own.address).communicate(timeout=300)
-    again = int(re.search(r"(\d+) of 40 are judged already", told)[1])
-    assert again == len(done) and f"{40 - again} judged" in told, errors
-    keys = [key for file in tmp_path.rglob("*.parquet") for key in pq.read_table(file)["key"].to_pylist()]
-    assert len(keys) == len({*keys}) == 40
+    again = re.search(r"(\d+) of 40 are judged already", told)
+    assert again and int(again[1]) == len(done) >= at, errors
+    keys = _keys(tmp_path)
+    rows = Store(tmp_path / "r").rows()
+    with capsys.disabled():
+        print(
+            f"\n  {victim} killed after {at} of 40: {len(keys) - len({*keys})} done twice, {40 - len(rows)} lost",
+            end="",
+        )
+    assert len(keys) == len({*keys}) == len(rows) == 40
+    assert {row["status"] for row in rows} == {DONE}
+    assert len({str(row["errors"]) for row in rows}) == 1  # of forty copies: that of a campaign that nobody disturbed
+    assert not [*tmp_path.rglob("*.part")]
+
+
+def _keys(folder):
+    """The key of every row in the store, as often as it stands there."""
+    keys = []
+    for file in folder.rglob("*.parquet"):
+        with suppress(FileNotFoundError):  # made one with others
+            keys += pq.read_table(file)["key"].to_pylist()
+    return keys
+
+
+def _at_work(address):
+    """How many tasks a scheduler has."""
+    from distributed import Client
+
+    with Client(address) as client:
+        return sum(len(tasks) for tasks in client.processing().values())
 
 
 class TestHistories:
@@ -374,6 +431,27 @@ class TestHistories:
         assert 19 <= look.change.begin <= 26
         assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
         assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
+
+    def test_healthy_ones_by_a_pattern_count_wherever_they_are(self):
+        """Recordings of a spare that stood in for some weeks are no baseline, and those after it are one again."""
+        values = 100.0 + np.random.default_rng(7).normal(size=40)
+        values[4:12] += 30.0
+        healthy = Healthy.of("week ([0-3]|1[2-9]|2.|3.)$", 4)
+        (look,) = outlooks(self.a_unit(values), {}, healthy=healthy)
+        assert look.healthy == pytest.approx(100.0, abs=0.6) and look.history.healthy.sum() == 32
+        assert (look.history.names[look.change.begin], look.history.names[look.change.alarm]) == ("week 4", "week 4")
+        assert look.change.size == pytest.approx(30.0, abs=2.0) and look.history.as_asked
+
+    def test_too_few_healthy_ones_by_a_pattern_are_told(self):
+        (look,) = outlooks(self.a_unit(100.0 + np.arange(30.0)), {}, healthy=Healthy.of("week 29", 4))
+        assert not look.history.as_asked and look.history.healthy.tolist() == [True] * 10 + [False] * 20
+
+    def test_a_day_is_healthy_where_all_its_results_are(self):
+        unit = self.a_unit(100.0 + np.random.default_rng(8).normal(size=40))
+        rows = [{**row, "time": datetime.fromtimestamp((k // 2) * 7 * 86400.0 + 60.0 * (k % 2), timezone.utc)}
+                for k, row in enumerate(unit.rows)]  # fmt: skip
+        (look,) = outlooks(units_of(rows)[0], {}, healthy=Healthy(11))
+        assert look.history.healthy.tolist() == [True] * 5 + [False] * 15
 
     def test_what_all_recordings_share_hides_no_change(self):
         """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""

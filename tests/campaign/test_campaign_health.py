@@ -226,6 +226,8 @@ def test_a_real_ball_screw_is_judged_by_two_verbs(real, tmp_path):
     assert share["normal"] <= 1 / 15
     assert min(share[c] for c in ("lack_of_lubrication_1", "lack_of_lubrication_2", "backlash_2", "spalling_7")) == 1.0
     assert share["backlash_1"] >= 0.9 and min(share["spalling_6"], share["spalling_8"]) >= 0.9
-    for condition, family in (("lack_of_lubrication_1", "friction up"), ("spalling_7", "local damage")):
+    named = {"lack_of_lubrication_1": "friction up", "lack_of_lubrication_2": "friction up", "backlash_1": "play"}
+    named |= {f"spalling_{stage}": "local damage" for stage in range(2, 9)}
+    for condition, family in named.items():
         assert np.mean([test["family"] == family for test in of[condition]]) >= 0.9
     assert any("is a copy of" in remark for remark in unit["remarks"])  # five runs stand twice in that data

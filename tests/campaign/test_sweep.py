@@ -13,7 +13,9 @@ from ema_twin_sim.campaign.results import DONE, SCHEMA
 from ema_twin_sim.campaign.sweep import VERB, Study, Varied, _unit, grid, sample, swept, with_settings
 from ema_twin_sim.campaign.sweep_points import detection_limit, swept_points
 from ema_twin_sim.model import load_model
+from ema_twin_sim.quantities import quantity
 from ema_twin_sim.report.sweep_page import write_sweep_page
+from ema_twin_sim.words.sweep import columns, meaning, point_cells
 from tests.command_line import done_here, refused, twin
 
 STUDY = Study("polito_bench", ("triangle:0.1:0.5", "triangle:0.03:1"), 4.0)
@@ -137,7 +139,9 @@ def charts_of(page):
 
 
 def test_a_page_shows_curve_and_points(frictions, tmp_path):
-    page = write_sweep_page(tmp_path / "s.html", frictions, detection_limit(frictions)).read_text()
+    ratios = frozenset({"stribeck_friction.torque"})
+    page = write_sweep_page(tmp_path / "s.html", frictions, detection_limit(frictions), ratios=ratios).read_text()
+    assert [chart["layout"]["xaxis"]["type"] for chart in charts_of(page)] == ["log", "log"]
     assert [len(chart["traces"][0]["x"]) for chart in charts_of(page)] == [3, 3]
     assert "default-src 'none'" in page
     assert "no method could be sure of it" in page and "0/2" in page and "2/2" in page
@@ -152,18 +156,31 @@ def test_points_drawn_anywhere_are_shown_where_they_are(frictions, tmp_path):
     assert len(trace["text"]) == 3 and first["layout"]["yaxis"]["title"]["text"].endswith("[N m s/rad]")
 
 
+def test_bounds_alone_fill_one_column_in_the_order_of_the_numbers(frictions):
+    bare = [replace(point, searched=0, named=0) for point in frictions]
+    assert columns(bare) == ("least error",) and "search" not in meaning(bare)
+    point = bare[-1]
+    size, held = point.settings[0], ("machine.motor_inertia", 1e-3, "kg m^2")
+    (known,) = [n for n in point.numbers if n.path == size[0]]
+    two = replace(point, settings=(held, size), numbers=(known,))
+    assert point_cells(two, columns([two]))[-1] == f"-, {quantity(known.bound, known.unit)}"
+    assert columns(frictions) == ("named", "least error", "error told", "errors were")
+
+
 def test_points_that_are_all_refused_are_counted_and_end_with_status_1(tmp_path):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "0.1", "--bounds-only",
              "--workers", "1", "-o", tmp_path / "r", "--vary", "coulomb_friction.torque=0.05:0.1:2"]  # fmt: skip
     ended = twin(*asked)
     assert ended.returncode == 1, ended.stderr
     assert "0 of 2 points were done; 2 were refused or failed" in ended.stdout
+    again = twin(*asked)
+    assert again.returncode == 1 and "0 of 2 points were done; 2 were refused or failed" in again.stdout
     page = tmp_path / "map.html"
     page.write_text("held")
     refused(*asked, "--page", page, naming=["exists already"])
 
 
-def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path):
+def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     asked = ["sweep", "--model", "polito_bench", "-c", "triangle:0.1:0.5", "--seconds", "3", "--bounds-only",
              "--workers", "1", "-o", tmp_path / "r"]  # fmt: skip
     two = ["--vary", "coulomb_friction.torque=0.05:0.1:2", "--vary", "viscous_friction.coefficient=0.02:0.03:2"]
@@ -171,7 +188,13 @@ def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path):
     page = (tmp_path / "map.html").read_text()
     maps = [chart["traces"][0] for chart in charts_of(page)]
     assert [(each["type"], len(each["z"])) for each in maps] == [("heatmap", 4)] * 2
+    capsys.readouterr()
     done_here(*asked, *two, "--json", tmp_path / "again.json")
+    told = capsys.readouterr().out
+    assert "4 of 4 are done already" in told and "other sweeps" not in told
     points = json.loads((tmp_path / "again.json").read_text())
     assert len(points) == 4 and all(point["results"] == 1 and point["named"] is None for point in points)
     assert all(point["numbers"][0]["bound"] > 0.0 for point in points)
+    done_here(*asked, "--vary", "coulomb_friction.torque=0.07")
+    told = capsys.readouterr().out
+    assert "holds 4 results of other sweeps" in told and "error told" not in told

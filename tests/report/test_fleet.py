@@ -1,6 +1,7 @@
 """The pages of a fleet: one of all units, one of each, that say what the results say and load nothing."""
 
 import re
+from dataclasses import replace
 from datetime import datetime, timezone
 from urllib.parse import unquote
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.healthy import Healthy
 from ema_twin_sim.campaign.histories import outlooks
 from ema_twin_sim.campaign.results import DONE, REFUSED, SCHEMA
 from ema_twin_sim.campaign.units import units_of
@@ -79,6 +81,20 @@ def test_what_has_changed_is_told_with_where_it_leads(pages):
     assert "No number has changed." in well and "No number shows a trend." in well and "Nothing to do." in well
     torn = next(page.read_text() for name, page in of_units.items() if "/C" in name)
     assert "no rows" in torn and "1 refused" in torn
+
+
+def test_a_unit_that_has_passed_its_limit_is_told_so(tmp_path):
+    """Worn out, and steady since: no trend leads anywhere any more."""
+    drawn = np.random.default_rng(6)
+    rows = [*results("A", 0.0, drawn)]
+    for row in rows[6:]:
+        row["parameters"][0]["value"] += 2.7e-3
+    (unit,) = units_of(rows)
+    looks = outlooks(unit, {"backlash.width": 4e-3}, Healthy(5))
+    assert looks[0].life.latest == 0.0
+    write_fleet(tmp_path / "fleet", [unit], {"A": [replace(looks[0], trend=None)]}, {"A": None})
+    page = (tmp_path / "fleet" / "units" / "A.html").read_text()
+    assert "backlash width has passed its limit." in page and "Repair it" in page and "in passed" not in page
 
 
 def test_the_pages_load_nothing(pages):

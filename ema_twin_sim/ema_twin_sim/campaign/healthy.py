@@ -33,19 +33,15 @@ class Healthy:
         except re.error as error:
             raise InputError(f"--healthy {text}: is no number and no regular expression ({error})") from None
 
-    def first(self, names: Sequence[str], fewest: int) -> int:
-        """How many of the first results, in the order in which they were recorded, are healthy."""
-        count = self.count
-        if self.pattern is not None:
-            flags = [bool(self.pattern.search(name)) for name in names]
-            count = flags.index(False) if False in flags else len(flags)
-        if count is None or (self.pattern is not None and count < fewest):
-            count = max(fewest, len(names) // PART_OF_ALL)
-        return min(count, len(names))
+    def of_history(self, names: Sequence[str], fewest: int) -> list[bool]:
+        """Of each result that has a number, in the order in which they were recorded, whether it is healthy.
 
-    def follows(self, names: Sequence[str], fewest: int) -> bool:
-        """Whether ``first`` does what was said: of a pattern it takes those that the history begins with."""
-        return self.pattern is None or all(self.pattern.search(name) for name in names[:fewest])
+        A pattern may find fewer than ``fewest``; unless it is said, they are the first.
+        """
+        if self.pattern is not None:
+            return [bool(self.pattern.search(name)) for name in names]
+        count = max(fewest, len(names) // PART_OF_ALL) if self.count is None else self.count
+        return [k < count for k in range(len(names))]
 
     def among(self, names: Sequence[str], tests: Sequence[str], fewest: int) -> list[bool]:
         """Of each result, in the order in which they were recorded, whether it is; unless it is said, by whole tests,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +39,8 @@ class History:
     values: np.ndarray
     errors: np.ndarray
     dated: bool
-    healthy: int  # how many of the first values the others are held against
+    healthy: np.ndarray  # (n,) whether a value is one of those that the others are held against
+    as_asked: bool  # whether these are the ones that were said to be healthy
     shared: float  # what of the errors all recordings of the unit share: it makes no two of them differ
     names: tuple[str, ...]  # of the recordings; the first of each day
 
@@ -54,7 +55,7 @@ class Outlook:
     """What a history says: a lasting change, a trend, how far a limit is and when it is reached; None: nothing sure."""
 
     history: History
-    healthy: float  # the mean of the first values
+    healthy: float  # the mean of the healthy values
     now: float  # that of the last few
     limit: float | None
     change: ChangePoint | None
@@ -110,17 +111,21 @@ def _history(
     names = [one[3] for one in its]
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
-    count = healthy.first(names, FEWEST_HEALTHY)
-    differ = np.diff(values[:count]) / np.sqrt(2.0)
+    flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
+    repeats = np.zeros(0)
     if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
-        repeats = np.diff(np.floor(days)) == 0.0
-        differ = np.diff(values)[repeats] / np.sqrt(2.0) if repeats.any() else differ
+        repeats = np.diff(values)[np.diff(np.floor(days)) == 0.0]
         days, values, errors = _by_day(firsts, days, values, errors)
         names = [names[first] for first in firsts]
-        count = max(FEWEST_HEALTHY, int(np.sum(np.append(firsts[1:], len(its)) <= count)))
+        flags = np.logical_and.reduceat(flags, firsts)
+    as_asked = healthy == BY_DEFAULT or int(flags.sum()) >= FEWEST_HEALTHY
+    if int(flags.sum()) < FEWEST_HEALTHY:
+        first = BY_DEFAULT if healthy.pattern else Healthy(FEWEST_HEALTHY)
+        flags = np.array(first.of_history(names, FEWEST_HEALTHY))
+    differ = (repeats if len(repeats) else np.diff(values[flags])) / np.sqrt(2.0)
     shared = float(np.sqrt(max(0.0, float(np.mean(errors**2)) - float(np.mean(differ**2)))))
     times = days - days[0] if dated else np.arange(len(its), dtype=float)
-    return History(owner, name, unit, times, values, errors, dated, count, shared, tuple(names))
+    return History(owner, name, unit, times, values, errors, dated, flags, as_asked, shared, tuple(names))
 
 
 def _by_day(
@@ -142,9 +147,8 @@ def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_
 
     The rate is that of changes that are told of a value by chance.
     """
-    count = of.healthy
-    level = _mean(of.values[:count], of.errors[:count])
-    change = change_point(of.values, of.errors, count, false_alarm) if len(of.values) > count else None
+    level = _mean(of.values[of.healthy], of.errors[of.healthy])
+    change = _change(of, false_alarm)
     trend = drift(of.times, of.values, of.errors)
     return Outlook(
         of,
@@ -156,6 +160,19 @@ def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_
         None if limit is None or limit == level else margin(trend, level, limit),
         None if limit is None else remaining_life(trend, limit, limit_error=of.shared, healthy=level),
     )
+
+
+def _change(of: History, false_alarm: float) -> ChangePoint | None:
+    """The first lasting change among the values that are not said to be healthy, in the order of their times."""
+    order = np.argsort(~of.healthy, kind="stable")
+    count = int(of.healthy.sum())
+    if count == len(order):
+        return None
+    found = change_point(of.values[order], of.errors[order], count, false_alarm)
+    if found is None:
+        return None
+    alarm, begin, earliest, latest = order[[found.alarm, found.begin, found.earliest, found.latest]].tolist()
+    return replace(found, alarm=alarm, begin=begin, earliest=earliest, latest=latest)
 
 
 def _mean(values: np.ndarray, errors: np.ndarray) -> float:

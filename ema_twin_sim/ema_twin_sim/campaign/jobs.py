@@ -147,7 +147,7 @@ def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[tupl
 def find_jobs(
     grouping: Grouping, task: Task, skipped: Sequence[Path] = (), tell: Callable[[str], None] = lambda text: None
 ) -> list[Job]:
-    """What is to be done for a folder; recordings of no unit are told of.
+    """What is to be done for a folder; recordings of no unit, or of a time that is none, are told of.
 
     Raises InputError where there is none.
     """
@@ -156,7 +156,11 @@ def find_jobs(
     count = 0
     for parts in find_recordings(grouping.folder, skipped):
         count += 1
-        place = grouping.place(parts[0])
+        try:
+            place = grouping.place(parts[0])
+        except InputError as error:  # one name stops no campaign
+            tell(f"{error}: left out")
+            continue
         if place is None:
             strays.append(parts[0])
             continue

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from ..words.sweep import COLUMNS, limit_words, point_cells
+from ..words.sweep import columns, limit_words, meaning, point_cells
 from . import options
 from .output import console, counted, say, status, warn
 from .tables import ReportTable
@@ -88,8 +88,9 @@ def run(
     from ema_bench_replay.errors import InputError
 
     from ..campaign.engine import cluster
+    from ..campaign.results import DONE
     from ..campaign.store import Store
-    from ..campaign.sweep import Study, Varied, grid, with_settings
+    from ..campaign.sweep import VERB, Study, Varied, grid, with_settings
     from ..campaign.sweep import sample as sampled
     from ..campaign.sweep import sweep as points_swept
     from ..campaign.sweep_points import detection_limit, swept_points
@@ -122,15 +123,23 @@ def run(
                 client = stack.enter_context(cluster(scheduler, min(workers, len(waiting))))
             done = stack.enter_context(counted(len(waiting), "simulating"))
             for outcome in points_swept(client, waiting, study, store.folder.resolve()):
-                refused += outcome.status != "done"
-                if outcome.status != "done" and refused <= _SHOWN:
+                refused += outcome.status != DONE
+                if outcome.status != DONE and refused <= _SHOWN:
                     warn(f"{outcome.job.name}: {outcome.status}: {outcome.message}")
                 done(outcome.job.name)
     store.merge_files()
-    if refused:
-        say(f"{len(waiting) - refused} of {len(waiting)} points were done; {refused} were refused or failed.")
     keys = {point.key for point in points}
-    found = swept_points(row for row in store.rows() if row["key"] in keys)
+    rows = [row for row in store.rows() if row["task"] == VERB]
+    asked = [row for row in rows if row["key"] in keys]
+    lost = sum(row["status"] != DONE for row in asked)
+    if lost:
+        say(f"{len(asked) - lost} of {len(asked)} points were done; {lost} were refused or failed.")
+    if len(asked) < len(rows):
+        say(
+            f"{output} holds {len(rows) - len(asked)} results of other sweeps, which are not shown; the commands that "
+            "made them show them."
+        )
+    found = swept_points(asked)
     _show(found)
     limit = detection_limit(found)
     if limit is not None:
@@ -138,9 +147,10 @@ def run(
     if page is not None:
         from ..report.sweep_page import write_sweep_page
 
-        say(f"{write_sweep_page(page, found, limit, force=force)}: open it in any browser")
+        ratios = frozenset(one.path for one in varied if one.logarithmic)
+        say(f"{write_sweep_page(page, found, limit, lost=lost, ratios=ratios, force=force)}: open it in any browser")
     write_json(json, [point.as_json() for point in found])
-    if waiting and refused == len(waiting):
+    if (waiting and refused == len(waiting)) or lost == len(points):
         raise typer.Exit(1)
 
 
@@ -150,8 +160,9 @@ def _show(points: Sequence[SweptPoint]) -> None:
         return
     table = ReportTable(f"{len(points)} points")
     paths = [path for path, _, _ in points[0].settings]
-    table.numbers(*(escape(path) for path in paths), *COLUMNS)
+    told = columns(points)
+    table.numbers(*(escape(path) for path in paths), *told)
     for point in points:
-        table.add_row(*point_cells(point))
+        table.add_row(*point_cells(point, told))
     console.print(table)
-    say("Least error: Cramér and Rao's bound of the standard error. Told: by the search. Were: their root mean square.")
+    say(meaning(points))

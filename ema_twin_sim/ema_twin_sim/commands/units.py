@@ -87,7 +87,6 @@ def run(
 
     from ..campaign.healthy import Healthy
     from ..campaign.histories import FEWEST_HEALTHY, outlooks, read_limits
-    from ..campaign.results import DONE
     from ..campaign.store import Store
     from ..campaign.unit_health import unit_health
     from ..campaign.units import units_of
@@ -114,11 +113,11 @@ def run(
     else:
         _show(found, ahead, health)
     for one in found:
-        names = [row["name"] for row in one.rows if row["status"] == DONE]
-        if ahead[one.name] and not known_good.follows(names, FEWEST_HEALTHY):
+        if not all(look.history.as_asked for look in ahead[one.name]):
             warn(
-                f"{one.name}: its numbers are held against the first third of its results: --healthy {healthy} is not "
-                f"found in its first {FEWEST_HEALTHY}, with which a history begins"
+                f"{one.name}: some of its numbers are held against their first "
+                f"{'third' if known_good.pattern else f'{FEWEST_HEALTHY} values, or days'}: "
+                f"by --healthy {healthy} fewer than {FEWEST_HEALTHY} of their values, or days, are healthy"
             )
         for remark in one.remarks:
             warn(f"{one.name}: {remark}")

@@ -28,7 +28,7 @@ RUNNING = (
 ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
 """What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
-SHOWN = ("fast_roughness", "slow_roughness", "wave_depth")
+SHOWN = ("fast_roughness", "slow_roughness", "wave_depth", "wave_both_ways")
 """What helps to name a change and calls none off: parts of what is judged already."""
 FEWEST_TESTS = 3
 _VANISHING = 1e-7  # of the unit's own effort or travel, or in a logarithm: what varies less is a simulation

@@ -12,6 +12,7 @@ slow_roughness      the same of means over a few samples: stick-slip, hunting wh
 rest_hunting        scatter at rest: a control loop that hunts across play
 wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
 wave_depth          size of that wave in both directions (root of the mean square)
+wave_both_ways      what of that wave both directions meet at the same place, helped one way and hindered the other
 bump                largest local excess of the effort over a stroke, in its own scatter
 lag                 error of the position while starting and settling
 breakaway           largest effort while starting, less the steady one
@@ -32,7 +33,7 @@ import numpy as np
 
 from .motion_record import MotionRecord
 from .phases import Phases, Piece, phases_of
-from .wave import split_wave
+from .wave import FEWEST_CYCLES, split_wave
 
 _FEW = 5  # samples of the means that show what is slow
 _PEAK = 3  # samples that make a peak
@@ -75,6 +76,8 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
     if phases.strokes(0):
         found["rest_effort"] = Feature(_mean(record.effort, phases.strokes(0)), unit)
     found |= _scatter(record, phases, wavelength, unsigned)
+    if (both := wave_both_ways(record, phases, wavelength, unsigned)) is not None:
+        found["wave_both_ways"] = Feature(both, "1")
     error = record.position if record.command is None else record.command - record.position
     strokes = phases.strokes(1) + phases.strokes(-1)
     if record.command is not None:
@@ -97,6 +100,35 @@ def level(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) 
     """Mean effort against the motion while moving steadily one way; NaN where the run never does."""
     pieces = phases.strokes(direction)
     return _mean(_along(record.effort, pieces[0], unsigned), pieces) if pieces else np.nan
+
+
+def wave_both_ways(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> float | None:
+    """What of the wave is a torque of the place alone: its amplitude as a share of the effort, squared; None where
+    nothing tells it.
+
+    A ball that rolls into a pit helps the motion, and hinders it where it rolls out: out and back, at the same places,
+    the effort against the motion rises where it fell. So it is the product of both waves with its sign turned; friction
+    that goes with the place makes it negative, and scatter, which the directions do not share, adds nothing.
+    """
+    where = _place(record)
+    sides = []
+    for direction in (1, -1):
+        pieces = [(p, np.r_[(p.beginning.start + p.beginning.stop) // 2 : p.steady.stop]) for p in
+                  phases.strokes(direction)]  # fmt: skip
+        sides.append((abs(level(record, phases, direction, unsigned)), pieces))
+    strokes = [where[rows] for _, pieces in sides for _, rows in pieces]
+    if not all(pieces for _, pieces in sides) or not np.isfinite(wavelength):
+        return None
+    low, high = max(float(stroke.min()) for stroke in strokes), min(float(stroke.max()) for stroke in strokes)
+    if high - low < FEWEST_CYCLES * wavelength:
+        return None
+    waves = []
+    for size, pieces in sides:
+        common = [(p, rows[(where[rows] >= low) & (where[rows] <= high)]) for p, rows in pieces]
+        phasors = [split_wave(_along(record.effort, p, unsigned)[rows], where[rows], wavelength)[0]
+                   for p, rows in common]  # fmt: skip
+        waves.append(complex(np.mean(phasors)) / max(size, _TINY * float(np.abs(record.effort).max())))
+    return -(waves[0] * waves[1].conjugate()).real
 
 
 def lost_motion(record: MotionRecord, phases: Phases) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
 from .acquisition import Acquisition
 from .baseline import Baseline, other_sign, tails
-from .families import Family, Ranked, rank
+from .families import DIRECTIONS, TOGETHER, Family, Ranked, rank
 from .features import Feature, Features
 from .motion_record import MotionRecord
 from .run_features import RunFeatures, alike, run_features
@@ -120,7 +120,8 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
     magnitude = any(one.acquisition.unsigned for one in judgements)
     names = sorted({name for changes in off for name in changes if not (magnitude and name == "load")})
-    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
+    families = TOGETHER if len(off) > 1 else DIRECTIONS
+    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names}, families)
 
 
 def not_alike(run: RunFeatures, baseline: Baseline) -> str:

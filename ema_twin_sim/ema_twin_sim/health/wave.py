@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-_FEWEST_CYCLES = 4  # in a stroke, or a wave is no wave
+FEWEST_CYCLES = 4  # in a stroke, or a wave is no wave
 _FINER = 4  # wavelengths tried within the width of a line
 _NEIGHBOURS = 10.0  # line widths on either side against which a line must stand out
 
@@ -33,9 +33,9 @@ def found_wavelength(strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
     """
     travel = float(np.median([np.ptp(position) for _, position in strokes]))
     samples = float(np.median([len(position) for _, position in strokes]))
-    if not travel > 0.0 or samples < 4 * _FEWEST_CYCLES:
+    if not travel > 0.0 or samples < 4 * FEWEST_CYCLES:
         return np.nan
-    cycles = np.arange(_FEWEST_CYCLES, 0.5 * samples, 1.0 / _FINER)
+    cycles = np.arange(FEWEST_CYCLES, 0.5 * samples, 1.0 / _FINER)
     power = np.zeros(len(cycles))
     for values, position in strokes:
         rest = values - np.polyval(np.polyfit(position, values, 2), position)

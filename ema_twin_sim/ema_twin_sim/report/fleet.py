@@ -170,15 +170,25 @@ def _changed(look: Outlook) -> str:
 
 def _leads(look: Outlook) -> str:
     of, by = look.history, "day" if look.history.dated else "result"
-    assert look.trend is not None  # the caller's choice
-    slope = estimate(look.trend.slope, look.trend.slope_error, of.unit)
-    text = f"{number_words(look)} goes by {slope} a {by}."
-    return f"{text} It reaches its limit in {life_words(look)} (90 %)." if look.life else text
+    told = []
+    if look.trend is not None:
+        slope = estimate(look.trend.slope, look.trend.slope_error, of.unit)
+        told.append(f"{number_words(look)} goes by {slope} a {by}.")
+    if look.life is not None and look.life.latest == 0.0:
+        told.append(f"{number_words(look)} has passed its limit.")
+    elif look.life is not None:
+        told.append(f"It reaches its limit in {life_words(look)} (90 %).")
+    return " ".join(told)
 
 
 def _advice(unit: Unit, changed: Sequence[Outlook], leading: Sequence[Outlook], health: UnitHealth | None) -> list[str]:
     ending = [look for look in leading if look.life is not None and math.isfinite(look.life.median)]
-    told = [f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}." for look in ending]
+    told = [
+        f"Repair it: {number_words(look)} has passed its limit."
+        if look.life is not None and look.life.latest == 0.0
+        else f"Plan its maintenance: {number_words(look)} reaches its limit in {life_words(look)}."
+        for look in ending
+    ]
     told += [
         f"Look at what makes {number_words(look)} change: {effect_words(look.history.owner)}." for look in changed[:3]
     ]

@@ -11,8 +11,8 @@ from ema_bench_replay.outputs import new_file
 
 from ..campaign.sweep_points import DetectionLimit, SweptPoint
 from ..quantities import quantity
-from ..words.sweep import COLUMNS, limit_words, point_cells
-from .chart import AFTER, Chart, Charts, Trace, axis, label, line
+from ..words.sweep import columns, limit_words, point_cells
+from .chart import AFTER, Chart, Charts, Trace, axis, label, line, log_axis
 from .markup import Markup, joined, section, table, tag
 from .whole_page import whole_page
 
@@ -22,20 +22,26 @@ _SHADES = [[0.0, f"{AFTER}-faint"], [1.0, AFTER]]
 
 
 def write_sweep_page(
-    path: Path, points: Sequence[SweptPoint], limit: DetectionLimit | None, *, force: bool = False
-) -> Path:
-    """Write it. Raises InputError where the file exists (without ``force``) or cannot be written."""
+    path: Path, points: Sequence[SweptPoint], limit: DetectionLimit | None, *, lost: int = 0,
+    ratios: frozenset[str] = frozenset(), force: bool = False,
+) -> Path:  # fmt: skip
+    """Write it: with how many points were ``lost``, and the numbers that go by equal ``ratios`` on a logarithmic axis.
+
+    Raises InputError where the file exists (without ``force``) or cannot be written.
+    """
     count = sum(point.results for point in points)
     charts = Charts()
-    parts = [tag("h1", "Sweep"), tag("p", f"{len(points)} points, {count} results.", class_="lead")]
+    others = f" {lost} points were refused or failed, and are not shown." if lost else ""
+    parts = [tag("h1", "Sweep"), tag("p", f"{len(points)} points, {count} results.{others}", class_="lead")]
     if limit is not None:
         parts.append(tag("p", limit_words(limit)))
     axes = len(points[0].settings) if points else 0
     if axes in (1, 2):
         draw = _curve if axes == 1 else _map
-        figures = [draw(points, [point.share for point in points], "share of the results in which it was named")]
+        shares = [point.share for point in points]
+        figures = [draw(points, shares, "share of the results in which it was named", ratios)]
         figures += [
-            draw(points, relative(points, k), f"least standard error of {path}, as a share of its value")
+            draw(points, relative(points, k), f"least standard error of {path}, as a share of its value", ratios)
             for k, (path, _, _) in enumerate(points[0].settings)
         ]
         parts.append(section("map", "Map", tag("div", *map(charts.add, filter(None, figures)), class_="grid")))
@@ -57,21 +63,26 @@ def relative(points: Sequence[SweptPoint], axis: int) -> list[float | None]:
 
 def _table(points: Sequence[SweptPoint]) -> Markup:
     paths = [path for path, _, _ in points[0].settings] if points else []
-    return table((*paths, *COLUMNS), [point_cells(point) for point in points], words=())
+    told = columns(points)
+    return table((*paths, *told), [point_cells(point, told) for point in points], words=())
 
 
-def _curve(points: Sequence[SweptPoint], values: Sequence[float | None], title: str) -> Chart | None:
+def _curve(
+    points: Sequence[SweptPoint], values: Sequence[float | None], title: str, ratios: frozenset[str]
+) -> Chart | None:
     """The values over the number that was varied."""
     known = [(point.settings[0][1], value) for point, value in zip(points, values, strict=True) if value is not None]
     if len(known) < 2:
         return None
     x, y = (np.array(column) for column in zip(*known, strict=True))
     path, _, unit = points[0].settings[0]
-    layout = {"xaxis": axis(_with_unit(path, unit)), "yaxis": axis("", rangemode="tozero")}
+    layout = {"xaxis": _axis(path, unit, x, ratios), "yaxis": axis("", rangemode="tozero")}
     return Chart(title, _HEIGHT, layout, [line(x, y, title, AFTER, mode="lines+markers")])
 
 
-def _map(points: Sequence[SweptPoint], values: Sequence[float | None], title: str) -> Chart | None:
+def _map(
+    points: Sequence[SweptPoint], values: Sequence[float | None], title: str, ratios: frozenset[str]
+) -> Chart | None:
     """The values over both numbers that were varied: cells of a grid, or points that were drawn anywhere."""
     known = [(point, value) for point, value in zip(points, values, strict=True) if value is not None]
     if not known:
@@ -90,7 +101,7 @@ def _map(points: Sequence[SweptPoint], values: Sequence[float | None], title: st
     else:
         marker = {"color": sizes, "colorscale": _SHADES, "size": 10, "showscale": True}
         trace = {"type": "scatter", "mode": "markers", "x": at[0], "y": at[1], "marker": marker, **shown}
-        across, up = (axis(_with_unit(path, unit)) for path, unit in names)
+        across, up = (_axis(*name, placed, ratios) for name, placed in zip(names, at, strict=True))
     return Chart(title, _HEIGHT, {"xaxis": across, "yaxis": up}, [trace])
 
 
@@ -100,5 +111,7 @@ def _axis_of_levels(path: str, unit: str, levels: np.ndarray) -> dict[str, objec
     return axis(path, tickvals=[*named], ticktext=[quantity(float(levels[k]), unit) for k in named])
 
 
-def _with_unit(path: str, unit: str) -> str:
-    return path if unit == "1" else f"{path} [{unit}]"
+def _axis(path: str, unit: str, values: np.ndarray, ratios: frozenset[str]) -> dict[str, object]:
+    """An axis of a number and its unit, logarithmic where its values (n,) go by equal ratios."""
+    title = path if unit == "1" else f"{path} [{unit}]"
+    return log_axis(title, values) if path in ratios else axis(title)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..criteria import SIGNIFICANT
@@ -10,8 +11,18 @@ from ..quantities import quantity
 if TYPE_CHECKING:
     from ..campaign.sweep_points import DetectionLimit, Swept, SweptPoint
 
-COLUMNS = ("named", "least error", "error told", "errors were")
-"""Of a point, beside the numbers that were varied."""
+_COLUMNS = {"least error": "bound", "error told": "told", "errors were": "scatter"}
+
+
+def columns(points: Sequence[SweptPoint]) -> tuple[str, ...]:
+    """What is told of points beside the numbers that were varied; where nothing was searched, the bounds alone."""
+    return ("named", *_COLUMNS) if any(point.searched for point in points) else ("least error",)
+
+
+def meaning(points: Sequence[SweptPoint]) -> str:
+    """What these columns hold."""
+    bound = "Least error: Cramér and Rao's bound of the standard error."
+    return f"{bound} Told: by the search. Were: their root mean square." if len(columns(points)) > 1 else bound
 
 
 def limit_words(limit: DetectionLimit) -> str:
@@ -23,17 +34,23 @@ def limit_words(limit: DetectionLimit) -> str:
     )
 
 
-def point_cells(point: SweptPoint) -> tuple[str, ...]:
-    """The numbers that were varied, and what COLUMNS names."""
-    paths = [path for path, _, _ in point.settings]
-    varied = [number for number in point.numbers if number.path in paths]
+def point_cells(point: SweptPoint, columns: Sequence[str]) -> tuple[str, ...]:
+    """The numbers that were varied, and what the ``columns`` name, of each of these numbers in their order."""
+    held = {number.path: number for number in point.numbers}
+    varied = [held.get(path) for path, _, _ in point.settings]
     return (
         *(quantity(value, unit) for _, value, unit in point.settings),
-        "" if point.share is None else f"{point.named}/{point.searched}",
-        *(", ".join(_cell(number, what) for number in varied) for what in ("bound", "told", "scatter")),
+        *(_named(point) if column == "named" else _cells(varied, _COLUMNS[column]) for column in columns),
     )
 
 
-def _cell(number: Swept, what: str) -> str:
-    value: float | None = getattr(number, what)
-    return "-" if value is None else quantity(value, number.unit)
+def _named(point: SweptPoint) -> str:
+    return "" if point.share is None else f"{point.named}/{point.searched}"
+
+
+def _cells(varied: Sequence[Swept | None], what: str) -> str:
+    values: list[float | None] = [None if number is None else getattr(number, what) for number in varied]
+    return ", ".join(
+        "-" if value is None or number is None else quantity(value, number.unit)
+        for number, value in zip(varied, values, strict=True)
+    )
