@@ -55,6 +55,7 @@ class Soak:
 
     Attributes:
         begun: when [s, monotonic] it began to.
+        missing: samples that the monitor missed before.
         memory: (time [s] since then, bytes by process) of each look; only what the process made, no files.
         full: time [s] from which on all buffers are; None before.
         load: how many processes ran or waited for a processor of this machine, at each look.
@@ -66,6 +67,7 @@ class Soak:
         self._start: tuple[float, int] | None = None
         self._last = 0.0
         self.begun = 0.0
+        self.missing = 0
         self.memory: list[tuple[float, dict[str, int]]] = []
         self.load: list[float] = []
         self.full: float | None = None
@@ -85,6 +87,7 @@ class Soak:
         """Look on for so long."""
         self.begun = time.monotonic()
         self._start, self._last = None, 0.0
+        self.missing = self._bench.health.missing
         self.late.clear()
         self._recent.clear()
         while (passed := time.monotonic() - self.begun) < seconds:
@@ -169,16 +172,18 @@ def report(bench: BenchProcesses, soak: Soak) -> int:
         wrong |= sizes[-1] - sizes[0] > 1.0
         course = " ".join(f"{size:7.2f}" for size in sizes)
         print(f"  {name:24} {course} MiB, grew by {sizes[-1] - sizes[0]:+.2f} MiB")
-    health = bench.health
-    print(f"samples: {health.compared} compared, {health.missing} missing; run {health.run}")
-    wrong |= health.missing > 0 or health.compared == 0
+    health, missing = bench.health, bench.health.missing - soak.missing
+    print(f"samples: {health.compared} compared, {missing} missing; run {health.run}")
+    wrong |= missing > 0 or health.compared == 0
     for node in ("twin", "monitor", "record", "replay"):
         for key, value in bench.figures.get(node, {}).items():
             if any(
                 word in key for word in ("lost", "late", "twice", "behind", "went back", "wrong stamp", "not written")
             ):
                 print(f"  {node}: {key}: {value}")
-                wrong |= "lost" in key and value not in ("0", "none")
+                wrong |= node != "record" and "lost" in key and value not in ("0", "none")
+    recorder = max((told for told in bench.told if told[1] == "record"), default=(0.0, "", ""))[2]
+    wrong |= any(topic in recorder for topic in ("/bench/state", "/twin/state"))  # of others only the newest are kept
     passed, late = np.array([(t, by) for t, by in soak.late if t > _SETTLED]).reshape(-1, 2).T
     if len(late) > 20:
         late -= late.min()

@@ -71,11 +71,10 @@ def _process(name: str, folder: Path, inputs: int, seed: int, guided: bool) -> d
                 now = folder / "now"
                 head = now.open("rb").read(_HEAD.size) if now.exists() else b""
                 number = _HEAD.unpack(head)[0] if len(head) == _HEAD.size else 0
+                spent, waited = _processor_time(process.pid) - took, time.monotonic() - since
                 if number != begun:
-                    begun, since, took = number, time.monotonic(), _processor_time(process.pid)
-                elif _processor_time(process.pid) - took > PATIENCE + (300.0 if not begun else 0.0):
-                    break
-                elif time.monotonic() - since > STANDSTILL:
+                    begun, since, took = number, time.monotonic(), took + spent
+                elif spent > PATIENCE + (300.0 if not begun else 0.0) or waited > STANDSTILL:
                     break
         finally:
             process.kill()
