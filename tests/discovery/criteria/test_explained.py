@@ -162,6 +162,8 @@ class TestLagging:
         piece = np.r_[np.full(20, 3), np.full(30, 4)]
         assert self.told(stock, np.where(piece == 3, 0.0, 99.0), piece=piece) == {}
         assert self.told(stock, np.where(piece == 3, 99.0, 0.0), piece=piece) != {}
+        one_row = np.r_[3, np.full(49, 4)]
+        assert self.told(stock, np.where(one_row == 3, 0.0, 99.0), piece=one_row) == {}
 
     def test_nothing_where_it_may_begin_anywhere_or_is_not_known(self, stock):
         assert self.told(stock, 99.0, parted=True) == {}
@@ -241,7 +243,7 @@ class TestUnexplained:
     def test_a_friction_that_bends_leaves_twice_as_much(self, stock, monkeypatch, no_leftover):
         for factor, told in ((0.99, False), (1.01, True)):
             raw = math.sqrt(factor * BRISTLED * MISFIT_LEFT)
-            assert self.told(monkeypatch, stock, raw, "presliding_friction", bristle=2.0) == told
+            assert self.told(monkeypatch, stock, raw, "presliding_friction", bristle=0.5) == told
 
     def test_where_no_torque_was_measured_none_is_left(self, stock, monkeypatch):
         assert not self.told(monkeypatch, stock, (), rows=(0,))
@@ -269,7 +271,7 @@ class TestUnexplained:
     def test_a_friction_that_bends_leaves_twice_as_much_of_it(self, stock, monkeypatch, left):
         for factor, told in ((0.99, False), (1.01, True)):
             left([factor * BRISTLED * UNEXPLAINED * 0.01], [9.0])
-            assert self.told(monkeypatch, stock, 0.5, bristle=2.0, follows=True) == told
+            assert self.told(monkeypatch, stock, 0.5, bristle=0.5, follows=True) == told
 
     @pytest.mark.parametrize("before", [0.0, 1.0])
     def test_behind_play_as_much_as_a_part_of_what_was_left_before(self, before, stock, monkeypatch, left):

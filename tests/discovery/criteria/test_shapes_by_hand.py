@@ -27,7 +27,7 @@ SCALE = 3.0
 def a_torque_fit(h, gained, nothing=1000.0, prior=0.0, **options):
     """A fit of the torque alone that gains so much over one of ``nothing``, in units of what is left."""
     misfits = nothing - SCALE * gained, 0.0
-    return a_fit(h, np.ones(ROWS), misfits=misfits, inflations=(SCALE, SCALE), prior=prior, **options)
+    return a_fit(h, np.ones(ROWS), misfits=misfits, inflations=(SCALE, 7.0 * SCALE), prior=prior, **options)
 
 
 class TestOwnShape:
@@ -133,6 +133,12 @@ class TestOwnShape:
         problem = a_problem(0, encoder_rows=(ROWS,))
         assert by_own_shape(problem, f) == (("encoder_eccentricity",) if stands else ())
 
+    def test_of_encoders_that_part_by_less_than_their_noise_nothing_is_left(self, stock, monkeypatch):
+        h = a_hypothesis(stock, "encoder_eccentricity")
+        monkeypatch.setattr(own_shape, "fit", lambda *_, **__: a_fit(h, np.full(ROWS, 0.9), 0))
+        f = a_fit(h, np.full(ROWS, 0.8), 0)
+        assert by_own_shape(a_problem(0, encoder_rows=(ROWS,)), f) == ("encoder_eccentricity",)
+
 
 class TestPartsTheEncoders:
     def told(self, monkeypatch, stock, effect, bare, left, rows=(ROWS,)):
@@ -215,7 +221,7 @@ class TestLikeness:
         more = len(bare.free) + columns - len(h.free)
         misfit = left * ROWS
         instead = a_fit(
-            bare.with_generic_basis("b", columns), np.ones(ROWS), misfits=(misfit, 0.0), inflations=(SCALE, SCALE)
+            bare.with_generic_basis("b", columns), np.ones(ROWS), misfits=(misfit, 0.0), inflations=(SCALE, 7.0 * SCALE)
         )
         f = a_fit(h, np.ones(ROWS), misfits=(misfit + SCALE * (gained + 2.0 * more), 0.0), **options)
         monkeypatch.setattr(likeness, "fit", lambda *_, **__: bare)
