@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import random
 import shutil
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import zstandard
 from mcap.writer import CompressionType, Writer
 
 from ema_bench_replay.bags.bag_writer import write_mcap
@@ -69,7 +71,8 @@ def _bags(compression: CompressionType) -> Callable[[Path], list[bytes]]:
             write_mcap(a_recording(60), folder / "own.mcap")
             made.append((folder / "own.mcap").read_bytes())
         types, root = parse(DEFINITION, STATE)
-        for chunked in (True, False):
+        packings = [bytes, zstandard.ZstdCompressor().compress] if compression is CompressionType.ZSTD else [bytes]
+        for chunked, pack in itertools.product((True, False), packings):
             path = folder / "other.mcap"
             with path.open("wb") as stream:
                 writer = Writer(stream, compression=compression, use_chunking=chunked, chunk_size=2048)
@@ -79,7 +82,7 @@ def _bags(compression: CompressionType) -> Callable[[Path], list[bytes]]:
                 for values, logged in some_samples(20):
                     stamp = dict(zip(("sec", "nanosec"), divmod(values["stamp"], 10**9), strict=True))
                     message = serialise(types, root, {**values, "header": {"stamp": stamp, "frame_id": ""}})
-                    writer.add_message(channel, logged, message, logged)
+                    writer.add_message(channel, logged, pack(message), logged)
                 writer.add_metadata("note", {"a": "b"})
                 writer.add_attachment(1, 2, "a.txt", "text/plain", b"a")
                 writer.finish()
