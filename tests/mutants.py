@@ -34,16 +34,11 @@ _CRITERIA = _PACKAGE / "discovery" / "criteria"
 _OF_FEW_ROWS = ("tests/discovery/criteria", "tests/identification/test_frozen_problem.py")
 TESTS = {
     "pairing": (_PACKAGE / "live" / "pairing.py", ("tests/live/test_pairing.py",)),
-    "contradictions": (_CRITERIA / "contradictions.py", _OF_FEW_ROWS),
-    "episodes": (_CRITERIA / "episodes.py", _OF_FEW_ROWS),
-    "worth": (_CRITERIA / "worth.py", (*_OF_FEW_ROWS, "tests/discovery/test_discovery_plausible.py")),
-    "plausible": (_CRITERIA / "plausible.py", ("tests/discovery/test_discovery_plausible.py",)),
-    "own_shape": (_CRITERIA / "own_shape.py", ("tests/discovery/test_own_shape.py",)),
-    "likeness": (_CRITERIA / "likeness.py", ("tests/discovery/test_likeness.py",)),
-    "explained": (
-        _CRITERIA / "explained.py", ("tests/discovery/test_likeness.py", "tests/discovery/test_own_shape.py"),
-    ),
-}  # fmt: skip
+    **{
+        name: (_CRITERIA / f"{name}.py", _OF_FEW_ROWS)
+        for name in ("contradictions", "episodes", "worth", "plausible", "own_shape", "likeness", "explained")
+    },
+}
 """The files that are changed, and the tests that shall notice."""
 _LONGEST = 20.0
 """s of tests that a mutant gets, the shortest first, as long as they take without a fault."""

@@ -34,6 +34,10 @@ def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens
         from ema_bench_replay.traces.trace_csv import read_trace
 
         return read_trace(path, load_map(import_map))
+    from ema_bench_replay.bags.bag_parts import how_to_convert
+
+    if other := how_to_convert(path):
+        raise InputError(f"{path}: {other}")
     kind = f"a file of kind {path.suffix!r}" if path.suffix else "a file without extension"
     raise InputError(f"{path}: {kind} is no recording; give a .csv trace, an .mcap or the folder that import wrote")
 

@@ -24,7 +24,9 @@ from .kinds import KINDS
 from .worker import _HEAD
 
 PATIENCE = 30.0
-"""s without a new input after which a process is ended; the machine may be busy."""
+"""s of the processor's time without a new input after which a process is ended: a busy machine may keep it waiting."""
+STANDSTILL = 1200.0
+"""s without a new input after which it is ended although it takes no time."""
 
 
 _interrupted = threading.Event()
@@ -62,16 +64,17 @@ def _process(name: str, folder: Path, inputs: int, seed: int, guided: bool) -> d
         process = subprocess.Popen(
             [*words, *["--guided"] * guided], stdout=said, stderr=said, env=environment, cwd=Path(__file__).parents[2]
         )
-        begun, since = 0, time.monotonic()
+        begun, since, took = 0, time.monotonic(), 0.0
         try:
             while process.poll() is None and not _interrupted.is_set():
                 time.sleep(0.1)
                 now = folder / "now"
                 head = now.open("rb").read(_HEAD.size) if now.exists() else b""
                 number = _HEAD.unpack(head)[0] if len(head) == _HEAD.size else 0
+                spent, waited = _processor_time(process.pid) - took, time.monotonic() - since
                 if number != begun:
-                    begun, since = number, time.monotonic()
-                elif time.monotonic() - since > PATIENCE + (300.0 if not begun else 0.0):
+                    begun, since, took = number, time.monotonic(), took + spent
+                elif spent > PATIENCE + (300.0 if not begun else 0.0) or waited > STANDSTILL:
                     break
         finally:
             process.kill()
@@ -80,6 +83,15 @@ def _process(name: str, folder: Path, inputs: int, seed: int, guided: bool) -> d
     if process.returncode == 0 and report.exists():
         return json.loads(report.read_text())
     return _ended(folder, process.returncode)
+
+
+def _processor_time(process: int) -> float:
+    """s of the processor's time that a process has taken; 0 where it is gone."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _ended(folder: Path, status: int) -> dict[str, Any]:

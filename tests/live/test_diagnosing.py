@@ -294,6 +294,19 @@ class TestTrend:
         trend.clear()
         assert trend.growing() is None and trend.slopes() == {}
 
+    def test_only_the_last_hour_counts_and_takes_no_more_room_as_it_comes(self):
+        """The slope is that of the last 720 windows alone: before them the error fell."""
+        trend = Trend(5.0)
+        for k in range(1500):
+            trend.add(5.0 * k, {"current": 9.0 - 0.01 * k if k < 780 else 0.002 * k})
+        assert trend.slopes()["current"] == pytest.approx(0.002 / 5.0)
+        times, errors = trend._errors["current"].held
+        assert times.tolist() == [5.0 * k for k in range(780, 1500)]
+        assert errors[-1] == pytest.approx(0.002 * 1499)
+        room = trend._errors["current"]._rows
+        trend.add(7500.0, {"current": 1.0})
+        assert trend._errors["current"]._rows is room
+
 
 def test_the_process_judges_and_is_asked_again(recording):
     model = load_model("polito_bench")

@@ -1,11 +1,13 @@
 """Bench and twin samples find each other by run and sequence, whichever comes first."""
 
+from functools import partial
 from typing import NamedTuple
 
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ema_twin_sim.live.pairing import Pairing
+from ema_twin_sim.live.waiting import WaitingObjects
 
 PERIOD = 2_000_000
 
@@ -189,11 +191,19 @@ def test_duplicates_are_compared_once():
 
 
 def test_memory_is_bounded():
-    pairing = Pairing(capacity=10)
+    pairing = Pairing(partial(WaitingObjects, 10))
     bench(pairing, *range(1000))
     assert pairing.waiting == 10
     assert twin(pairing, *range(985, 1000)) == [None] * 5 + list(range(990, 1000))
     assert pairing.missing == 990
+
+
+def test_a_twin_as_far_behind_as_the_middleware_lets_it_be_is_compared_whole():
+    """5000 samples wait at the bench for the twin, 5000 in the twin, as many at the twin and in the monitor."""
+    pairing = Pairing()
+    bench(pairing, *range(20_000))
+    assert twin(pairing, *range(20_000)) == [*range(20_000)]
+    assert (pairing.compared, pairing.missing, pairing.waiting) == (20_000, 0, 0)
 
 
 def test_a_late_start_counts_from_there():

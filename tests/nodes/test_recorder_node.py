@@ -14,7 +14,8 @@ from ros_graph import Graph, starter
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_bench_replay.nodes import qos
+from ema_bench_replay.nodes import diagnostics, qos
+from ema_bench_replay.nodes.record import RecordNode
 from ema_bench_replay.nodes.sample_codec import write_state
 from ema_twin_msgs.msg import EmaState
 from tests.command_line import ENDING, MODEL, done_here
@@ -76,6 +77,23 @@ def ended(record):
     record.send_signal(signal.SIGINT)
     errors = record.communicate(timeout=ENDING)[1]
     return record.returncode, errors.strip().splitlines()[-1]
+
+
+def test_what_comes_by_best_effort_may_be_missed_and_is_told(bench, tmp_path):
+    """A clock that is sent fifty times a second misses some on a busy machine: that is no error of the recording."""
+    recorder = bench.graph.add(RecordNode, output=str(tmp_path / "bag"), topics=["/nothing"])
+    recorder.missed |= {"/clock": 6, "/bench/state": 0}
+    recorder._best_effort.add("/clock")
+    recorder._writer.add_topic("/clock", "rosgraph_msgs/msg/Clock", "")
+    recorder._writer.add_topic("/bench/state", "ema_twin_msgs/msg/EmaState", "")
+    report = recorder._report()
+    assert (report.level, report.message) == (diagnostics.WARN, "6 messages are lost: 6 of /clock did not come")
+    recorder.missed["/bench/state"] = 1
+    assert recorder._report().level == diagnostics.ERROR
+    assert "6 of /clock, 1 of /bench/state did not come" in recorder._report().message
+    recorder.missed["/bench/state"] = 0
+    recorder.close()
+    assert recorder.exit_status == 0
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from mcap.data_stream import RecordBuilder
 from mcap.records import Chunk
 from mcap.writer import CompressionType, Writer
 
+from ema_bench_replay.bags import packed_messages
 from ema_bench_replay.bags.bag_metadata import STATE_QOS, qos_profile
 from ema_bench_replay.bags.bag_reader import read_bag
 from ema_bench_replay.bags.bag_writer import write_mcap
@@ -33,6 +34,62 @@ def write_bytes(file, definition, *samples):
         for time, content in enumerate(samples):
             writer.add_message(channel, time, content, time)
         writer.finish()
+
+
+def packed(message):
+    return zstandard.ZstdCompressor().compress(message)
+
+
+def states(count=50):
+    """Serialised states, a period of 1 ms apart."""
+    types, root = parse(DEFINITION, STATE)
+    return [
+        serialise(
+            types, root, {"header": {"stamp": {"sec": 1, "nanosec": 1_000_000 * k}}, "sequence": k, "current": k / 7}
+        )
+        for k in range(count)
+    ]
+
+
+class TestPackedMessages:
+    """As ``ros2 bag record --compression-mode message --compression-format zstd`` writes them."""
+
+    def test_are_read(self, tmp_path):
+        write_bytes(tmp_path / "b.mcap", DEFINITION, *map(packed, states()))
+        recording = read_bag(tmp_path / "b.mcap")
+        assert recording.signals["current"].tolist() == [k / 7 for k in range(50)]
+        assert recording.warnings == ()
+
+    def test_those_that_are_damaged_or_too_large_are_refused(self, tmp_path):
+        good = packed(states()[0])
+        write_bytes(tmp_path / "cut.mcap", DEFINITION, good, packed(states()[1])[:-9] + b"\xff" * 20)
+        refused(tmp_path / "cut.mcap", "a message")
+        write_bytes(tmp_path / "large.mcap", DEFINITION, good, packed(bytes(1 << 20)))
+        refused(tmp_path / "large.mcap", "unpacks to more than 64 KiB")
+        bomb = zstandard.ZstdCompressor(level=19).compress(bytes(1 << 28))
+        write_bytes(tmp_path / "bomb.mcap", DEFINITION, bomb)
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        refused(tmp_path / "bomb.mcap", "unpacks to more than 64 KiB")
+        assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 64 << 10  # KiB
+
+    def test_those_of_a_block_are_bounded_together(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(packed_messages, "_LARGEST_BLOCK", 1000)
+        write_bytes(tmp_path / "b.mcap", DEFINITION, *map(packed, states()))
+        refused(tmp_path / "b.mcap", "with those beside it")
+
+
+@pytest.mark.parametrize("name", ["rig_0.db3", "rig_0.mcap.zstd", "rig_0.db3.zstd", "rig_0.mcap.lz4"])
+def test_a_bag_of_another_kind_is_refused_with_what_converts_it(name, tmp_path):
+    """The command is that of rosbags, which reads them all."""
+    folder = tmp_path / "rig"
+    folder.mkdir()
+    (folder / "metadata.yaml").write_text("a: 1\n")
+    (folder / name).write_bytes(b"SQLite format 3")
+    command = "rosbags-convert --src "
+    refused(folder, f"{name} is no plain MCAP", command)
+    for path in (folder, folder / name):
+        with pytest.raises(InputError, match=r"is no plain MCAP; convert it: .*rosbags-convert --src \S*rig --dst NEW"):
+            load(path)
 
 
 class TestOtherWriters:

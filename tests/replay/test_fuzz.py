@@ -1,11 +1,16 @@
 """Random inputs break no promise of those who read them; ``make fuzz`` reads as many as one likes."""
 
+import os
 import re
+import signal
+import subprocess
+import threading
 import time
 
 import pytest
 
 from ema_bench_replay.errors import LONGEST, InputError
+from tests.fuzz import run
 from tests.fuzz.kinds import KINDS
 from tests.fuzz.run import read_inputs
 from tests.fuzz.worker import Worker
@@ -33,6 +38,29 @@ def test_what_breaks_a_promise_is_found(breaks, told, tmp_path):
     worker.read = breaks
     worker.one(b"any")
     assert any(re.fullmatch(told, fault) for fault in worker.faults), worker.faults
+
+
+def test_a_process_that_waits_for_a_processor_is_not_taken_to_hang(tmp_path, monkeypatch):
+    """On a busy machine half a minute passed between two inputs of a millisecond each."""
+    monkeypatch.setattr(run, "PATIENCE", 0.3)
+    plain, folder = subprocess.Popen, tmp_path / "command_3"
+
+    def halted(*arguments, **options):
+        process = plain(*arguments, **options)
+
+        def halt():
+            while not (folder / "now").exists() or not any((folder / "now").read_bytes()[:8]):
+                time.sleep(0.01)
+            os.kill(process.pid, signal.SIGSTOP)
+            time.sleep(1.0)
+            os.kill(process.pid, signal.SIGCONT)
+
+        threading.Thread(target=halt, daemon=True).start()
+        return process
+
+    monkeypatch.setattr(run.subprocess, "Popen", halted)
+    found = read_inputs("command", tmp_path, 300, seed=3)
+    assert (found["faults"], found["inputs"]) == ({}, 300)
 
 
 def spend(seconds):

@@ -26,10 +26,10 @@ class BagFile:
         try:
             made = os.fstat(self._descriptor)
             self._made = made.st_dev, made.st_ino
-            self.content = McapFile(self)
+            self.content = McapFile(self, path.parent)
             self.content.add_metadata(PART_NAME, {"recording": recording, "part": str(part)})
         except BaseException:
-            self.close()
+            os.close(self._descriptor)
             with suppress(OSError):
                 path.unlink()
             raise
@@ -65,6 +65,7 @@ class BagFile:
             with suppress(OSError):
                 os.close(self._descriptor)
             self._descriptor = None
+            self.content.close()
 
     def write(self, data: bytes) -> int:
         """All of the data, or nothing: where it does not fit, what was written of it is taken back."""

@@ -20,6 +20,22 @@ PART_NAME = "ema_twin_part"
 _HEAD = 4096
 """Bytes at a file's beginning within which that record ends."""
 _NUMBER = re.compile(r"_(\d+)$")
+_OF_OTHERS = re.compile(r"\.(db3|bag|(mcap|db3)\.(zstd|zst|lz4))$", re.IGNORECASE)
+
+
+def how_to_convert(path: Path) -> str:
+    """What to do where a file, or one in a folder, is a bag of a kind that is not read; empty where none is.
+
+    rosbag2 writes SQLite, and packs whole files where it is told to: neither can be read from front to back.
+    """
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    found = next((file for file in files if _OF_OTHERS.search(file.name)), None)
+    if found is None:
+        return ""
+    source = found if found.suffix.lower() == ".bag" else found.parent
+    convert = f"rosbags-convert --src {source} --dst NEW --dst-storage mcap"
+    name = f"{found.name} " if path.is_dir() else ""
+    return f"{name}is no plain MCAP; convert it: pip install rosbags, then {convert}"
 
 
 def bag_parts(folder: Path) -> list[tuple[Path, ...]]:

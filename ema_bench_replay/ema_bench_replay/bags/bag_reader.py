@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from mcap.records import Schema
 
-from ema_bench_replay.bags.bag_parts import bag_parts, name_of
+from ema_bench_replay.bags.bag_parts import bag_parts, how_to_convert, name_of
 from ema_bench_replay.bags.bag_writer import METADATA_NAME, STATE_TOPIC, STATE_TYPE
 from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
+from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.recording import SIGNALS, Recording
 
@@ -64,6 +65,8 @@ def _files(path: Path) -> tuple[Path, ...]:
     found = bag_parts(path)
     if len(found) == 1:
         return found[0]
+    if not found and (other := how_to_convert(path)):
+        raise InputError(f"{path}: {other}")
     if not found:
         raise InputError(f"{path}: the folder holds no .mcap and no CSV trace; give a file, or the folder of one bag")
     files = sorted(file.name for parts in found for file in parts)
@@ -110,7 +113,8 @@ def _choose(place: Path, scans: Sequence[McapScan], topic: str | None) -> tuple[
     if topic is None:
         topic = STATE_TOPIC if STATE_TOPIC in topics else next(iter(topics))
         if len(topics) > 1 and topic != STATE_TOPIC:
-            raise InputError(f"{place}: holds {_some(topics)} and no {STATE_TOPIC}; name one topic")
+            one = f"ema-twin import {place} --topic {next(iter(topics))}"
+            raise InputError(f"{place}: holds {_some(topics)} and no {STATE_TOPIC}; take one topic: {one}")
     if topic not in topics:
         raise InputError(f"{place}: holds no {STATE_TYPE} on {topic}; there is {_some(topics)}")
     schema = topics[topic]
@@ -133,7 +137,10 @@ def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[t
             if name == topic and other.data == schema.data
         }
         for block in scan.blocks(channels):
-            yield scan, block
+            try:
+                yield scan, unpacked(block)
+            except CdrError as error:
+                raise InputError(f"{scan.path}: a message {error}; record it again") from None
 
 
 def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -> dict[str, np.ndarray]:

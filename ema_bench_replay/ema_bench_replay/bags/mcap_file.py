@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -28,6 +29,8 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
+
+from ema_bench_replay.bags.spilled import Spilled
 
 MAGIC = b"\x89MCAP0\r\n"
 #: What stands before each message: opcode, length of what follows, channel, sequence, log time, publish time.
@@ -66,19 +69,19 @@ class McapFile:
     the stream the same call may be made again.
     """
 
-    def __init__(self, stream: Sink) -> None:
-        """Write the file's head."""
+    def __init__(self, stream: Sink, spill: Path | None = None) -> None:
+        """Write the file's head. What grows with the file lies on the disk of the folder `spill`, where it is given."""
         self._stream = stream
         self._position = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks = bytearray()  # their index as it will be written: of a long recording, nothing else grows
+        self._chunks = Spilled(spill)  # their index as it will be written: of a long recording, nothing else grows
         self._chunk_count = 0
         self._times: tuple[int, int] | None = None  # of the first and the last message
         self._counts: dict[int, int] = {}
         self._unwritten: list[McapRecord] = []  # schemas and channels, for the head of the next chunk
-        self._compressor = zstandard.ZstdCompressor(level=1)
+        self._compressor: zstandard.ZstdCompressor | None = zstandard.ZstdCompressor(level=1)
         self._write(MAGIC + _bytes(Header(profile="ros2", library="ema_bench_replay")))
 
     @property
@@ -122,6 +125,7 @@ class McapFile:
         data = b"".join([head, *(group.records for group in groups)])
         first = min(int(group.log_times.min()) for group in groups)
         last = max(int(group.log_times.max()) for group in groups)
+        assert self._compressor is not None
         packed = self._compressor.compress(data)
         start = self._position
         written = [_bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))]
@@ -139,19 +143,18 @@ class McapFile:
             self._counts[group.channel] += len(group.offsets)
         self._times = (first, last) if self._times is None else (min(first, self._times[0]), max(last, self._times[1]))
         self._chunk_count += 1
-        self._chunks += _bytes(
-            ChunkIndex(
-                chunk_start_offset=start,
-                chunk_length=end - start,
-                message_start_time=first,
-                message_end_time=last,
-                message_index_offsets=index_offsets,
-                message_index_length=self._position - end,
-                compression="zstd",
-                compressed_size=len(packed),
-                uncompressed_size=len(data),
-            )
+        index = ChunkIndex(
+            chunk_start_offset=start,
+            chunk_length=end - start,
+            message_start_time=first,
+            message_end_time=last,
+            message_index_offsets=index_offsets,
+            message_index_length=self._position - end,
+            compression="zstd",
+            compressed_size=len(packed),
+            uncompressed_size=len(data),
         )
+        self._chunks.add(_bytes(index))
 
     def finish(self) -> None:
         """Write the summary and the file's end."""
@@ -174,7 +177,7 @@ class McapFile:
             (Opcode.SCHEMA, b"".join(map(_bytes, self._schemas))),
             (Opcode.CHANNEL, b"".join(map(_bytes, self._channels))),
             (Opcode.STATISTICS, _bytes(statistics)),
-            (Opcode.CHUNK_INDEX, bytes(self._chunks)),
+            (Opcode.CHUNK_INDEX, self._chunks.all()),
             (Opcode.METADATA_INDEX, b"".join(map(_bytes, self._metadata))),
         ):
             if records:
@@ -187,7 +190,14 @@ class McapFile:
         # The checksum covers the summary and the footer up to the checksum itself.
         crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offsets_start), zlib.crc32(data))
         self._write(end + data + _bytes(Footer(start, offsets_start, crc)) + MAGIC)
-        self._chunks.clear()
+        self.close()
+
+    def close(self) -> None:
+        """Let go of all that only writing needs: a long recording has many files. What was counted stays."""
+        self._chunks.close()
+        self._compressor = None  # some 0.2 MiB of memory
+        for records in (self._schemas, self._channels, self._metadata, self._unwritten):
+            records.clear()
 
     def _write(self, data: bytes) -> None:
         self._stream.write(data)

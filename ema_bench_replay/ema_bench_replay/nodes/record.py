@@ -162,7 +162,8 @@ class RecordNode(Node):
             wait = f"{waiting} messages wait, {lost} are lost"
             level, message = diagnostics.ERROR, f"{self._problem}; {wait}"
         elif lost:
-            level, message = diagnostics.ERROR, f"{lost} messages are lost: {self._reasons()}"
+            level = diagnostics.ERROR if self._is_at_fault(self.lost) else diagnostics.WARN
+            message = f"{lost} messages are lost: {self._reasons()}"
         elif self._unreadable:
             level, message = diagnostics.WARN, f"not recorded, type not installed: {', '.join(self._unreadable)}"
         else:
@@ -187,11 +188,16 @@ class RecordNode(Node):
         gone = {file.path: file.messages for file in self._writer.removed}
         unwritten = sum(self._writer.lost.values()) - sum(gone.values())
         reasons = [f"{count} were in {path}, which was removed or moved" for path, count in gone.items()]
-        if missed := sum(self.missed.values()):
+        if missed := ", ".join(f"{count} of {topic}" for topic, count in self.missed.items() if count):
             reasons.append(f"{missed} did not come")
         if unwritten:
             reasons.append(f"{unwritten} could not be written")
         return ", ".join(reasons)
+
+    def _is_at_fault(self, lost: Mapping[str, int]) -> bool:
+        """Whether of what is lost (by topic) any was not to be: a publisher that does its best, and no more, may."""
+        surely = (topic for topic, count in lost.items() if count and topic not in self._best_effort)
+        return any(surely) or sum(self._writer.lost.values()) > 0
 
     def close(self) -> None:
         """Finish the file, and say what is in it."""
@@ -223,7 +229,7 @@ class RecordNode(Node):
         lost = {topic: count for topic, count in self.lost.items() if count}
         counts = ", ".join(f"{count} of {topic}" for topic, count in lost.items())
         in_words = f"lost: {counts}{self._doubt()}: {self._reasons()}"
-        if lost.keys() - self._best_effort or sum(self._writer.lost.values()):
+        if self._is_at_fault(lost):
             faults.insert(0, in_words)
         self.faults = "; ".join(faults)
         if faults:

@@ -1,8 +1,9 @@
-"""``ema-twin import``: a drive's CSV traces become MCAP recordings."""
+"""``ema-twin import``: a drive's CSV traces, or one topic of a bag, become MCAP recordings."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -18,20 +19,27 @@ EXAMPLES = """Examples:
 
 ema-twin import BancoEMA_ramp_0.05.CSV -o recordings
 
-ema-twin import traces/*.CSV --map my_drive.yaml -o recordings"""
+ema-twin import traces/*.CSV --map my_drive.yaml -o recordings
+
+ema-twin import rigs.mcap --topic /rig7/bench/state -o recordings"""
 
 
 def run(
-    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV", help="CSV traces of the drive.")],
+    files: Annotated[list[Path], typer.Argument(metavar="RUN.CSV", help="CSV traces of the drive; with --topic bags.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write to.")] = Path(
         "recordings"
     ),
     import_map: options.ImportMap = "siemens",
+    topic: Annotated[
+        str | None,
+        typer.Option("--topic", metavar="TOPIC", help="The states to take of a bag that holds those of several rigs."),
+    ] = None,
     strict: options.Strict = False,
     force: options.Force = False,
     json: options.JsonFile = None,
 ) -> None:
     """Import CSV traces as MCAP recordings (DIR/STEM/STEM.mcap) that ros2 bag, Foxglove, PlotJuggler and rerun open."""
+    from ema_bench_replay.bags.bag_reader import read_bag
     from ema_bench_replay.bags.bag_writer import write_bag
     from ema_bench_replay.traces.import_map import load_map
     from ema_bench_replay.traces.trace_csv import read_trace
@@ -39,12 +47,16 @@ def run(
     from .inputs import refuse_inputs, write_json
 
     chosen = load_map(import_map)
-    _check_files(files)
+    _check_files(files, topic)
     refuse_inputs(files, json)
     written = []
     begin = time.perf_counter()
     for file in tracked(files, "importing"):
-        recording = read_trace(file, chosen)
+        if topic is None:
+            recording = read_trace(file, chosen)
+        else:
+            recording = read_bag(file, topic=topic).from_zero()
+            recording = replace(recording, name="_".join([recording.name, *topic.split("/")[1:]]))
         for warning in recording.warnings:
             if strict:
                 raise InputError(f"{warning} (refused by --strict)")
@@ -60,7 +72,8 @@ def run(
                 "warnings": list(recording.warnings),
             }
         )
-        absent = [signal.signal for signal in chosen.signals if signal.signal not in recording.signals]
+        sought = [signal.signal for signal in chosen.signals] if topic is None else []
+        absent = [signal for signal in sought if signal not in recording.signals]
         every = quantity(recording.sample_period, "s")
         held = f"{len(recording)} samples, {recording.duration:.2f} s, every {every}"
         if recording.of_points:
@@ -71,19 +84,24 @@ def run(
             + f"\n  → {path}",
             soft_wrap=True,
         )
-    size = sum(file.stat().st_size for file in files)
+    size = sum(one.stat().st_size for file in files for one in (file.glob("*.mcap") if file.is_dir() else [file]))
     seconds = time.perf_counter() - begin
     console.print(f"{len(files)} file(s), {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
     write_json(json, {"imported": written})
 
 
-def _check_files(files: list[Path]) -> None:
-    """Refuse what is no trace, and traces whose recordings would fall on each other, before anything is written."""
+def _check_files(files: list[Path], topic: str | None) -> None:
+    """Refuse what is no trace, or no bag where a topic is asked for, and recordings that would fall on each other,
+    before anything is written.
+    """
     stems: dict[str, Path] = {}
     for file in files:
-        if file.is_dir():
+        if topic is not None:
+            if not file.is_dir() and file.suffix.lower() != ".mcap":
+                raise InputError(f"{file}: is no bag, and has no topics; leave --topic out")
+        elif file.is_dir():
             raise InputError(f"{file}: is a folder; give its traces: {file}/*.CSV")
-        if file.suffix.lower() == ".mcap":
+        elif file.suffix.lower() == ".mcap":
             raise InputError(f"{file}: is a recording already; compare and live take it as it is")
         if file.stem in stems:
             raise InputError(

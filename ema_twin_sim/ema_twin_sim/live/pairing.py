@@ -9,39 +9,22 @@ the bench go back.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic
 
 from .sample_stream import Kind, SampleStream
-
-
-class Stamped(Protocol):
-    """What can be paired: it has a run, a sequence number in it, and a stamp [ns]."""
-
-    @property
-    def run(self) -> int:
-        """Number of the run."""
-
-    @property
-    def sequence(self) -> int:
-        """Number in the run, from 0."""
-
-    @property
-    def stamp(self) -> int:
-        """Time in ns since the epoch."""
-
-
-Sample = TypeVar("Sample", bound=Stamped)
+from .waiting import Sample, Waiting, WaitingObjects
 
 
 @dataclass
 class _TwinPass(Generic[Sample]):
-    """Answers of one pass that wait for their bench samples, by sequence, in order of arrival."""
+    """Answers of one pass that wait for their bench samples."""
 
     run: int
     first: int
+    waiting: Waiting[Sample]
     newest: int = -1
-    waiting: dict[int, Sample] = field(default_factory=dict)
 
 
 class Pairing(Generic[Sample]):
@@ -54,15 +37,15 @@ class Pairing(Generic[Sample]):
         passes: passes that the bench has begun.
     """
 
-    def __init__(self, capacity: int = 10_000, from_start: bool = True) -> None:
-        """Keep up to `capacity` unpaired samples of each side; for `from_start` see `SampleStream`."""
-        self._capacity = capacity
+    def __init__(self, make_waiting: Callable[[], Waiting[Sample]] = WaitingObjects, from_start: bool = True) -> None:
+        """`make_waiting` makes what keeps a pass's unpaired samples of a side; for `from_start` see `SampleStream`."""
+        self._make_waiting = make_waiting
         self.bench = SampleStream(from_start)
         self.twin = SampleStream(from_start)
         self.compared = 0
         self.outdated = 0
         self.passes = 0
-        self._waiting: dict[int, Sample] = {}
+        self._waiting = make_waiting()
         # The twin's answers to the present pass, and to those that the bench, as seen from here, has not begun.
         self._answers: _TwinPass[Sample] | None = None
         self._ahead: deque[_TwinPass[Sample]] = deque(maxlen=16)
@@ -98,9 +81,9 @@ class Pairing(Generic[Sample]):
             self._begin(sample.run)
         elif self._ahead and self._ahead[0].run == sample.run and self._unanswered:
             self._go_on_with(self._ahead.popleft())
-        answer = self._answers.waiting.pop(sample.sequence, None) if self._answers else None
+        answer = self._answers.waiting.take(sample.sequence) if self._answers else None
         if answer is None:
-            self._keep(self._waiting, sample)
+            self._waiting.keep(sample)
         else:
             self.compared += 1
         return answer
@@ -117,11 +100,11 @@ class Pairing(Generic[Sample]):
             self.outdated += 1
             return None
         into.newest = max(into.newest, sample.sequence)
-        partner = self._waiting.pop(sample.sequence, None) if into is self._answers else None
+        partner = self._waiting.take(sample.sequence) if into is self._answers else None
         if partner is not None:
             self.compared += 1
         elif into is not self._answers or sample.sequence > self.bench.sequence:
-            self._keep(into.waiting, sample)  # else the earlier self of this twin has answered
+            into.waiting.keep(sample)  # else the earlier self of this twin has answered
         return partner
 
     @property
@@ -147,7 +130,7 @@ class Pairing(Generic[Sample]):
                 self.outdated += len(begun.waiting)
 
     def _begin_twin(self, run: int) -> None:
-        begun: _TwinPass[Sample] = _TwinPass(run, self.twin.first)
+        begun = _TwinPass(run, self.twin.first, self._make_waiting())
         if self.run == run and (self._answers is None or self._unanswered):
             self.outdated += sum(len(older.waiting) for older in self._ahead)
             self._ahead.clear()
@@ -160,10 +143,5 @@ class Pairing(Generic[Sample]):
         if self._answers is not None:
             begun.first = self._answers.first
             begun.newest = max(begun.newest, self._answers.newest)
-            begun.waiting = {n: answer for n, answer in begun.waiting.items() if n >= self.bench.sequence}
+            begun.waiting.forget_before(self.bench.sequence)
         self._answers = begun
-
-    def _keep(self, waiting: dict[int, Sample], sample: Sample) -> None:
-        waiting[sample.sequence] = sample
-        if len(waiting) > self._capacity:
-            del waiting[next(iter(waiting))]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Mapping
 
 import numpy as np
@@ -24,7 +23,7 @@ class Trend:
     def __init__(self, window: float) -> None:
         """`window` is the length of each in s."""
         self._window = window
-        self._errors: dict[str, deque[tuple[float, float]]] = {}
+        self._errors: dict[str, _LastWindows] = {}
         self._slopes: dict[str, tuple[float, float]] = {}  # with their standard errors
         self._next = window
         self._before = 0.0  # s of the runs that are over
@@ -41,10 +40,10 @@ class Trend:
         self._next = elapsed + self._window
         for name, value in rmse_window.items():
             if math.isfinite(value):
-                errors = self._errors.setdefault(name, deque(maxlen=_WINDOWS))
-                errors.append((self._before + elapsed, value))
-                if len(errors) >= _LEAST:
-                    self._slopes[name] = _slope(errors)
+                errors = self._errors.setdefault(name, _LastWindows())
+                errors.add(self._before + elapsed, value)
+                if errors.count >= _LEAST:
+                    self._slopes[name] = _slope(*errors.held)
 
     def clear(self) -> None:
         """Begin anew: the twin has changed."""
@@ -64,17 +63,37 @@ class Trend:
         """
         shares = {}
         for name, (slope, std) in self._slopes.items():
-            errors = self._errors[name]
-            mean = float(np.mean([value for _, value in errors]))
-            span = errors[-1][0] - errors[0][0]
+            times, errors = self._errors[name].held
+            mean, span = float(np.mean(errors)), float(times[-1] - times[0])
             if len(errors) >= _TOLD and slope > APART * std and slope * span > SMALL * mean:
                 shares[name] = slope / mean * 3600.0
         return max(shares.items(), key=lambda item: item[1], default=None)
 
 
-def _slope(errors: deque[tuple[float, float]]) -> tuple[float, float]:
+class _LastWindows:
+    """Times [s] and errors of the last windows; the room for all of them is taken once."""
+
+    def __init__(self) -> None:
+        self._rows = np.zeros((2, _WINDOWS))
+        self.count = 0
+
+    def add(self, time: float, error: float) -> None:
+        """Take one more, in the place of the oldest where there are enough."""
+        if self.count == _WINDOWS:
+            self._rows[:, :-1] = self._rows[:, 1:]
+            self.count -= 1
+        self._rows[:, self.count] = time, error
+        self.count += 1
+
+    @property
+    def held(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times and errors, the oldest first."""
+        times, errors = self._rows[:, : self.count]
+        return times, errors
+
+
+def _slope(time: np.ndarray, value: np.ndarray) -> tuple[float, float]:
     """Slope and its standard error."""
-    time, value = np.array(errors).T
     time = time - time.mean()
     spread = float(time @ time)
     slope = float(time @ value) / spread

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,11 +30,13 @@ from ..live.mixing import Mixing
 from ..live.pairing import Pairing
 from ..live.trend import Trend
 from ..live.verdict import Level, errors_in_words, level_of
+from ..live.waiting import CAPACITY
 from ..live.warm_up import warm_up_comparison
 from ..model import Model
 from ..own_effects import load_effects
 from .diagnosing.history import History
 from .diagnosing.node import DiagnosisNode, Watched
+from .waiting_states import WaitingStates
 
 PARAMETERS = (
     Declaration("model", "polito_bench", "model of the machine, for the sensors' noise: a shipped name or a YAML file"),
@@ -53,7 +56,7 @@ PARAMETERS = (
     Declaration("unit", "", "which of their units runs here; needed where they hold several"),
     Declaration("healthy", "", "which of its recordings are healthy: as units --healthy has it"),
     Declaration("judged_after", 60.0, "length of a run after which its last part is judged", "s", 1.0, 3600.0),
-    Declaration("capacity", 10_000, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
+    Declaration("capacity", CAPACITY, "samples of each side that may wait for their partner", "1", 1, 1_000_000),
 )
 
 if TYPE_CHECKING:
@@ -105,7 +108,7 @@ class MonitorNode(Node):
         self._input, self._window, self._from_start = given["input"], given["window"], given["from_start"]
         self._limits = {name: given[name] for name in ("warn_at", "error_at", "stale_after")}
         warm_up_comparison(self.model)
-        self.pairing: Pairing[State] = Pairing(given["capacity"], given["from_start"])
+        self.pairing: Pairing[State] = Pairing(partial(WaitingStates, given["capacity"]), given["from_start"])
         self.comparison = self._new_comparison("setpoint" if self._input == "auto" else self._input)
         self.on_pair = on_pair
         self.announced: Run | None = None

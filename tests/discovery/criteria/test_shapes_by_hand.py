@@ -1,0 +1,266 @@
+"""By its own shape or as the likeness of another: the rules, on fits that are given by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ema_twin_sim.criteria import (
+    APART,
+    DEPENDS,
+    INTERPOLATED,
+    LEAST_SIZE,
+    MISFIT_DOUBTED,
+    MOSTLY,
+    NEARLY_ALL,
+)
+from ema_twin_sim.discovery.criteria import likeness, own_shape
+from ema_twin_sim.discovery.criteria.likeness import likenesses
+from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
+from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
+
+ROWS = 100
+SCALE = 3.0
+"""Misfit that counts as one."""
+
+
+def a_torque_fit(h, gained, nothing=1000.0, prior=0.0, **options):
+    """A fit of the torque alone that gains so much over one of ``nothing``, in units of what is left."""
+    misfits = nothing - SCALE * gained, 0.0
+    return a_fit(h, np.ones(ROWS), misfits=misfits, inflations=(SCALE, 7.0 * SCALE), prior=prior, **options)
+
+
+class TestOwnShape:
+    """Effect alone, any shape alone, and both: what each gains over nothing, beyond what its numbers gain by chance."""
+
+    def stands(self, monkeypatch, stock, effect, alone, any_shape, both, bases=None, columns=6, model=None, prior=0.0):
+        h = a_hypothesis(model or stock, effect)
+        (name,) = h.added
+        over = own_shape.catalogue()[effect].depends_on
+        bare = a_torque_fit(h.without(name), 0.0, prior=prior)
+        numbers = len(h.free) - len(bare.hypothesis.free)
+        hidden = 1 if over == "order" else 0
+        f = a_torque_fit(h, alone + 2.0 * numbers)
+        with_basis = {
+            False: a_torque_fit(bare.hypothesis.with_generic_basis("b", columns), any_shape + 2.0 * (columns + hidden)),
+            True: a_torque_fit(h.with_generic_basis("b", columns), both + 2.0 * (columns + hidden) + 2.0 * numbers),
+        }
+        bases = {f"{over}#0": np.ones((ROWS, columns))} if bases is None else bases
+        problem = a_problem(ROWS)
+        problem.generic_bases = bases
+        given = {}
+        problem.with_generic_bases = lambda shapes: given.update(shapes) or problem
+        monkeypatch.setattr(own_shape, "fit", lambda problem, h, *_, known=None: bare)
+        monkeypatch.setattr(own_shape, "load_bases", lambda *_: {"load": np.ones((ROWS, columns))})
+        monkeypatch.setattr(own_shape, "order_bases", lambda *_: {"order#torque1": np.ones((ROWS, columns))})
+        monkeypatch.setattr(own_shape, "screen_generic_bases", lambda *_: [(9.0, name) for name in given])
+        monkeypatch.setattr(own_shape, "fit_with_basis", lambda problem, known, name: with_basis[known is f])
+        self.given = given
+        return by_own_shape(problem, f) == (name,)
+
+    @pytest.mark.parametrize("effect", ["stribeck_friction", "cogging", "mesh_friction", "gravity_load"])
+    def test_it_must_explain_nearly_all_that_any_shape_does(self, effect, stock, monkeypatch):
+        alone = NEARLY_ALL * 1000.0
+        assert self.stands(monkeypatch, stock, effect, alone, 999.0, 999.0)
+        assert not self.stands(monkeypatch, stock, effect, alone, 1001.0, 1001.0)
+
+    def test_or_most_of_what_it_does_beside_that_shape(self, stock, monkeypatch):
+        """The shape explains 2000, both together so much more."""
+        for more, stands in ((MOSTLY * 300.0 + 1.0, True), (MOSTLY * 300.0 - 1.0, False)):
+            assert self.stands(monkeypatch, stock, "stribeck_friction", 300.0, 2000.0, 2000.0 + more) == stands
+
+    def test_what_every_machine_has_is_there_if_it_explains_most(self, stock, monkeypatch):
+        bare = stock.without_effect("viscous_friction")
+        for alone, stands in ((1.001 * MOSTLY * 1000.0, True), (0.999 * MOSTLY * 1000.0, False)):
+            assert self.stands(monkeypatch, bare, "viscous_friction", alone, 1000.0, 1000.0) == stands
+        assert not self.stands(monkeypatch, stock, "viscous_friction", 0.9 * 1000.0, 1000.0, 1000.0)
+
+    def test_what_takes_no_more_than_a_dependence_would_is_none(self, stock, monkeypatch):
+        """By the misfit alone, whatever numbers it has."""
+        at = DEPENDS - 2.0  # one number more
+        assert not self.stands(monkeypatch, stock, "constant_load", at - 0.1, 0.0, 0.0)
+        assert self.stands(monkeypatch, stock, "constant_load", at + 0.1, 0.0, 0.0)
+
+    def test_constants_that_come_nearer_to_their_file_are_gained_too(self, stock, monkeypatch):
+        """By the effect, and by any shape alike."""
+        assert not self.stands(monkeypatch, stock, "stribeck_friction", 100.0, 140.0, 140.0)
+        assert self.stands(monkeypatch, stock, "stribeck_friction", 100.0, 140.0, 140.0, prior=5000.0)
+
+    def test_what_shows_over_a_quantity_without_a_basis_stands(self, stock, monkeypatch):
+        none = {"speed#0": np.ones((ROWS, 2))}
+        assert self.stands(monkeypatch, stock, "gravity_load", 1.0, 1e6, 1e6, bases=none)
+        assert not self.stands(monkeypatch, stock, "stribeck_friction", 100.0, 1e6, 1e6, bases=none)
+
+    def test_over_the_time_all_recordings_have_one_basis(self, stock, monkeypatch):
+        bases = {f"time#{k}": np.full((ROWS, 2), float(k)) for k in range(3)} | {"speed": np.ones((ROWS, 2))}
+        self.stands(monkeypatch, stock, "thermal_friction", 100.0, 1.0, 1.0, bases=bases)
+        assert [*self.given] == ["time#all"]
+        assert self.given["time#all"].shape == (ROWS, 6)
+        self.stands(monkeypatch, stock, "quadratic_drag", 100.0, 1.0, 1.0, bases=bases)
+        assert [*self.given] == ["speed"]
+        for effect, name in (("mesh_friction", "load"), ("cogging", "order#torque1")):
+            self.stands(monkeypatch, stock, effect, 100.0, 1.0, 1.0, bases=bases)
+            assert [*self.given] == [name]
+
+    def test_where_no_shape_can_be_told_it_stands(self, stock, monkeypatch):
+        self.stands(monkeypatch, stock, "stribeck_friction", 100.0, 1e6, 1e6)
+        f = a_torque_fit(a_hypothesis(stock, "stribeck_friction"), 100.0)
+        problem = a_problem(ROWS)
+        problem.generic_bases = {"speed": np.ones((ROWS, 2))}
+        problem.with_generic_bases = lambda shapes: problem
+        monkeypatch.setattr(own_shape, "screen_generic_bases", lambda *_: [])
+        assert by_own_shape(problem, f) == ("stribeck_friction",)
+
+    @pytest.mark.parametrize("shows", [True, False])
+    def test_a_late_encoder_is_known_by_itself(self, shows, stock, monkeypatch):
+        """Behind play it is told by how much of the encoders' difference it takes away."""
+        monkeypatch.setattr(own_shape, "delay_shows", lambda *_: shows)
+        h = a_hypothesis(stock, "encoder_delay")
+        problem = a_problem(0, encoder_rows=(ROWS,))
+        f = a_fit(h, np.ones(ROWS), 0)
+        assert by_own_shape(problem, f) == (("encoder_delay",) if shows else ())
+        bare = a_fit(h.without("encoder_delay"), np.full(ROWS, 30.0), 0)
+        monkeypatch.setattr(own_shape, "fit", lambda *_, **__: bare)
+        assert by_own_shape(problem, a_fit(h, np.ones(ROWS), 0, parted=True)) == ("encoder_delay",)
+
+    @pytest.mark.parametrize(("share", "stands"), [(0.99 * (1.0 - MOSTLY), True), (1.01 * (1.0 - MOSTLY), False)])
+    def test_an_error_of_an_encoder_must_take_most_of_how_they_part(self, share, stands, stock, monkeypatch):
+        """Of the power beyond the noise."""
+        h = a_hypothesis(stock, "encoder_eccentricity")
+        bare = a_fit(h.without("encoder_eccentricity"), np.full(ROWS, math.sqrt(1.0 + 50.0)), 0)
+        monkeypatch.setattr(own_shape, "fit", lambda *_, **__: bare)
+        f = a_fit(h, np.full(ROWS, math.sqrt(1.0 + 50.0 * share)), 0)
+        problem = a_problem(0, encoder_rows=(ROWS,))
+        assert by_own_shape(problem, f) == (("encoder_eccentricity",) if stands else ())
+
+    def test_of_encoders_that_part_by_less_than_their_noise_nothing_is_left(self, stock, monkeypatch):
+        h = a_hypothesis(stock, "encoder_eccentricity")
+        monkeypatch.setattr(own_shape, "fit", lambda *_, **__: a_fit(h, np.full(ROWS, 0.9), 0))
+        f = a_fit(h, np.full(ROWS, 0.8), 0)
+        assert by_own_shape(a_problem(0, encoder_rows=(ROWS,)), f) == ("encoder_eccentricity",)
+
+
+class TestPartsTheEncoders:
+    def told(self, monkeypatch, stock, effect, bare, left, rows=(ROWS,)):
+        """Of encoders that part by these rms in their noise without the effect and with it; also the torque's rows."""
+        h = a_hypothesis(stock, effect)
+        (name,) = h.added
+        count = sum(rows)
+        at = [np.r_[np.full(50, 99.0), np.broadcast_to(rms, count)] for rms in (bare, left)]
+        without = a_fit(h.without(name), at[0], 50, parted=False)
+        monkeypatch.setattr(own_shape, "fit", lambda problem, h, *_: without)
+        return parts_the_encoders(a_problem(50, encoder_rows=rows), a_fit(h, at[1], 50, parted=True), name)
+
+    def test_a_spring_must_leave_no_more_than_lines_may(self, stock, monkeypatch):
+        for effect in ("shaft_compliance", "encoder_eccentricity"):
+            assert self.told(monkeypatch, stock, effect, 100.0, 0.99 * APART)
+            assert not self.told(monkeypatch, stock, effect, 100.0, 1.01 * APART)
+
+    def test_and_explain_most_of_it(self, stock, monkeypatch):
+        most = math.sqrt(1.0 + 24.0 / (1.0 - MOSTLY))
+        assert self.told(monkeypatch, stock, "shaft_compliance", 1.01 * most, 5.0)
+        assert not self.told(monkeypatch, stock, "shaft_compliance", 0.99 * most, 5.0)
+
+    def test_in_every_recording(self, stock, monkeypatch):
+        left = np.r_[np.ones(300), np.full(20, 1.01 * APART)]
+        assert not self.told(monkeypatch, stock, "shaft_compliance", 100.0, left, rows=(300, 20))
+        assert self.told(monkeypatch, stock, "shaft_compliance", 100.0, np.ones(300), rows=(300, 0))
+
+    def test_play_must_leave_little_of_it(self, stock, monkeypatch):
+        little = math.sqrt(1.0 + (1.0 - NEARLY_ALL) * (100.0**2 - 1.0))
+        assert self.told(monkeypatch, stock, "backlash", 100.0, 0.99 * little)
+        assert not self.told(monkeypatch, stock, "backlash", 100.0, 1.01 * little)
+        left = np.r_[np.ones(300), np.full(20, 1.01 * little)]
+        assert not self.told(monkeypatch, stock, "backlash", 100.0, left, rows=(300, 20))
+        left = np.r_[np.ones(300), np.full(20, 0.99 * little)]
+        assert self.told(monkeypatch, stock, "backlash", 100.0, left, rows=(300, 20))
+
+    def test_what_lines_part_as_well_is_no_play(self, stock, monkeypatch):
+        lines = math.sqrt(1.0 + INTERPOLATED**2)
+        assert self.told(monkeypatch, stock, "backlash", 1.001 * lines, 1.0)
+        assert not self.told(monkeypatch, stock, "backlash", 0.999 * lines, 1.0)
+
+    def test_nothing_else_does(self, stock, monkeypatch):
+        """A gearbox that winds up looks like a late encoder."""
+        assert not self.told(monkeypatch, stock, "encoder_delay", 100.0, 1.0)
+        assert not self.told(monkeypatch, stock, "quadratic_drag", 100.0, 1.0)
+
+    def test_play_is_what_has_a_width(self, stock):
+        told = {
+            effect: is_play(a_fit(a_hypothesis(stock, effect), ()), effect)
+            for effect in ("backlash", "shaft_compliance", "encoder_eccentricity", "cogging")
+        }
+        assert told == {"backlash": True, "shaft_compliance": False, "encoder_eccentricity": False, "cogging": False}
+
+    def test_its_teeth_alone_are_fitted_without_a_width(self, stock, monkeypatch):
+        h = a_hypothesis(stock, "backlash")
+        for share, alone in ((1.02, True), (0.98, False)):
+            left = math.sqrt(1.0 + share * (1.0 - MOSTLY) * 50.0)
+            asked = []
+
+            def fit(problem, h, steps, asked=asked):
+                asked.append(h)
+                return a_fit(h, np.full(ROWS, math.sqrt(51.0)), 0, parted=True)
+
+            monkeypatch.setattr(own_shape, "fit", fit)
+            f = a_fit(h, np.full(ROWS, left), 0, parted=True)
+            assert only_teeth(a_problem(0, encoder_rows=(ROWS,)), f, "backlash") == alone
+            assert asked[0].by_path["effects.backlash.width"] == 0.0
+            assert [f.upper for f in asked[0].free if f.path == "effects.backlash.width"] == [0.0]
+
+
+class TestLikeness:
+    """A load in whose place a basis of six columns gains so much, beyond what its five more numbers do by chance."""
+
+    def told(self, monkeypatch, stock, gained, basis="output_position#load", left=0.9, needless=0.0, reduces=9.0,
+             effect="constant_load", bases=True, **options):  # fmt: skip
+        h = a_hypothesis(stock, effect)
+        (name,) = h.added
+        bare = h.without(name)
+        columns = 6
+        more = len(bare.free) + columns - len(h.free)
+        misfit = left * ROWS
+        instead = a_fit(
+            bare.with_generic_basis("b", columns), np.ones(ROWS), misfits=(misfit, 0.0), inflations=(SCALE, 7.0 * SCALE)
+        )
+        f = a_fit(h, np.ones(ROWS), misfits=(misfit + SCALE * (gained + 2.0 * more), 0.0), **options)
+        monkeypatch.setattr(likeness, "fit", lambda *_, **__: bare)
+        monkeypatch.setattr(likeness, "load_bases", lambda *_: {})
+        monkeypatch.setattr(likeness, "screen_generic_bases", lambda *_: [(9.0, basis), (1.0, "x")] if bases else [])
+        monkeypatch.setattr(
+            likeness, "fit_with_basis", lambda problem, known, name: instead if known is bare else "both"
+        )
+        monkeypatch.setattr(likeness, "largest_rms_reduction", lambda problem, one, other: reduces)
+        monkeypatch.setattr(
+            likeness, "penalised_gain", lambda before, after: needless if (before, after) == (instead, "both") else 99.0
+        )
+        problem = a_problem(ROWS, coarse=self.coarse)
+        problem.with_generic_bases = lambda shapes: problem
+        return likenesses(problem, f) == (name,)
+
+    coarse = False
+
+    def test_is_what_a_dependence_explains_better_and_makes_needless(self, stock, monkeypatch):
+        assert self.told(monkeypatch, stock, DEPENDS + 0.1)
+        assert not self.told(monkeypatch, stock, DEPENDS - 0.1)
+        assert not self.told(monkeypatch, stock, DEPENDS)
+
+    def test_where_the_dependence_leaves_nothing(self, stock, monkeypatch):
+        assert self.told(monkeypatch, stock, 99.0, left=0.99 * MISFIT_DOUBTED)
+        assert not self.told(monkeypatch, stock, 99.0, left=1.01 * MISFIT_DOUBTED)
+
+    def test_and_the_effect_gains_nothing_beside_it(self, stock, monkeypatch):
+        assert not self.told(monkeypatch, stock, 99.0, needless=0.1)
+        assert self.told(monkeypatch, stock, 99.0, needless=-0.1)
+
+    def test_what_follows_the_load_must_be_worth_a_name(self, stock, monkeypatch):
+        assert self.told(monkeypatch, stock, 99.0, "load", reduces=LEAST_SIZE)
+        assert not self.told(monkeypatch, stock, 99.0, "load", reduces=0.99 * LEAST_SIZE)
+        assert self.told(monkeypatch, stock, 99.0, "speed", reduces=0.0)
+
+    def test_none_without_a_basis_behind_play_of_a_coarse_current_or_of_an_encoder(self, stock, monkeypatch):
+        assert not self.told(monkeypatch, stock, 99.0, bases=False)
+        assert not self.told(monkeypatch, stock, 99.0, parted=True)
+        assert not self.told(monkeypatch, stock, 99.0, effect="encoder_eccentricity")
+        monkeypatch.setattr(self, "coarse", True, raising=False)
+        assert not self.told(monkeypatch, stock, 99.0)
