@@ -35,7 +35,7 @@ LONGEST_FIRST = (
     "test_terminal.py",
     "test_node_processes.py",
     "test_user_effect.py",
-    "test_campaign.py",
+    "test_engine.py",
     "test_tutorial_live.py",
     "test_fidelity_refusals.py",
     "test_wander.py",

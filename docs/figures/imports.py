@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2] / "ema_twin_sim" / "ema_twin_sim"
@@ -29,8 +30,13 @@ def exists(parts: Module) -> bool:
     return path.with_suffix(".py").exists() or (path / "__init__.py").exists()
 
 
-def imports(file: Path, *, typing: bool = True) -> Iterator[Module]:
+@cache
+def imports(file: Path, *, typing: bool = True) -> tuple[Module, ...]:
     """The parts of each module imported, a library by its name; without ``typing`` not what a type checker needs."""
+    return tuple(_imports(file, typing))
+
+
+def _imports(file: Path, typing: bool) -> Iterator[Module]:
     here = place(file)
     waiting: list[ast.AST] = list(ast.parse(file.read_text()).body)
     while waiting:

@@ -44,14 +44,14 @@ class Run:
         for speed in ("motor_speed", "output_speed", "smoothed_speed", "speed_setpoint"):
             self.state[speed] = SPEED
         self.state["control_phase"] = self.assembly.plant["control_cycle"]
-        self.fine = resting_state(parts, self.assembly.effects)
+        self.fine = resting_state(parts)
         set_in_motion(self.fine, parts, SPEED, 0.0, 0.0)
 
     def by_kernel(self, record=False):
         self.begin()
         self._advance(
-            self.assembly.plant, self.state, self.assembly.acting, self.fine, SETPOINT, self.stamps, self._bench,
-            self.rows, self.step, record,
+            self.assembly.plant, self.state, self.assembly.acting, self.assembly.effects, (*self.fine,), SETPOINT,
+            self.stamps, self._bench, self.rows, self.step, record,
         )  # fmt: skip
         return self.motion()
 

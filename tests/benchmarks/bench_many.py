@@ -42,14 +42,12 @@ def equations(model):
     plants = np.concatenate([twin.assembly.plant for twin in twins])
     states = np.concatenate([twin.state for twin in twins])
     first = twins[0].assembly
-    fine = resting_state(first.fine, first.effects)
+    of_model = (first.acting, first.effects, (*resting_state(first.fine),))
     row, rows = np.zeros((count, len(TWIN))), np.zeros((LANE, count, len(TWIN)))
     advance = kernel(False, False)
 
     def one():
-        advance(
-            first.plant, states[:1].copy(), first.acting, fine, SETPOINT, stamps, bench, row, DEFAULT_STEP, True
-        )  # fmt: skip
+        advance(first.plant, states[:1].copy(), *of_model, SETPOINT, stamps, bench, row, DEFAULT_STEP, True)
 
     def many():
         advance_many(plants, states.copy(), SETPOINT, stamps, bench, rows, DEFAULT_STEP)

@@ -54,15 +54,13 @@ def by_kernel(model, recording):
     bench[:, BENCH.index("load_torque")] = 0.0
     bench[:, BENCH.index("speed_setpoint")] = recording.signals["speed_setpoint"]
     rows = np.zeros((len(recording), len(TWIN)))
-    fine = resting_state(assembly.fine, assembly.effects)
+    of_model = (assembly.effects, assembly.effects, (*resting_state(assembly.fine),))
     advance = kernel(False, False)
 
     def call():
         state[:] = 0
         state["control_phase"] = assembly.plant["control_cycle"]
-        advance(
-            assembly.plant, state, assembly.effects, fine, SETPOINT, recording.stamps, bench, rows, DEFAULT_STEP, False
-        )  # fmt: skip
+        advance(assembly.plant, state, *of_model, SETPOINT, recording.stamps, bench, rows, DEFAULT_STEP, False)
 
     return call, state
 

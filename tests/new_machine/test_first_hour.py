@@ -6,11 +6,11 @@ import pytest
 
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.load import load
-from ema_twin_sim.commands import add, init, live
+from ema_twin_sim.commands import add, init, shown_live
 from ema_twin_sim.commands.main import app
 from ema_twin_sim.discovery.discover import discover
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live import LiveResult
+from ema_twin_sim.nodes.live_session import LiveResult
 from tests.servo_csv import TORQUE_CONSTANT, write_servo
 
 
@@ -157,4 +157,4 @@ def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
 def test_a_live_run_that_was_ended_is_not_told_as_one_that_lost_samples(compared, missing, complete, loop, told):
     counts = {"sent": compared, "compared": compared, "missing": missing, "expected": 9000}
     ended = LiveResult("run", "servo", "setpoint", compared, 9.0, {}, complete, interrupted=False, counts=counts)
-    assert live.how_much(ended, loop=loop) == told
+    assert shown_live.how_much(ended, loop=loop) == told

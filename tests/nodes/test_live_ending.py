@@ -17,7 +17,7 @@ import pytest
 
 from ema_twin_sim.commands.live_error import ErrorPrinter
 from ema_twin_sim.comparison.running_comparison import UNITS
-from ema_twin_sim.nodes.live import Pair
+from ema_twin_sim.nodes.live_session import Pair
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.views import screen
 from tests.command_line import ENDING, ENVIRONMENT, MODEL, TWIN, told
@@ -101,7 +101,7 @@ import numpy as np
 from ema_twin_sim.commands.live_view import LiveView
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live import Pair
+from ema_twin_sim.nodes.live_session import Pair
 from ema_twin_sim.simulation.sensor_noise import noise_floors
 from ema_twin_sim.views.rerun_view import RerunView
 floors = noise_floors(load_model("polito_bench"))

@@ -20,7 +20,8 @@ from ema_twin_sim.campaign.work import judged
 from ema_twin_sim.commands.live import run as run_command
 from ema_twin_sim.live.unit_watch import UnitWatch
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live import HealthAsked, run_live
+from ema_twin_sim.nodes.live import run_live
+from ema_twin_sim.nodes.live_session import HealthAsked
 from ema_twin_sim.nodes.monitor import PARAMETERS, MonitorNode
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench

@@ -10,9 +10,10 @@ from numba.core.event import install_listener
 
 from ema_bench_replay.load import load
 from ema_twin_sim import compare
-from ema_twin_sim.commands import live as live_verb
+from ema_twin_sim.commands import shown_live
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes.live import LiveResult, run_live
+from ema_twin_sim.nodes.live import run_live
+from ema_twin_sim.nodes.live_session import LiveResult
 from ema_twin_sim.plant.kernel import _Compiling
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.figures import figures
@@ -137,11 +138,11 @@ def test_info_prints_them_and_writes_them(tmp_path):
 def test_live_says_when_the_machine_is_too_slow():
     kept = {"name": "run", "model": "m", "input": "setpoint", "samples": 1, "signals": {}, "complete": True}
     kept |= {"interrupted": False, "counts": {}, "duration": 20.0}
-    assert live_verb.late_words(LiveResult(**kept, pace=3.0, elapsed=20.1), 1.0) == ""
-    assert live_verb.late_words(LiveResult(**kept, pace=3.0, elapsed=70.0), 0.0) == ""
-    slow = live_verb.late_words(LiveResult(**kept, pace=0.5, elapsed=41.0), 1.0)
+    assert shown_live.late_words(LiveResult(**kept, pace=3.0, elapsed=20.1), 1.0) == ""
+    assert shown_live.late_words(LiveResult(**kept, pace=3.0, elapsed=70.0), 0.0) == ""
+    slow = shown_live.late_words(LiveResult(**kept, pace=0.5, elapsed=41.0), 1.0)
     assert "cannot keep real time" in slow and "20.0 s took 41.0 s" in slow and "drive.kind averaged" in slow
-    late = live_verb.late_words(LiveResult(**kept, pace=3.0, elapsed=7.0), 5.0)
+    late = shown_live.late_words(LiveResult(**kept, pace=3.0, elapsed=7.0), 5.0)
     assert "fell behind the rate that was asked for: 4.0 s of playing took 7.0 s" in late
 
 

@@ -57,7 +57,8 @@ def run(
     from ..fitting.fit import fit_model
     from ..measured.noise import noise_of
     from ..model import load_model, save_model
-    from ..nodes.live import Change, run_live
+    from ..nodes.live import run_live
+    from ..nodes.live_session import Change
     from ..report.content import ROLES
     from ..views.rerun_view import RerunView
     from ..views.screen import open_viewer

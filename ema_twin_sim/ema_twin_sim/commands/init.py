@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Annotated
@@ -12,13 +11,21 @@ import typer
 from ema_bench_replay.errors import InputError
 
 from . import options
+from .asked_machine import LEAST_RATIO, MOST_RATIO, asked
 from .output import say, warn
+from .shown_draft import (
+    in_unit,
+    say_next,
+    say_what_it_rests_on,
+    to_look_at,
+    warn_of_contradicted_names,
+    warn_of_foreign_units,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..new_machine.columns import Guess, Guesses
-    from ..new_machine.drafts import Drafts
     from ..new_machine.given import Given
 
 EXAMPLES = """Examples:
@@ -32,17 +39,6 @@ ema-twin init trace.csv -o press --map my_map.yaml      (the model only)
 ema-twin init friction_curve.csv -o press --operating-points      (each row is steady)
 
 ema-twin init -o press      (asks which columns your traces have)"""
-
-LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
-SHAFTS = "motor", "output"
-_QUESTIONS = {
-    "time": "Column of the time, with its unit, as in 'time [s]'",
-    "current": "Column of the motor's current, as in 'current [A]' (empty: there is none)",
-    "motor_torque": "Column of the motor's torque or force, as in 'torque [Nm]' (empty: there is none)",
-    "motor_position": "Column of the motor's position, as in 'motor position [rad]'",
-    "speed": "Column of the motor's speed, as in 'speed [rpm]' (empty: there is none)",
-    "output_position": "Column of the output's position, as in 'output position [deg]' (empty: there is none)",
-}
 
 
 def run(
@@ -108,10 +104,10 @@ def run(
         return
     holed: tuple[Guess, ...] = ()
     if not traces:
-        guesses, given = _asked(given)
+        guesses, given = asked(given)
     else:
         guesses, holed = _guessed(traces[0], gear_ratio, operating_points)
-        _warn_of_contradicted_names(guesses)
+        warn_of_contradicted_names(guesses)
         for sentence in differing_columns(traces[0], guesses, traces[1:]):
             warn(sentence)
     drafts = checked_drafts(guesses, given, traces)
@@ -120,15 +116,15 @@ def run(
     if traces:
         for guess in guesses.signals:
             if guess.column not in drafts.left_out:
-                say(f"{guess.column} → {guess.signal}{_in_unit(guess)}")
+                say(f"{guess.column} → {guess.signal}{in_unit(guess)}")
         for column in drafts.left_out:
             say(f"{column}: the drive's torque does not follow it, so it is not the load: not used")
-        _warn_of_foreign_units(guesses)
+        warn_of_foreign_units(guesses)
         joint = (guesses.joint.sentence,) if guesses.joint.number else ()
-        _say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
+        say_what_it_rests_on(files[1], (*joint, *assumed_units(guesses), *drafts.assumed))
     for question in drafts.questions:
         warn(question)
-    _say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
+    say_next(files, drafts, guesses, " ".join(quote(str(trace)) for trace in traces) or "TRACE.csv", holed)
 
 
 def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Path, force: bool) -> None:
@@ -145,63 +141,12 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
     shaft = Shaft(recordings[0].metadata.get(f"motor_position{AT}", "motor"), given.gear_ratio)
     model = checked_model(recordings, given, shaft)
     _write(place, model.text, force)
-    _say_what_it_rests_on(place, model.assumed)
+    say_what_it_rests_on(place, model.assumed)
     for question in model.questions:
         warn(question)
-    say(f"{place}: {_to_look_at(model.text)}")
+    say(f"{place}: {to_look_at(model.text)}")
     names = " ".join(quote(str(trace)) for trace in traces)
     say(f"Then:\n  ema-twin discover {names} --map {quote(str(map_file))} --model {quote(str(place))} -o found.yaml")
-
-
-def _warn_of_contradicted_names(guesses: Guesses) -> None:
-    """Warn of columns whose name tells one quantity and whose unit another, as where two units were swapped."""
-    from ..new_machine.columns import contradicted_quantity
-    from ..new_machine.header_words import header_words
-
-    for guess in guesses.signals:
-        if said := contradicted_quantity(guess.column):
-            unit = header_words(guess.column)
-            warn(
-                f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
-                f"{guess.signal.replace('_', ' ')}; where the unit is wrong, correct the header and run init again"
-            )
-
-
-def _warn_of_foreign_units(guesses: Guesses) -> None:
-    """Warn of columns whose header tells a unit that is none of their signal's, as per cent of a rated torque."""
-    from ema_bench_replay.units import signal_unit
-
-    from ..new_machine.header_words import header_words
-
-    for guess in guesses.signals:
-        foreign = header_words(guess.column).foreign
-        if guess.unit is None and foreign and not foreign.isdigit():
-            signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
-            warn(
-                f"{guess.column}: {foreign} is no unit of the {signal}: read as if one were one {unit}, and so is all "
-                "that is told in it; write what one is worth as the signal's `factor` in the map"
-            )
-
-
-def _say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
-    """Say what the recordings showed of the machine, what the model only assumes, and what else was, ``besides``."""
-    from ..model import load_model
-    from ..new_machine.told import assumed, shown
-
-    model = load_model(place)
-    for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
-        if numbers:
-            say(f"{text}: {', '.join(numbers)}")
-    for sentence in besides:
-        say(f"Assumed: {sentence}")
-
-
-def _to_look_at(text: str) -> str:
-    """How many lines of a draft a person should look at; its first two tell of the mark itself."""
-    from ..new_machine.check_comment import CHECK
-
-    count = sum(CHECK in line for line in text.splitlines()[2:])
-    return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"
 
 
 def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
@@ -252,72 +197,8 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     return guesses, holed
 
 
-def _in_unit(guess: Guess) -> str:
-    """The unit that a column is read in, in words."""
-    from ..new_machine.header_words import COUNTS
-
-    if guess.unit == COUNTS:
-        return f", {guess.counts:g} counts a turn" if guess.counts else ", its counts a turn unknown"
-    return f" in {guess.unit}" if guess.unit else ", unit unknown"
-
-
-def _asked(given: Given) -> tuple[Guesses, Given]:
-    """What the columns are said to be, and the machine's numbers; each answer is checked as it is given."""
-    from ..new_machine.columns import named_columns
-
-    asked = {signal: str(_ask(text, "")).strip() for signal, text in _QUESTIONS.items()}
-    named = {signal: column for signal, column in asked.items() if column}
-    if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
-        raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
-    guesses = named_columns(named)
-    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
-    if not ratio >= LEAST_RATIO:
-        raise InputError(f"init: a gear ratio of {ratio:g} is none; give {LEAST_RATIO:g} or more")
-    shaft = given.shaft
-    if shaft is None and ratio != 1.0 and "motor_position" in named:
-        shaft = str(_ask("Whose turns does the motor's position count, motor or output", SHAFTS[0])).strip().lower()
-        if shaft not in SHAFTS:
-            raise InputError(f"init: '{shaft}' is no shaft; say {' or '.join(SHAFTS)}")
-    constant = given.torque_constant
-    if constant is None and "current" in named:
-        constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None
-    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant, shaft=shaft)
-
-
-def _ask(question: str, usual: str | float) -> str | float:
-    answer: str | float = typer.prompt(question, default=usual, show_default=usual != "", type=type(usual))
-    return answer
-
-
 def _write(path: Path, text: str, force: bool) -> None:
     from ema_bench_replay.outputs import new_file
 
     with new_file(path, force=force) as file:
         file.write(text.encode())
-
-
-def _say_next(
-    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
-) -> None:
-    """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
-    for path, text in zip(files, (drafts.map, drafts.model), strict=True):
-        say(f"{path}: {_to_look_at(text)}")
-    if why := guesses.points_doubt:
-        say(f"{why[:1].upper()}{why[1:]}: each row is taken for an operating point, at rest or at constant speed.")
-    map_name, model = (quote(str(file)) for file in files)
-    say("Then:")
-    say(f"  ema-twin info {trace} --map {map_name}")
-    if guesses.both_encoders and not guesses.drives:
-        say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
-    if guesses.drives or guesses.both_encoders:
-        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o found.yaml")
-        return
-    mended = replace(guesses, signals=(*guesses.signals, *holed))
-    if mended.drives or mended.both_encoders:
-        names = " and ".join(guess.column for guess in holed)
-        say(
-            f"  Without {names} nothing can be judged: write the numbers that it lacks into {trace}, or remove these "
-            "rows, and run init again."
-        )
-    else:
-        say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")

@@ -13,7 +13,7 @@ from .tables import is_narrow
 if TYPE_CHECKING:
     from ema_bench_replay.recording import Recording
 
-    from ..nodes.live import Pair
+    from ..nodes.live_session import Pair
 
 _BY_CURRENT = "unexplained_torque"
 _BY_SETPOINT = ("output_position", "current", "speed")

@@ -11,7 +11,7 @@ from .output import console, warn
 
 if TYPE_CHECKING:
     from ..model import Model
-    from ..nodes.live import Pair
+    from ..nodes.live_session import Pair
     from ..views.rerun_view import RerunView
     from ..views.web_viewer import WebViewer
 

@@ -11,6 +11,8 @@ equal lags that keep the derivative of a noisy speed readable. Both sides are ta
 a sample between them would show as inertia times jerk. Where no speed is measured, the motor counter's difference
 stands in; it is so coarse (0.08 rad/s at 2 ms) that the first lag comes before the model's torques are taken. Where the
 transmission has play or gives way, the output is simulated, driven by the measured motor (``driven_output.py``).
+
+It is a pass by itself over the samples, which ends the kernel's (``estimate``).
 """
 
 import math
@@ -21,8 +23,8 @@ from numba import njit
 from .drive import lag_gain
 from .driven_output import driven_output
 from .evaluate import evaluate
-from .friction import bristle_share, bristle_step, directed, held_by_dry_friction
-from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, SPEED_IN, STATE
+from .friction import bristle_share, held_by_dry_friction, rubbing
+from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, MOTOR_POSITION_OUT, SPEED_IN, STATE, UNEXPLAINED_OUT
 from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
@@ -114,30 +116,31 @@ def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothi
 
 
 @njit(error_model="numpy")
-def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
-    """The unexplained torque [N m] at one sample (see the module), NaN where current or motion is not measured.
+def _unexplained(plant, state, effects, before, now, simulated_angle, interval, time, step):
+    """The unexplained torque [N m] at the bench's sample ``now`` (see the module), NaN where no current or motion is.
 
-    After a sample without a value the filters start again.
+    ``simulated_angle`` [rad] stands in for a motor position that is not measured. After a sample without a value the
+    filters start again.
     """
-    position = bench[row, MOTOR_POSITION_IN]
-    speed = bench[row, SPEED_IN]
-    speed_before = bench[row - 1, SPEED_IN]
+    position = now[MOTOR_POSITION_IN]
+    speed = now[SPEED_IN]
+    speed_before = before[SPEED_IN]
     has_speed = not (math.isnan(speed) and math.isnan(speed_before))
     if not has_speed:
-        speed = (position - bench[row - 1, MOTOR_POSITION_IN]) / interval
+        speed = (position - before[MOTOR_POSITION_IN]) / interval
         speed_before = speed
-    if math.isnan(bench[row, CURRENT_IN]) or math.isnan(speed) or math.isnan(speed_before):
+    if math.isnan(now[CURRENT_IN]) or math.isnan(speed) or math.isnan(speed_before):
         state.balance_ready = 0.0
         state.driven_ready = 0.0
         return math.nan
     smoothing = plant.speed_smoothing
-    current = bench[row, CURRENT_IN]
+    current = now[CURRENT_IN]
     sharp = unsmoothed(speed, speed_before, interval, smoothing) if has_speed else counter_speed(state, speed, interval)
     ratio = plant.gear_ratio
     lag = BALANCE_LAG if has_speed else COUNTER_LAG
     acceleration = (speed - state.balance_speed_1) / lag if state.balance_ready != 0.0 else 0.0
     drive_torque = plant.torque_constant * current
-    travel = state.motor_angle if math.isnan(position) else position
+    travel = simulated_angle if math.isnan(position) else position
     total_dry = plant.motor_dry + plant.output_dry
     sense = 1.0 if sharp > 0.0 else -1.0
     own = plant.output_inertia * acceleration + plant.output_viscous * sharp + plant.output_dry * sense
@@ -157,7 +160,7 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
         plant.motor_viscous + plant.output_viscous,
     )
     torque, dry, load, thinned = evaluate(effects, at)
-    load += bench[row, LOAD_IN]
+    load += now[LOAD_IN]
     if not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper)):
         stop = state.output_angle_origin * ratio + state.output_start
         load += end_stop_torque(
@@ -191,25 +194,29 @@ def unexplained_torque(plant, state, effects, bench, row, interval, time, step):
     driving = drive_torque - torque
     if not has_speed:
         driving = counter_torque(state, driving, interval)
-    if plant.asymmetry != 0.0:
-        factor = directed(plant.asymmetry, sharp, driving - passed)
-        passed += plant.asymmetry * (viscous + thinned) * math.fabs(sharp)
-        dry *= factor
-        break_away *= factor
-    if plant.bristle_stiffness > 0.0:
-        share = 1.0 if plant.two_inertia == 0.0 else bristle_share(plant)
-        state.driven_bristle, bent = bristle_step(
-            state.driven_bristle,
-            sharp,
-            dry,
-            plant.bristle_stiffness * share,
-            plant.bristle_damping * share,
-            interval,
-        )
-        passed += bent
-        dry = break_away = 0.0
+    share = 1.0 if rigid else bristle_share(plant)
+    uneven, bent, dry, break_away, state.driven_bristle = rubbing(
+        sharp, driving - passed, plant.asymmetry, viscous + thinned, dry, break_away, plant.bristle_stiffness > 0.0,
+        state.driven_bristle, plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
+    )  # fmt: skip
+    passed = passed + uneven + bent
     unbalanced = unbalanced_torque(driving - passed, sharp, viscous, dry, break_away)
     return filtered_balance(state, unbalanced, speed, inertia, interval, has_speed, smoothing)
+
+
+@njit(error_model="numpy")
+def estimate(plant, state, effects, time, stamps, bench, twin, step):
+    """Fill the unexplained torque of rows 1… of ``twin`` (n, signals), which the kernel has been over.
+
+    ``stamps`` [ns] (n,), ``bench`` (n, 6), the ``state`` that carries the filters and the ``step`` [s] are the
+    kernel's, ``effects`` all that a model's torques are balanced with, ``time`` [s] that of row 0.
+    """
+    for row in range(1, stamps.shape[0]):
+        interval = (stamps[row] - stamps[row - 1]) * 1e-9
+        time += interval
+        twin[row, UNEXPLAINED_OUT] = _unexplained(
+            plant, state, effects, bench[row - 1], bench[row], twin[row, MOTOR_POSITION_OUT], interval, time, step
+        )
 
 
 @njit(cache=True, error_model="numpy")

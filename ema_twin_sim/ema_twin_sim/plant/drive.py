@@ -8,6 +8,10 @@ import math
 
 from numba import njit
 
+from .compiled import inlined
+from .layout import SETPOINT, STANDALONE_SPEED
+from .sensors import shown
+
 
 @njit(error_model="numpy")
 def limited(value, limit):
@@ -23,7 +27,7 @@ def lag_gain(step, time_constant):
 
 @njit(error_model="numpy")
 def speed_controller(plant, error, integral, integrate):
-    """One control cycle: (torque setpoint [N m], integrator [N m]) from the speed error [rad/s].
+    """One control cycle: (current setpoint [A], integrator [N m]) from the speed error [rad/s].
 
     PI with back-calculation: what the torque limit cuts off leaves the integrator with ``anti_windup_time``. The
     current limit is a torque limit too. ``integrate`` is false within the position loop's dead band.
@@ -35,7 +39,29 @@ def speed_controller(plant, error, integral, integrate):
     if integrate:
         rate = plant.speed_gain / plant.integral_time * error + (torque - wanted) / plant.anti_windup_time
         integral = limited(integral + plant.control_cycle * rate, plant.integral_limit)
-    return torque, integral
+    return torque / plant.nominal_torque_constant, integral
+
+
+@inlined
+def drive_step(plant, state, source, given, ahead, filter_gain, setpoint, integral, speed, output_angle, since_cycle):
+    """A control cycle of the drive: (speed setpoint [rad/s], current setpoint [A], integrator [N m]).
+
+    ``given`` is the input ``source`` as the cycle begins, ``ahead`` what a recorded setpoint changes until the next.
+    The position loop sees the ``output_angle`` [rad, fast shaft] through its encoder.
+    """
+    integrate = True
+    if source == SETPOINT:
+        # a trace is sampled before its stamp's cycle runs: it shows a setpoint one cycle later
+        setpoint = given + ahead
+    elif source == STANDALONE_SPEED:
+        setpoint += filter_gain * (limited(given, plant.speed_limit) - setpoint)
+    else:
+        error = given - shown(plant, state, output_angle, since_cycle)
+        integrate = math.fabs(error) * plant.gear_ratio > plant.integral_dead_band
+        wanted = limited(plant.position_gain * error, plant.speed_limit)
+        setpoint += filter_gain * (wanted - setpoint)
+    current_setpoint, integral = speed_controller(plant, setpoint - speed, integral, integrate)
+    return setpoint, current_setpoint, integral
 
 
 @njit(error_model="numpy")

@@ -12,7 +12,8 @@ import math
 from numba import njit
 
 from .drive import lag_gain
-from .friction import bristle_share, bristle_step, directed
+from .friction import bristle_share, rubbing
+from .time_steps import steps_in
 from .transmission import contact_torque, response, shaft_speed
 
 RESOLVED = 2.0 * math.pi * 80.0  # rad/s, the fastest contact that samples of some milliseconds resolve
@@ -33,7 +34,7 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
         state.driven_output_angle = position
         state.driven_output_speed = speed
         return plant.output_viscous * speed + math.copysign(plant.output_dry, speed) + output_torque
-    steps = max(1, math.ceil(interval / step - 1e-9))
+    steps = steps_in(interval, step)
     h = interval / steps
     stiffness = plant.contact_stiffness
     damping = plant.contact_damping
@@ -63,16 +64,12 @@ def driven_output(plant, state, speed, position, output_torque, interval, step):
             compliance,
         )
         output_angle += 0.5 * h * output_speed
-        factor = directed(plant.asymmetry, output_speed, torque - output_torque)
-        load = output_torque + plant.asymmetry * plant.output_viscous * math.fabs(output_speed)
-        dry = plant.output_dry * factor
-        held = plant.output_break_away * factor
-        if bristled:
-            bristle, bent = bristle_step(
-                bristle, output_speed, dry, plant.bristle_stiffness * share, plant.bristle_damping * share, h
-            )
-            load += bent
-            dry = held = 0.0
+        uneven, bent, dry, held, bristle = rubbing(
+            output_speed, torque - output_torque, plant.asymmetry, plant.output_viscous, plant.output_dry,
+            plant.output_break_away, bristled, bristle, plant.bristle_stiffness * share, plant.bristle_damping * share,
+            h,
+        )  # fmt: skip
+        load = output_torque + uneven + bent
         output_speed = shaft_speed(
             output_speed,
             torque - load,

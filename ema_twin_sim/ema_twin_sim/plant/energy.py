@@ -12,6 +12,7 @@ import math
 
 from numba import njit
 
+from .compiled import inlined
 from .planetary.layout import LANE, PLANETS, ROW
 
 ENERGIES = (
@@ -67,6 +68,29 @@ def friction_energies(energies, viscous_entry, dry_entry, h, before, after, push
     friction = stopping if after == 0.0 else math.copysign(dry, after)
     energies[dry_entry] += h * friction * mean
     return mean
+
+
+@inlined
+def account_motor(energies, h, before, after, drive_torque, net, passed, viscous, dry, inertia):
+    """Book a step of the motor's shaft under ``net`` [N m] less what is ``passed`` on; return its mean speed [rad/s].
+
+    What ``drive_torque`` gives beyond ``net`` is taken by effects.
+    """
+    mean = friction_energies(
+        energies, MOTOR_VISCOUS, MOTOR_DRY, h, before, after, net - passed, viscous, dry, inertia
+    )  # fmt: skip
+    energies[MOTOR] += h * drive_torque * mean
+    energies[EFFECTS] += h * (drive_torque - net) * mean
+    return mean
+
+
+@inlined
+def account_output(energies, h, before, after, passed, load, viscous, dry, inertia):
+    """Book a step of the output's shaft, which takes what is ``passed`` on against its ``load`` [N m]."""
+    mean = friction_energies(
+        energies, OUTPUT_VISCOUS, OUTPUT_DRY, h, before, after, passed - load, viscous, dry, inertia
+    )  # fmt: skip
+    energies[LOAD] += h * load * mean
 
 
 @njit(error_model="numpy")

@@ -4,6 +4,8 @@ import math
 
 from numba import njit
 
+from .compiled import inlined
+
 
 @njit(error_model="numpy")
 def after_dry_friction(free_speed, speed, sliding, break_away):
@@ -50,6 +52,25 @@ def bristle_step(bent, speed, level, stiffness, damping, step):
         return 0.0, 0.0
     after = (bent + step * speed) / (1.0 + step * stiffness * math.fabs(speed) / level)
     return after, stiffness * after + damping * (after - bent) / step
+
+
+@inlined
+def rubbing(speed, push, asymmetry, viscous, dry, break_away, bristled, bristle, stiffness, damping, step):
+    """(uneven torque, bristle's torque, dry level, break-away level [N m], bristle [rad]) of a shaft in a step.
+
+    Friction that differs by direction scales the levels, and the uneven part of ``viscous`` [N m s/rad] opposes forward
+    motion; at rest the torque ``push`` [N m] tells the direction. A bristle takes the place of both levels.
+    """
+    uneven = bent = 0.0
+    if asymmetry != 0.0:
+        factor = directed(asymmetry, speed, push)
+        uneven = asymmetry * viscous * math.fabs(speed)
+        dry *= factor
+        break_away *= factor
+    if bristled:
+        bristle, bent = bristle_step(bristle, speed, dry, stiffness, damping, step)
+        dry = break_away = 0.0
+    return uneven, bent, dry, break_away, bristle
 
 
 @njit(error_model="numpy")

@@ -8,6 +8,11 @@ One text, compiled for the fidelity that a model asks for (``kernel``): what a f
 machine code. Beside the averaged drive and the lumped transmission, a drive may switch (``switching/``), and a
 transmission be a planetary train (``planetary/``): then the step is about 1 us, and effects, which change over
 milliseconds, are taken every EFFECT_PERIOD.
+
+What a step is made of stands in files of its own (``drive.py``, ``friction.py``, ``transmission.py``,
+``planetary/``, ``switching/``, ``row.py``), and other loops take it from there (``many.py``, ``driven_output.py``,
+``measured_motion.py``). What of the motion the model cannot account for is a pass by itself over what was measured
+(``balance.py``).
 """
 
 import logging
@@ -17,52 +22,40 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from numba import boolean, float64, from_dtype, int64, njit, types, void
+from numba import boolean, float64, int64, njit, void
 from numba.core.event import Event, Listener, install_listener
 
-from .balance import unexplained_torque
-from .drive import lag_gain, limited, quadrature_voltage, speed_controller
-from .energy import (
-    EFFECTS,
-    LOAD,
-    MOTOR,
-    MOTOR_DRY,
-    MOTOR_VISCOUS,
-    OUTPUT_DRY,
-    OUTPUT_VISCOUS,
-    SHAFT,
-    STIFFNESS_CHANGE,
-    account_drive,
-    account_meshes,
-    friction_energies,
-    keep_speeds,
-    stored_in_meshes,
-)
+from .balance import estimate
+from .drive import drive_step, lag_gain, quadrature_voltage
+from .energy import LOAD, SHAFT, account_drive, account_meshes, account_motor, account_output, keep_speeds
 from .evaluate import evaluate
-from .friction import bristle_share, bristle_step, directed
+from .friction import bristle_share, rubbing
 from .layout import (
-    BENCH,
     COMMAND_IN,
     CURRENT,
     CURRENT_IN,
+    DIRECT_CURRENT_OUT,
     LOAD_IN,
-    PLANT,
+    PHASE_U_OUT,
+    PHASE_V_OUT,
+    PHASE_W_OUT,
     SETPOINT,
     SETPOINT_IN,
     STANDALONE_SPEED,
-    STATE,
 )
-from .operating_point import PARAMETER_SLOTS, OperatingPoint
-from .planetary.layout import TRAIN, TRAIN_STATE, TURN
-from .planetary.mesh_state import mesh_cycles, moved_on, read_friction, read_meshes
+from .operating_point import OperatingPoint
+from .planetary.layout import TURN
+from .planetary.mesh_state import follow_meshes, read_friction
 from .planetary.train import train_step
 from .planetary.train_constants import train_constants
-from .sensors import counted, remember, shown
+from .row import write_row
+from .sensors import remember
+from .signatures import EFFECTS, FINE, PLANTS, STAMPS, STATES, TABLE
 from .switching.electrical_angle import sine_and_cosine, turned
-from .switching.layout import WINDING, WINDING_STATE
 from .switching.step import switching_step
 from .switching.step_constants import step_constants
-from .transmission import contact_torque, end_stop_torque, response, shaft_speed
+from .time_steps import step_in_cycle, steps_in
+from .transmission import end_stop_torque, lumped_step, passed_rigidly, shaft_speed, shafts_of
 
 EFFECT_PERIOD = 25e-6
 """s, after which effects are taken again where steps are shorter."""
@@ -70,31 +63,7 @@ EFFECT_PERIOD = 25e-6
 _ONE_AT_A_TIME = threading.Lock()
 """Threads that ask for the same kernel compile it once."""
 
-_PLANT = from_dtype(PLANT)
-_STATE = from_dtype(STATE)
-_STAMPS = types.Array(int64, 1, "C", readonly=True)
-_EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
-"""Addresses (n,), places (n,), parameters (n, 4) of the effects that depend on the operating point."""
-_FINE = types.Tuple(
-    (
-        from_dtype(WINDING)[::1],
-        from_dtype(WINDING_STATE)[::1],
-        from_dtype(TRAIN)[::1],
-        from_dtype(TRAIN_STATE)[::1],
-        float64[::1],
-        float64[:, :, ::1],
-        float64[::1],
-        _EFFECTS,
-    )
-)
-"""Records (1,) of winding and train with their states, the train's lanes, its mesh table, the energies (energy.py), and
-the effects that are balanced where they are others than those that act."""
-
-_SIGNATURE = void(
-    _PLANT[::1], _STATE[::1], _EFFECTS, _FINE, int64, _STAMPS, float64[:, ::1], float64[:, ::1], float64, boolean
-)
-
-assert PARAMETER_SLOTS == 4 and len(BENCH) == 6  # the calls and columns below are written out
+_SIGNATURE = void(PLANTS, STATES, EFFECTS, EFFECTS, FINE, int64, STAMPS, TABLE, TABLE, float64, boolean)
 
 
 class _Compiling(Listener):
@@ -130,16 +99,17 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
     fused = {"contract"} if fine else False
 
     @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy", fastmath=fused)
-    def advance(plants, states, effects, fine_parts, source, stamps, bench, twin, step, record):
+    def advance(plants, states, effects, balanced, fine_parts, source, stamps, bench, twin, step, record):
         """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
 
         ``bench`` (n, 6) holds the columns ``layout.BENCH``, NaN where the machine lacks one; ``source`` is one of
-        ``layout.INPUTS``, ``fine_parts`` are ``simulation.fidelity.Fine``. ``record`` false integrates without writing
-        (to time the equations alone).
+        ``layout.INPUTS``, ``fine_parts`` are ``layout.Fine``. Torques are ``balanced`` with other effects than act
+        where a finer part simulates some. ``record`` false integrates without writing (to time the equations alone).
         """
         plant = plants[0]
         state = states[0]
-        windings, winding_states, trains, train_states, lanes, table, energies, balanced_effects = fine_parts
+        windings, winding_states, trains, train_states, lanes, table, energies = fine_parts
+        by_current = source == CURRENT
         ratio = plant.gear_ratio
         per_ratio = 1.0 / ratio
         rigid = plant.two_inertia == 0.0 and not planetary
@@ -150,8 +120,6 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         # effects are opaque calls, across which no compiler keeps what it has read from memory: hence local copies
         stiffness = plant.contact_stiffness
         damping = plant.contact_damping
-        gap = plant.gap
-        softness = 1.0 / plant.motor_inertia + 1.0 / plant.output_inertia
         output_inertia = plant.output_inertia
         output_viscous = plant.output_viscous
         output_dry = plant.output_dry
@@ -168,13 +136,16 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         base_break_away = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
         asymmetry = plant.asymmetry
         bristled = plant.bristle_stiffness > 0.0
-        motor_share = 1.0 if rigid else bristle_share(plant)
+        share = 1.0 if rigid else bristle_share(plant)
+        bristle_stiffness = plant.bristle_stiffness * share
+        bristle_damping = plant.bristle_damping * share
+        output_bristle_stiffness = plant.bristle_stiffness * (1.0 - share)
+        output_bristle_damping = plant.bristle_damping * (1.0 - share)
         # effects see the model's whole dry level; what they change of it is the motor side's
         total_dry = plant.motor_dry + plant.output_dry
         elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
         plain = not (acting or stops or asymmetry != 0.0 or bristled)
-        balanced = balanced_effects if fine else effects
         torque = output_torque = thinned = 0.0
         dry = base_dry
         break_away = base_break_away
@@ -199,7 +170,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         output_start = state.output_start
         twist = state.twist
         reaction = 0.0
-        by_inverter = switching and source != CURRENT
+        by_inverter = switching and not by_current
         winding_state = winding_states[0]
         current_u = winding_state.phase_current_u
         current_v = winding_state.phase_current_v
@@ -222,14 +193,12 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         drive_torque = torque_constant * current
         effects_in = 0
 
-        column = (
-            CURRENT_IN if source == CURRENT else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
-        )
-        step = plant.control_cycle / math.ceil(plant.control_cycle / step - 1e-9)  # so that cycles begin on a step
+        column = CURRENT_IN if by_current else (SETPOINT_IN if source in (SETPOINT, STANDALONE_SPEED) else COMMAND_IN)
+        step = step_in_cycle(plant.control_cycle, step)
         h = per_step = 0.0
         interval_before = int64(-1)
         current_gain = setpoint_gain = smoothing_gain = 0.0
-        motor_gain = motor_drag = output_gain = output_drag = 0.0
+        shafts = shafts_of(plant, inertia, viscous, step)
         steps = effect_steps = 1
 
         for row in range(1, stamps.shape[0]):
@@ -237,12 +206,11 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
             interval = nanoseconds * 1e-9
             if nanoseconds != interval_before:
                 interval_before = nanoseconds
-                steps = max(1, math.ceil(interval / step - 1e-9))
+                steps = steps_in(interval, step)
                 h = interval / steps
                 effect_steps = max(1, round(EFFECT_PERIOD / h)) if fine else 1
                 per_step = 1.0 / h
-                motor_gain, motor_drag = response(h, inertia, viscous)
-                output_gain, output_drag = response(h, plant.output_inertia, plant.output_viscous)
+                shafts = shafts_of(plant, inertia, viscous, h)
                 current_gain = lag_gain(h, plant.current_lag)
                 smoothing_gain = lag_gain(h, plant.speed_smoothing)
                 if switching:
@@ -258,41 +226,25 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
             current_rate = 0.0
 
             for k in range(steps):
-                # drive
                 cycle_begins = phase >= plant.control_cycle - 0.5 * h
-                if source == CURRENT:
+                if cycle_begins:
+                    phase -= plant.control_cycle
+                    remember(state, output_angle)
+                    if planetary:
+                        read_friction(train, moving, lanes, speed, output_speed * per_ratio)
+                    if not by_current:
+                        setpoint, current_setpoint, integral = drive_step(
+                            plant, state, source, start + slope * (k / steps), slope * (plant.control_cycle / interval),
+                            setpoint_gain, setpoint, integral, speed, output_angle, phase,
+                        )  # fmt: skip
+                if by_current:
                     given = start + slope * ((k + 0.5) / steps)
                     current_rate = (given - current) * per_step
                     current = given
-                    if cycle_begins:
-                        phase -= plant.control_cycle
-                        remember(state, output_angle)
-                        if planetary:
-                            read_friction(train, moving, lanes, speed, output_speed * per_ratio)
-                else:
-                    if cycle_begins:
-                        phase -= plant.control_cycle
-                        remember(state, output_angle)
-                        if planetary:
-                            read_friction(train, moving, lanes, speed, output_speed * per_ratio)
-                        given = start + slope * (k / steps)
-                        integrate = True
-                        if source == SETPOINT:
-                            # a trace is sampled before its stamp's cycle runs: it shows a setpoint one cycle later
-                            setpoint = given + slope * (plant.control_cycle / interval)
-                        elif source == STANDALONE_SPEED:
-                            setpoint += setpoint_gain * (limited(given, plant.speed_limit) - setpoint)
-                        else:
-                            error = given - shown(plant, state, output_angle, phase)
-                            integrate = math.fabs(error) * ratio > plant.integral_dead_band
-                            wanted = limited(plant.position_gain * error, plant.speed_limit)
-                            setpoint += setpoint_gain * (wanted - setpoint)
-                        demand, integral = speed_controller(plant, setpoint - speed, integral, integrate)
-                        current_setpoint = demand / plant.nominal_torque_constant
-                    if not switching:
-                        change = current_gain * (current_setpoint - current)
-                        current_rate = change * per_step
-                        current += change
+                elif not switching:
+                    change = current_gain * (current_setpoint - current)
+                    current_rate = change * per_step
+                    current += change
                 phase += h
                 drive_torque = torque_constant * current
                 if by_inverter:
@@ -350,119 +302,82 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                         break_away = base_break_away + (dry - base_dry)
                         break_away = break_away if break_away > 0.0 else 0.0
                     effects_in -= 1
-                    dry_now = dry
-                    held = break_away
                     net -= torque
                     load += output_torque
                     if stops:
                         load += end_stop_torque(output_angle, output_speed, stop_lower, stop_upper, stiffness, damping)
-                    if asymmetry != 0.0:
-                        passed = reaction if planetary else transmitted
-                        factor = directed(asymmetry, speed, net - (load if rigid else passed))
-                        dry_now *= factor
-                        held *= factor
-                        net -= asymmetry * (viscous + thinned) * math.fabs(speed)
-                        load_factor = directed(asymmetry, output_speed, transmitted - load)
-                        load_dry *= load_factor
-                        load_held *= load_factor
-                        if not rigid:
-                            load += asymmetry * output_viscous * math.fabs(output_speed)
-                    if bristled:
-                        bristle, bristle_torque = bristle_step(
-                            bristle,
-                            speed,
-                            dry_now,
-                            plant.bristle_stiffness * motor_share,
-                            plant.bristle_damping * motor_share,
-                            h,
-                        )
-                        net -= bristle_torque
-                        dry_now = held = 0.0
-                        if not rigid:
-                            output_bristle, bristle_torque = bristle_step(
-                                output_bristle,
-                                output_speed,
-                                load_dry,
-                                plant.bristle_stiffness * (1.0 - motor_share),
-                                plant.bristle_damping * (1.0 - motor_share),
-                                h,
-                            )
-                            load += bristle_torque
-                            load_dry = load_held = 0.0
+                    passed = load if rigid else (reaction if planetary else transmitted)
+                    uneven, bent, dry_now, held, bristle = rubbing(
+                        speed, net - passed, asymmetry, viscous + thinned, dry, break_away, bristled, bristle,
+                        bristle_stiffness, bristle_damping, h,
+                    )  # fmt: skip
+                    net = net - uneven - bent
+                    if not rigid:
+                        uneven, bent, load_dry, load_held, output_bristle = rubbing(
+                            output_speed, transmitted - load, asymmetry, output_viscous, load_dry, load_held, bristled,
+                            output_bristle, output_bristle_stiffness, output_bristle_damping, h,
+                        )  # fmt: skip
+                        load = load + uneven + bent
                 before = speed
                 output_before = output_speed
-                if planetary:
-                    sun_at, sun_before = (sun_angle + 0.5 * h * sun_speed, sun_speed) if flexible else (angle, speed)
-                    carrier_at = carrier_angle + 0.5 * h * carrier_speed
-                    output_at = output_angle * per_ratio
-                    cycles = mesh_cycles(train_of_step, sun_at, carrier_at, output_at)
-                    if moved_on(train, moving, cycles):
-                        if accounting:
-                            energies[STIFFNESS_CHANGE] -= stored_in_meshes(
-                                train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
-                                output_at - 0.5 * h * output_speed * per_ratio, output_speed * per_ratio, h,
-                            )  # fmt: skip
-                        read_meshes(train, moving, lanes, table, cycles)
-                        if accounting:
-                            energies[STIFFNESS_CHANGE] += stored_in_meshes(
-                                train, moving, lanes, sun_at - 0.5 * h * sun_before, sun_before,
-                                output_at - 0.5 * h * output_speed * per_ratio, output_speed * per_ratio, h,
-                            )  # fmt: skip
-                    if accounting:
-                        keep_speeds(lanes, moving)
-                    on_sun, on_output, carrier_angle, carrier_speed = train_step(
-                        train_of_step, moving.friction_coefficient, lanes, sun_at, sun_before, carrier_at,
-                        carrier_speed, output_at, output_speed * per_ratio,
-                    )  # fmt: skip
-                    moving.carrier_angle = carrier_angle
-                    moving.carrier_speed = carrier_speed
-                    reaction = -on_sun
-                    if flexible:
-                        reaction = train.shaft_stiffness * (angle - sun_at) + train.shaft_damping * (speed - sun_speed)
-                        sun_speed += h * (reaction + on_sun) / train.sun_inertia
-                        sun_angle = sun_at + 0.5 * h * sun_speed
-                    transmitted = on_output * per_ratio
-                    speed = shaft_speed(speed, net - reaction, dry_now, held, motor_gain, motor_drag)
-                    output_speed = shaft_speed(
-                        output_speed, transmitted - load, load_dry, load_held, output_gain, output_drag
-                    )
-                    angle += 0.5 * h * speed
-                    output_angle += 0.5 * h * output_speed
-                elif rigid:
-                    speed = shaft_speed(speed, net - load, dry_now, held, motor_gain, motor_drag)
+                sun_before = sun_speed if flexible else speed
+                if rigid:
+                    speed = shaft_speed(speed, net - load, dry_now, held, shafts.gain, shafts.drag)
                     angle += 0.5 * h * speed
                     output_angle = angle - twist
                     output_speed = speed
                 else:
-                    transmitted = contact_torque(
-                        twist,
-                        speed - output_speed,
-                        stiffness,
-                        damping,
-                        gap,
-                        h,
-                        0.5 * h * softness,
-                    )
-                    speed = shaft_speed(speed, net - transmitted, dry_now, held, motor_gain, motor_drag)
-                    output_speed = shaft_speed(
-                        output_speed, transmitted - load, load_dry, load_held, output_gain, output_drag
-                    )
+                    if planetary:
+                        sun_at = sun_angle + 0.5 * h * sun_speed if flexible else angle
+                        carrier_at = carrier_angle + 0.5 * h * carrier_speed
+                        output_at = output_angle * per_ratio
+                        follow_meshes(
+                            train_of_step, train, moving, lanes, table, sun_at, sun_before, carrier_at, output_at,
+                            output_speed * per_ratio, h, energies, accounting,
+                        )  # fmt: skip
+                        if accounting:
+                            keep_speeds(lanes, moving)
+                        on_sun, on_output, carrier_angle, carrier_speed = train_step(
+                            train_of_step, moving.friction_coefficient, lanes, sun_at, sun_before, carrier_at,
+                            carrier_speed, output_at, output_speed * per_ratio,
+                        )  # fmt: skip
+                        moving.carrier_angle = carrier_angle
+                        moving.carrier_speed = carrier_speed
+                        reaction = -on_sun
+                        if flexible:
+                            reaction = train.shaft_stiffness * (angle - sun_at)
+                            reaction += train.shaft_damping * (speed - sun_speed)
+                            sun_speed += h * (reaction + on_sun) / train.sun_inertia
+                            sun_angle = sun_at + 0.5 * h * sun_speed
+                        transmitted = on_output * per_ratio
+                        speed = shaft_speed(speed, net - reaction, dry_now, held, shafts.gain, shafts.drag)
+                        output_speed = shaft_speed(
+                            output_speed,
+                            transmitted - load,
+                            load_dry,
+                            load_held,
+                            shafts.output_gain,
+                            shafts.output_drag,
+                        )
+                    else:
+                        speed, output_speed, transmitted = lumped_step(
+                            shafts, twist, speed, output_speed, net, load, dry_now, held, load_dry, load_held
+                        )
                     angle += 0.5 * h * speed
                     output_angle += 0.5 * h * output_speed
                 smoothed += smoothing_gain * (0.5 * (before + speed) - smoothed)
                 if accounting:
                     passed = reaction if planetary else (load if rigid else transmitted)
-                    mean = friction_energies(
-                        energies, MOTOR_VISCOUS, MOTOR_DRY, h, before, speed, net - passed, viscous, dry_now, inertia,
-                    )  # fmt: skip
-                    energies[MOTOR] += h * drive_torque * mean
-                    energies[EFFECTS] += h * (drive_torque - net) * mean
-                    if not rigid:
-                        mean = friction_energies(
-                            energies, OUTPUT_VISCOUS, OUTPUT_DRY, h, output_before, output_speed, transmitted - load,
-                            output_viscous, load_dry, output_inertia,
+                    mean = account_motor(
+                        energies, h, before, speed, drive_torque, net, passed, viscous, dry_now, inertia
+                    )
+                    if rigid:
+                        energies[LOAD] += h * load * mean
+                    else:
+                        account_output(
+                            energies, h, output_before, output_speed, transmitted, load, output_viscous, load_dry,
+                            output_inertia,
                         )  # fmt: skip
-                    energies[LOAD] += h * load * mean
                     if planetary:
                         account_meshes(
                             energies, h, train, moving, lanes, sun_before, sun_speed if flexible else speed,
@@ -475,30 +390,24 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                     # what effects may ask of the step before; no effect, nobody asks until the interval's end
                     acceleration = (speed - before) * per_step
                     if rigid:
-                        sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
-                        transmitted = output_inertia * acceleration + output_viscous * speed + output_dry * sense + load
+                        transmitted = passed_rigidly(plant, acceleration, speed, load)
             time += interval
 
-            if not record:
-                continue
-            twin[row, 0] = bench[row, CURRENT_IN] if source == CURRENT else current
-            twin[row, 1] = math.nan if source == CURRENT else current_setpoint
-            twin[row, 2] = smoothed
-            twin[row, 3] = math.nan if source == CURRENT else setpoint
-            twin[row, 4] = counted(angle, plant.motor_counts)
-            twin[row, 5] = counted(shown(plant, state, output_angle, phase) - state.encoder_zero, plant.output_counts)
-            twin[row, 6] = bench[row, COMMAND_IN]
-            twin[row, 7] = voltage if by_inverter else quadrature_voltage(plant, speed, current, current_rate)
-            twin[row, 8] = drive_torque
-            twin[row, 9] = transmitted
-            twin[row, 10] = unexplained_torque(plant, state, balanced, bench, row, interval, time, h)
-            if by_inverter:
-                twin[row, 11] = direct_current
-                twin[row, 12] = current_u
-                twin[row, 13] = current_v
-                twin[row, 14] = current_w
-            else:
-                twin[row, 11:15] = math.nan
+            if record:
+                write_row(
+                    twin[row], bench[row], by_current, plant, state, phase, angle, output_angle, smoothed, setpoint,
+                    current, current_setpoint,
+                    voltage if by_inverter else quadrature_voltage(plant, speed, current, current_rate),
+                    drive_torque, transmitted,
+                )  # fmt: skip
+                if by_inverter:
+                    twin[row, DIRECT_CURRENT_OUT] = direct_current
+                    twin[row, PHASE_U_OUT] = current_u
+                    twin[row, PHASE_V_OUT] = current_v
+                    twin[row, PHASE_W_OUT] = current_w
+
+        if record:
+            estimate(plant, state, balanced, state.time, stamps, bench, twin, step)
 
         state.time = time
         state.motor_angle = angle

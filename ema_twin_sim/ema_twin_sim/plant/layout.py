@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 ANGLE_ERRORS = 8
@@ -134,7 +136,47 @@ TWIN = (
     "phase_current_w",
 )
 """Columns of a twin sample that the kernel writes: the same signals as a bench's, through the same sensors."""
+(
+    CURRENT_OUT,
+    CURRENT_SETPOINT_OUT,
+    SPEED_OUT,
+    SETPOINT_OUT,
+    MOTOR_POSITION_OUT,
+    OUTPUT_POSITION_OUT,
+    COMMAND_OUT,
+    VOLTAGE_OUT,
+    MOTOR_TORQUE_OUT,
+    LOAD_TORQUE_OUT,
+    UNEXPLAINED_OUT,
+    DIRECT_CURRENT_OUT,
+    PHASE_U_OUT,
+    PHASE_V_OUT,
+    PHASE_W_OUT,
+) = range(len(TWIN))
 
 TORQUE, DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT = range(4)
 """Where an effect's value goes: a torque on the motor, a dry friction level on the motor, a torque on the output, a
 viscous coefficient of the motor (levels and coefficients are made up before asymmetry scales all friction)."""
+
+
+Effects = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Addresses (n,), places (n,) and parameters (n, 4) of effects that depend on the operating point."""
+
+
+class Fine(NamedTuple):
+    """What a kernel takes of the finer fidelities; a part that a model does not have is never used."""
+
+    windings: np.ndarray
+    """(1,) of ``switching.layout.WINDING``"""
+    winding_states: np.ndarray
+    """(1,) of ``switching.layout.WINDING_STATE``"""
+    trains: np.ndarray
+    """(1,) of ``planetary.layout.TRAIN``"""
+    train_states: np.ndarray
+    """(1,) of ``planetary.layout.TRAIN_STATE``"""
+    lanes: np.ndarray
+    """the planets, and what the meshes last were (``planetary.layout.ROW``)"""
+    mesh_table: np.ndarray
+    """(3, points + 1, 4) of ``planetary.mesh_table``"""
+    energies: np.ndarray
+    """[J], of ``energy.ENERGIES``"""

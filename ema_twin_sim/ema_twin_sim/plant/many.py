@@ -6,17 +6,20 @@ recorded speed setpoint or current (``simulation/simulate_many.py`` says which m
 equations do not need is left out: the unexplained torque, which is a matter of measured motion alone.
 """
 
-import math
 from collections import namedtuple
 
 import numpy as np
-from numba import from_dtype, int64, njit, types, void
+from numba import float64, int64, njit, types, void
 
+from .compiled import inlined
 from .drive import lag_gain, quadrature_voltage, speed_controller
 from .friction import bristle_share, bristle_step
-from .layout import COMMAND_IN, CURRENT, CURRENT_IN, LOAD_IN, PLANT, SETPOINT_IN, STATE
-from .sensors import counted, remember, shown
-from .transmission import contact_torque, response, shaft_speed
+from .layout import CURRENT, CURRENT_IN, LOAD_IN, SETPOINT_IN
+from .row import write_row
+from .sensors import remember
+from .signatures import PLANTS, STAMPS, STATES
+from .time_steps import step_in_cycle, steps_in
+from .transmission import Shafts, lumped_step, passed_rigidly, shaft_speed, shafts_of
 
 LANE = 16
 """Models that go side by side: four registers of the usual widest kind, so that some work while others wait."""
@@ -36,73 +39,61 @@ Controller = namedtuple(
 )
 """What the speed controller reads of a plant (``drive.py``)."""
 
-_ROWS = (
-    *(name.upper() for name in Controller._fields),
-    "TORQUE_CONSTANT",
-    "CURRENT_GAIN",
-    "SMOOTHING_GAIN",
+LANES = 44 * LANE
+"""Length of the flat array of lanes: what all models have of the first comes first."""
+
+(
+    # the controller's
+    CONTROL_CYCLE,
+    CURRENT_LIMIT,
+    TORQUE_LIMIT,
+    NOMINAL_TORQUE_CONSTANT,
+    SPEED_GAIN,
+    INTEGRAL_TIME,
+    INTEGRAL_LIMIT,
+    ANTI_WINDUP_TIME,
+    TORQUE_CONSTANT,
+    CURRENT_GAIN,
+    SMOOTHING_GAIN,
     # each inertia's response to a step, and its dry friction
-    "GAIN",
-    "DRAG",
-    "DRY",
-    "BREAK_AWAY",
-    "OUTPUT_GAIN",
-    "OUTPUT_DRAG",
-    "OUTPUT_DRY",
-    "OUTPUT_BREAK_AWAY",
+    GAIN,
+    DRAG,
+    DRY,
+    BREAK_AWAY,
+    OUTPUT_GAIN,
+    OUTPUT_DRAG,
+    OUTPUT_DRY,
+    OUTPUT_BREAK_AWAY,
     # the contact
-    "STIFFNESS",
-    "DAMPING",
-    "GAP",
-    "COMPLIANCE",
+    STIFFNESS,
+    DAMPING,
+    GAP,
+    COMPLIANCE,
     # each side's bristle, whose torque takes the place of dry friction
-    "LEVEL",
-    "BRISTLE_STIFFNESS",
-    "BRISTLE_DAMPING",
-    "OUTPUT_LEVEL",
-    "OUTPUT_BRISTLE_STIFFNESS",
-    "OUTPUT_BRISTLE_DAMPING",
-    "BRISTLE",
-    "OUTPUT_BRISTLE",
-    "BENT",
-    "OUTPUT_BENT",
+    LEVEL,
+    BRISTLE_STIFFNESS,
+    BRISTLE_DAMPING,
+    OUTPUT_LEVEL,
+    OUTPUT_BRISTLE_STIFFNESS,
+    OUTPUT_BRISTLE_DAMPING,
+    BRISTLE,
+    OUTPUT_BRISTLE,
+    BENT,
+    OUTPUT_BENT,
     # state
-    "ANGLE",
-    "SPEED",
-    "OUTPUT_ANGLE",
-    "OUTPUT_SPEED",
-    "CURRENT",
-    "CURRENT_SETPOINT",
-    "INTEGRAL",
-    "SMOOTHED",
+    ANGLE,
+    SPEED,
+    OUTPUT_ANGLE,
+    OUTPUT_SPEED,
+    AMPERES,
+    AMPERES_WANTED,
+    INTEGRAL,
+    SMOOTHED,
     # of the last step
-    "SPEED_BEFORE",
-    "CHANGE",
-    "TRANSMITTED",
-)
-_AT = {name: LANE * k for k, name in enumerate(_ROWS)}
-LANES = LANE * len(_ROWS)
-CONTROL_CYCLE, CURRENT_LIMIT, TORQUE_LIMIT, NOMINAL = (
-    _AT["CONTROL_CYCLE"],
-    _AT["CURRENT_LIMIT"],
-    _AT["TORQUE_LIMIT"],
-    _AT["NOMINAL_TORQUE_CONSTANT"],
-)
-SPEED_GAIN, INTEGRAL_TIME, INTEGRAL_LIMIT = _AT["SPEED_GAIN"], _AT["INTEGRAL_TIME"], _AT["INTEGRAL_LIMIT"]
-ANTI_WINDUP_TIME, TORQUE_CONSTANT = _AT["ANTI_WINDUP_TIME"], _AT["TORQUE_CONSTANT"]
-CURRENT_GAIN, SMOOTHING_GAIN = _AT["CURRENT_GAIN"], _AT["SMOOTHING_GAIN"]
-GAIN, DRAG, DRY, BREAK_AWAY = _AT["GAIN"], _AT["DRAG"], _AT["DRY"], _AT["BREAK_AWAY"]
-OUTPUT_GAIN, OUTPUT_DRAG = _AT["OUTPUT_GAIN"], _AT["OUTPUT_DRAG"]
-OUTPUT_DRY, OUTPUT_BREAK_AWAY = _AT["OUTPUT_DRY"], _AT["OUTPUT_BREAK_AWAY"]
-STIFFNESS, DAMPING, GAP, COMPLIANCE = _AT["STIFFNESS"], _AT["DAMPING"], _AT["GAP"], _AT["COMPLIANCE"]
-LEVEL, BRISTLE_STIFFNESS, BRISTLE_DAMPING = _AT["LEVEL"], _AT["BRISTLE_STIFFNESS"], _AT["BRISTLE_DAMPING"]
-OUTPUT_LEVEL, OUTPUT_BRISTLE_STIFFNESS = _AT["OUTPUT_LEVEL"], _AT["OUTPUT_BRISTLE_STIFFNESS"]
-OUTPUT_BRISTLE_DAMPING = _AT["OUTPUT_BRISTLE_DAMPING"]
-BRISTLE, OUTPUT_BRISTLE, BENT, OUTPUT_BENT = _AT["BRISTLE"], _AT["OUTPUT_BRISTLE"], _AT["BENT"], _AT["OUTPUT_BENT"]
-ANGLE, SPEED, OUTPUT_ANGLE, OUTPUT_SPEED = _AT["ANGLE"], _AT["SPEED"], _AT["OUTPUT_ANGLE"], _AT["OUTPUT_SPEED"]
-AMPERES, AMPERES_WANTED = _AT["CURRENT"], _AT["CURRENT_SETPOINT"]
-INTEGRAL, SMOOTHED = _AT["INTEGRAL"], _AT["SMOOTHED"]
-SPEED_BEFORE, CHANGE, TRANSMITTED = _AT["SPEED_BEFORE"], _AT["CHANGE"], _AT["TRANSMITTED"]
+    SPEED_BEFORE,
+    CHANGE,
+    TRANSMITTED,
+) = range(0, LANES, LANE)
 
 
 @njit(error_model="numpy")
@@ -113,9 +104,11 @@ def _settle(plants, lanes, h, by_current):
         rigid = plant.two_inertia == 0.0
         inertia = plant.motor_inertia + (plant.output_inertia if rigid else 0.0)
         viscous = plant.motor_viscous + (plant.output_viscous if rigid else 0.0)
-        lanes[GAIN + m], lanes[DRAG + m] = response(h, inertia, viscous)
-        lanes[OUTPUT_GAIN + m], lanes[OUTPUT_DRAG + m] = response(h, plant.output_inertia, plant.output_viscous)
-        lanes[COMPLIANCE + m] = 0.5 * h * (1.0 / plant.motor_inertia + 1.0 / plant.output_inertia)
+        shafts = shafts_of(plant, inertia, viscous, h)
+        lanes[GAIN + m], lanes[DRAG + m] = shafts.gain, shafts.drag
+        lanes[OUTPUT_GAIN + m], lanes[OUTPUT_DRAG + m] = shafts.output_gain, shafts.output_drag
+        lanes[STIFFNESS + m], lanes[DAMPING + m] = shafts.stiffness, shafts.damping
+        lanes[GAP + m], lanes[COMPLIANCE + m] = shafts.gap, shafts.compliance
         lanes[CURRENT_GAIN + m] = 1.0 if by_current else lag_gain(h, plant.current_lag)
         lanes[SMOOTHING_GAIN + m] = lag_gain(h, plant.speed_smoothing)
 
@@ -130,7 +123,7 @@ def _load(plants, states, lanes):
         lanes[CONTROL_CYCLE + m] = plant.control_cycle
         lanes[CURRENT_LIMIT + m] = plant.current_limit
         lanes[TORQUE_LIMIT + m] = plant.torque_limit
-        lanes[NOMINAL + m] = plant.nominal_torque_constant
+        lanes[NOMINAL_TORQUE_CONSTANT + m] = plant.nominal_torque_constant
         lanes[SPEED_GAIN + m] = plant.speed_gain
         lanes[INTEGRAL_TIME + m] = plant.integral_time
         lanes[INTEGRAL_LIMIT + m] = plant.integral_limit
@@ -152,9 +145,6 @@ def _load(plants, states, lanes):
             lanes[BREAK_AWAY + m] = plant.motor_break_away + (plant.output_break_away if rigid else 0.0)
             lanes[OUTPUT_DRY + m] = plant.output_dry
             lanes[OUTPUT_BREAK_AWAY + m] = plant.output_break_away
-        lanes[STIFFNESS + m] = plant.contact_stiffness
-        lanes[DAMPING + m] = plant.contact_damping
-        lanes[GAP + m] = plant.gap
         lanes[ANGLE + m] = state.motor_angle
         lanes[SPEED + m] = state.motor_speed
         lanes[OUTPUT_ANGLE + m] = state.output_angle
@@ -188,79 +178,65 @@ def _bend(lanes, h, rigid):
             )
 
 
+@inlined
+def _with_current(lanes, m):
+    """The torque [N m] of a drive in a step whose current has come nearer to its setpoint, less its bristle's."""
+    change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
+    current = lanes[AMPERES + m] + change
+    lanes[CHANGE + m] = change
+    lanes[AMPERES + m] = current
+    return lanes[TORQUE_CONSTANT + m] * current - lanes[BENT + m]
+
+
+@inlined
+def _with_motor(lanes, m, h, before, speed):
+    """Let a motor have moved on by a step."""
+    lanes[SPEED + m] = speed
+    lanes[ANGLE + m] = lanes[ANGLE + m] + 0.5 * h * before + 0.5 * h * speed
+    lanes[SMOOTHED + m] += lanes[SMOOTHING_GAIN + m] * (0.5 * (before + speed) - lanes[SMOOTHED + m])
+
+
 @njit(error_model="numpy")
 def _rigid_step(lanes, h, load):
     for m in range(LANE):
-        change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
-        current = lanes[AMPERES + m] + change
-        lanes[CHANGE + m] = change
-        lanes[AMPERES + m] = current
+        torque = _with_current(lanes, m)
         before = lanes[SPEED + m]
         speed = shaft_speed(
-            before,
-            lanes[TORQUE_CONSTANT + m] * current - lanes[BENT + m] - load,
-            lanes[DRY + m],
-            lanes[BREAK_AWAY + m],
-            lanes[GAIN + m],
-            lanes[DRAG + m],
+            before, torque - load, lanes[DRY + m], lanes[BREAK_AWAY + m], lanes[GAIN + m], lanes[DRAG + m]
         )
         lanes[SPEED_BEFORE + m] = before
-        lanes[SPEED + m] = speed
-        lanes[ANGLE + m] = lanes[ANGLE + m] + 0.5 * h * before + 0.5 * h * speed
-        lanes[SMOOTHED + m] += lanes[SMOOTHING_GAIN + m] * (0.5 * (before + speed) - lanes[SMOOTHED + m])
+        _with_motor(lanes, m, h, before, speed)
 
 
 @njit(error_model="numpy")
 def _two_inertia_step(lanes, h, load):
     for m in range(LANE):
-        change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
-        current = lanes[AMPERES + m] + change
-        lanes[CHANGE + m] = change
-        lanes[AMPERES + m] = current
+        torque = _with_current(lanes, m)
         before = lanes[SPEED + m]
         output_before = lanes[OUTPUT_SPEED + m]
-        transmitted = contact_torque(
-            lanes[ANGLE + m] - lanes[OUTPUT_ANGLE + m],
-            before - output_before,
-            lanes[STIFFNESS + m],
-            lanes[DAMPING + m],
-            lanes[GAP + m],
-            h,
-            lanes[COMPLIANCE + m],
-        )
-        speed = shaft_speed(
-            before,
-            lanes[TORQUE_CONSTANT + m] * current - lanes[BENT + m] - transmitted,
-            lanes[DRY + m],
-            lanes[BREAK_AWAY + m],
-            lanes[GAIN + m],
-            lanes[DRAG + m],
-        )
-        output_speed = shaft_speed(
-            output_before,
-            transmitted - (load + lanes[OUTPUT_BENT + m]),
-            lanes[OUTPUT_DRY + m],
+        shafts = Shafts(
+            h, lanes[GAIN + m], lanes[DRAG + m], lanes[OUTPUT_GAIN + m], lanes[OUTPUT_DRAG + m], lanes[STIFFNESS + m],
+            lanes[DAMPING + m], lanes[GAP + m], lanes[COMPLIANCE + m],
+        )  # fmt: skip
+        speed, output_speed, lanes[TRANSMITTED + m] = lumped_step(
+            shafts, lanes[ANGLE + m] - lanes[OUTPUT_ANGLE + m], before, output_before, torque,
+            load + lanes[OUTPUT_BENT + m], lanes[DRY + m], lanes[BREAK_AWAY + m], lanes[OUTPUT_DRY + m],
             lanes[OUTPUT_BREAK_AWAY + m],
-            lanes[OUTPUT_GAIN + m],
-            lanes[OUTPUT_DRAG + m],
-        )
-        lanes[TRANSMITTED + m] = transmitted
-        lanes[SPEED + m] = speed
-        lanes[ANGLE + m] = lanes[ANGLE + m] + 0.5 * h * before + 0.5 * h * speed
+        )  # fmt: skip
+        _with_motor(lanes, m, h, before, speed)
         lanes[OUTPUT_SPEED + m] = output_speed
         lanes[OUTPUT_ANGLE + m] = lanes[OUTPUT_ANGLE + m] + 0.5 * h * output_before + 0.5 * h * output_speed
-        lanes[SMOOTHED + m] += lanes[SMOOTHING_GAIN + m] * (0.5 * (before + speed) - lanes[SMOOTHED + m])
 
 
 @njit(
     void(
-        from_dtype(PLANT)[::1],
-        from_dtype(STATE)[::1],
+        PLANTS,
+        STATES,
         int64,
-        types.Array(int64, 1, "C", readonly=True),
-        types.Array(types.float64, 2, "C", readonly=True),
-        types.float64[:, :, ::1],
-        types.float64,
+        STAMPS,
+        types.Array(float64, 2, "C", readonly=True),
+        float64[:, :, ::1],
+        float64,
     ),
     cache=True,
     nogil=True,
@@ -278,7 +254,7 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
     rigid = plants[0].two_inertia == 0.0
     bristled = plants[0].bristle_stiffness > 0.0
     control_cycle = plants[0].control_cycle
-    step = control_cycle / math.ceil(control_cycle / step - 1e-9)  # so that cycles begin on a step
+    step = step_in_cycle(control_cycle, step)
     delayed = False
     for m in range(LANE):
         delayed = delayed or plants[m].encoder_delay > 0.0
@@ -294,7 +270,7 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
         interval = nanoseconds * 1e-9
         if nanoseconds != interval_before:
             interval_before = nanoseconds
-            steps = max(1, math.ceil(interval / step - 1e-9))
+            steps = steps_in(interval, step)
             h = interval / steps
             per_step = 1.0 / h
             _settle(plants, lanes, h, by_current)
@@ -321,16 +297,15 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
                             lanes[CONTROL_CYCLE + m],
                             lanes[CURRENT_LIMIT + m],
                             lanes[TORQUE_LIMIT + m],
-                            lanes[NOMINAL + m],
+                            lanes[NOMINAL_TORQUE_CONSTANT + m],
                             lanes[SPEED_GAIN + m],
                             lanes[INTEGRAL_TIME + m],
                             lanes[INTEGRAL_LIMIT + m],
                             lanes[ANTI_WINDUP_TIME + m],
                         )
-                        demand, lanes[INTEGRAL + m] = speed_controller(
+                        lanes[AMPERES_WANTED + m], lanes[INTEGRAL + m] = speed_controller(
                             controller, setpoint - lanes[SPEED + m], lanes[INTEGRAL + m], True
                         )
-                        lanes[AMPERES_WANTED + m] = demand / lanes[NOMINAL + m]
             phase += h
 
             load = load_start + load_slope * (k + 0.5)
@@ -350,20 +325,11 @@ def advance_many(plants, states, source, stamps, bench, twins, step):
             output_angle = angle if rigid else lanes[OUTPUT_ANGLE + m]
             transmitted = lanes[TRANSMITTED + m]
             if rigid:
-                sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
                 acceleration = (speed - lanes[SPEED_BEFORE + m]) * per_step
-                transmitted = (
-                    plant.output_inertia * acceleration + plant.output_viscous * speed + plant.output_dry * sense + load
-                )
-            twin = twins[m, row]
-            twin[0] = bench[row, CURRENT_IN] if by_current else current
-            twin[1] = math.nan if by_current else lanes[AMPERES_WANTED + m]
-            twin[2] = lanes[SMOOTHED + m]
-            twin[3] = math.nan if by_current else setpoint
-            twin[4] = counted(angle, plant.motor_counts)
-            twin[5] = counted(shown(plant, state, output_angle, phase) - state.encoder_zero, plant.output_counts)
-            twin[6] = bench[row, COMMAND_IN]
-            twin[7] = quadrature_voltage(plant, speed, current, lanes[CHANGE + m] * per_step)
-            twin[8] = plant.torque_constant * current
-            twin[9] = transmitted
-            twin[10:] = math.nan
+                transmitted = passed_rigidly(plant, acceleration, speed, load)
+            write_row(
+                twins[m, row], bench[row], by_current, plant, state, phase, angle, output_angle, lanes[SMOOTHED + m],
+                setpoint, current, lanes[AMPERES_WANTED + m],
+                quadrature_voltage(plant, speed, current, lanes[CHANGE + m] * per_step),
+                plant.torque_constant * current, transmitted,
+            )  # fmt: skip

@@ -6,140 +6,39 @@ wrong model does not drift away from the machine, and its error can be read samp
 """
 
 import math
-from collections import namedtuple
 
-from numba import boolean, float64, from_dtype, int64, njit, types, void
+from numba import boolean, float64, int64, njit, void
 
-from .driven_output import RESOLVED
-from .driving_flank import ahead
 from .evaluate import evaluate
 from .friction import bristle_share, bristle_step
-from .layout import DRY_LEVEL, PLANT, VISCOUS_COEFFICIENT
+from .layout import DRY_LEVEL, VISCOUS_COEFFICIENT
+from .motion import ACCELERATION, LOAD, MOTION, MOTOR_ANGLE, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED, TIME
 from .operating_point import OperatingPoint, call_effect
-from .transmission import contact_torque, end_stop_torque, response, shaft_speed
+from .output_side import first_output_angle, longest_substep, output_side, output_step, sign
+from .signatures import EFFECTS, PLANTS, TABLE
+from .time_steps import steps_in
+from .transmission import end_stop_torque, response
 
-MOTION = ("time", "motor_angle", "speed", "acceleration", "current", "output_angle", "load")
-"""Columns of a measured motion: s, rad and rad/s and rad/s2 of the fast shaft, A, rad of the slow shaft, N m of a
-measured load at the fast shaft; angles count from the recording's first sample."""
-TIME, MOTOR_ANGLE, SPEED, ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, LOAD = range(7)
+__all__ = [
+    "ACCELERATION",
+    "LOAD",
+    "MOTION",
+    "MOTOR_ANGLE",
+    "MOTOR_CURRENT",
+    "OUTPUT_ANGLE",
+    "REQUIRED",
+    "SPEED",
+    "TIME",
+    "inverse_dynamics",
+    "inverse_dynamics_of",
+]
 
 REQUIRED = ("torque", "output", "transmitted", "dry_level")
 """Columns of what a motion requires: torque [N m] but for the motor's own inertia, output angle [rad, slow shaft],
 transmitted torque [N m], dry level [N m]."""
+REQUIRED_TORQUE, REQUIRED_OUTPUT, REQUIRED_TRANSMITTED, REQUIRED_DRY = range(len(REQUIRED))
 
-_EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
-_PLANT = from_dtype(PLANT)
-_LONGEST, _SHORTEST = 1e-3, 5e-4  # s of a substep; in between it is short enough for the spring:
-_PULL = 2.0 * math.pi * 5.0  # rad/s with which an output is drawn to where it was seen
 MEETINGS = 500  # samples with touching teeth over which the encoder's zero is averaged
-_PHASE = 0.4  # rad that a contact's oscillation may turn in a substep
-_STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is taken as one that samples resolve (driven_output.py)
-_STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle gives way
-_LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
-
-
-OutputSide = namedtuple(
-    "OutputSide",
-    [
-        "inertia",
-        "viscous",
-        "dry",
-        "gap",
-        "asymmetry",
-        "stiffness",
-        "damping",
-        "bristle_stiffness",
-        "bristle_damping",
-        "pull",  # with which an output that flies free is drawn to where it was seen, and braked
-        "brake",
-    ],
-)
-"""What the output's motion behind a measured motor depends on, as ``layout.PLANT`` has it."""
-
-
-@njit(error_model="numpy")
-def output_side(plant):
-    """The output side of a plant; a contact that samples do not resolve is one that they do."""
-    # an output that is driven through a gap comes to rest often: its friction is taken as a bristle always, a stiff one
-    # where the model has none, which is kinder to a search than a level that jumps
-    bristle_stiffness = plant.output_dry / _STIFF_TRAVEL
-    bristle_damping = 0.5 * math.sqrt(bristle_stiffness * plant.output_inertia)
-    if plant.bristle_stiffness > 0.0:
-        share = 1.0 if plant.two_inertia == 0.0 else bristle_share(plant)
-        bristle_stiffness = plant.bristle_stiffness * (1.0 - share)
-        bristle_damping = plant.bristle_damping * (1.0 - share)
-    stiffness = plant.contact_stiffness
-    damping = plant.contact_damping
-    if stiffness > plant.output_inertia * _STIFFEST**2:
-        stiffness = plant.output_inertia * RESOLVED**2
-        damping = 2.0 * plant.output_inertia * RESOLVED
-    return OutputSide(
-        plant.output_inertia,
-        plant.output_viscous,
-        plant.output_dry,
-        plant.gap,
-        plant.asymmetry,
-        stiffness,
-        damping,
-        bristle_stiffness,
-        bristle_damping,
-        plant.output_inertia * _PULL * _PULL,
-        2.0 * plant.output_inertia * _PULL,
-    )
-
-
-@njit(error_model="numpy")
-def first_output_angle(side, motion, ratio, seen):
-    """Where an output begins [rad, fast shaft] behind a ``motion`` (n, 7).
-
-    Where it was ``seen`` (n,) [rad, slow shaft]: what that shows since then until its teeth are sure to touch. A motor
-    that went all through the play has met them, and was the farthest ahead as it did. Not seen, (0,), on the flank
-    that its motor drives.
-    """
-    begun = motion[0, MOTOR_ANGLE]
-    if side.gap > 0.0 and seen.shape[0] == motion.shape[0]:
-        lowest = highest = begun
-        least = most = 0.0
-        for row in range(motion.shape[0]):
-            angle = motion[row, MOTOR_ANGLE]
-            lead = angle - begun - (seen[row] - seen[0]) * ratio
-            least, most = min(least, lead), max(most, lead)
-            lowest, highest = min(lowest, angle), max(highest, angle)
-            touching = side.gap + (side.dry + side.viscous * math.fabs(motion[row, SPEED])) / side.stiffness
-            if angle - lowest > 2.0 * side.gap:
-                return begun - max(touching - most, -touching)
-            if highest - angle > 2.0 * side.gap:
-                return begun + max(touching + least, -touching)
-    return begun - ahead(side.gap, side.dry, side.viscous, side.stiffness, motion[0, SPEED])
-
-
-@njit(error_model="numpy")
-def longest_substep(side):
-    """The longest step [s] in which an output side is simulated."""
-    return min(_LONGEST, max(_SHORTEST, _PHASE / math.sqrt(side.stiffness / side.inertia)))
-
-
-@njit(error_model="numpy", forceinline=True)
-def output_step(
-    side, h, gain, drag, compliance, motor_angle, motor_speed, angle, speed, bristle, load, drawn, seen, seen_speed
-):
-    """(torque [N m] passed on, angle [rad], speed [rad/s], bristle [rad]) of an output after a step ``h`` [s].
-
-    ``gain`` and ``drag`` are its response, ``load`` [N m] stands against it. An output that flies free is ``drawn`` to
-    where it was ``seen`` [rad], whose speed is ``seen_speed`` [rad/s]. All is at the fast shaft.
-    """
-    contact = contact_torque(
-        motor_angle - angle, motor_speed - speed, side.stiffness, side.damping, side.gap, h, compliance
-    )
-    angle += 0.5 * h * speed
-    one = 1.0 + side.asymmetry * sign(speed)
-    against = load + side.asymmetry * side.viscous * math.fabs(speed)
-    bristle, bent = bristle_step(bristle, speed, side.dry * one, side.bristle_stiffness, side.bristle_damping, h)
-    if drawn and contact == 0.0:
-        against -= side.pull * (seen - angle) + side.brake * (seen_speed - speed)
-    speed = shaft_speed(speed, contact - against - bent, 0.0, 0.0, gain, drag)
-    angle += 0.5 * h * speed
-    return contact, angle, speed, bristle
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -156,13 +55,6 @@ def with_friction(
         return torque + level * sense, bristle
     bristle, bent = bristle_step(bristle, speed, level, stiffness, damping, interval if interval > 0.0 else 1e-3)
     return torque + bent, bristle
-
-
-@njit(error_model="numpy")
-def sign(speed):
-    """-1 or 1, and in between near standstill."""
-    size = math.fabs(speed)
-    return (1.0 if speed > 0.0 else -1.0) if size > _LOW_SPEED else speed / _LOW_SPEED
 
 
 @njit(error_model="numpy")
@@ -203,7 +95,7 @@ def with_load(load, plant, now, output_origin):
 
 
 @njit(
-    void(_PLANT[::1], _EFFECTS, float64[:, ::1], float64, float64, float64[::1], boolean, float64[:, ::1]),
+    void(PLANTS, EFFECTS, TABLE, float64, float64, float64[::1], boolean, TABLE),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -251,8 +143,8 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
             # the output alone, driven by the motor's measured motion
             viscous = plant.motor_viscous
             dry = max(0.0, dry - plant.output_dry)
-            steps = max(1, math.ceil(interval / substep - 1e-9)) if row > 0 else 0
-            passed = required[row, 2] if reuse_output_motion else transmitted
+            steps = steps_in(interval, substep) if row > 0 else 0
+            passed = required[row, REQUIRED_TRANSMITTED] if reuse_output_motion else transmitted
             if steps > 0 and not reuse_output_motion:
                 h = interval / steps
                 gain, drag = response(h, side.inertia, side.viscous)
@@ -285,23 +177,25 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
             plant.bristle_stiffness * share, plant.bristle_damping * share, interval,
         )  # fmt: skip
         transmitted = passed
-        required[row, 0] = torque
+        required[row, REQUIRED_TORQUE] = torque
         if not reuse_output_motion:
-            required[row, 1] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
-        required[row, 2] = transmitted
-        required[row, 3] = dry
+            required[row, REQUIRED_OUTPUT] = (motion[row, MOTOR_ANGLE] if rigid else output_angle) / ratio
+        required[row, REQUIRED_TRANSMITTED] = transmitted
+        required[row, REQUIRED_DRY] = dry
     if not reuse_output_motion:
         for row in range(first_met):
-            required[row, 1] = seen[row] - zero / ratio
+            required[row, REQUIRED_OUTPUT] = seen[row] - zero / ratio
     if not rigid:
         # what was passed in the intervals before and after a sample belongs half to it
         last = motion.shape[0] - 1
         for row in range(last + 1):
-            required[row, 0] += 0.5 * (required[row, 2] + required[min(row + 1, last), 2])
+            required[row, REQUIRED_TORQUE] += 0.5 * (
+                required[row, REQUIRED_TRANSMITTED] + required[min(row + 1, last), REQUIRED_TRANSMITTED]
+            )
 
 
 @njit(
-    void(_PLANT[::1], int64, int64, float64[::1], float64[:, ::1], float64, float64, float64[:, ::1], float64[::1]),
+    void(PLANTS, int64, int64, float64[::1], TABLE, float64, float64, TABLE, float64[::1]),
     cache=True,
     nogil=True,
     error_model="numpy",
@@ -315,12 +209,12 @@ def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_
     values = (p[0], p[1], p[2], p[3])
     for row in range(motion.shape[0]):
         speed = motion[row, SPEED]
-        transmitted = required[max(row - 1, 0), 2]
-        at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, required[row, 3])
+        transmitted = required[max(row - 1, 0), REQUIRED_TRANSMITTED]
+        at = operating_point(plant, motion[row], motor_origin, output_origin, transmitted, required[row, REQUIRED_DRY])
         value = call_effect(address, at, values)
         sense = sign(speed)
         if place == DRY_LEVEL:
-            level = required[row, 3]
+            level = required[row, REQUIRED_DRY]
             value = (max(0.0, level + value) - level) * (sense + plant.asymmetry * sense * sense)
         elif place == VISCOUS_COEFFICIENT:
             value *= speed + plant.asymmetry * math.fabs(speed)

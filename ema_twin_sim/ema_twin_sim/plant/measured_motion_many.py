@@ -7,82 +7,70 @@ of one model waits for the step before, and a processor's wide registers take se
 import math
 
 import numpy as np
-from numba import float64, from_dtype, int64, njit, void
+from numba import float64, int64, njit, void
 
 from .evaluate import evaluate
 from .friction import bristle_share
-from .layout import PLANT
-from .measured_motion import (
-    LOAD,
-    MEETINGS,
-    MOTOR_ANGLE,
-    SPEED,
-    TIME,
-    OutputSide,
-    first_output_angle,
-    longest_substep,
-    operating_point,
-    output_side,
-    output_step,
-    with_friction,
-    with_load,
-)
+from .measured_motion import MEETINGS, operating_point, with_friction, with_load
+from .motion import LOAD, MOTOR_ANGLE, SPEED, TIME
+from .output_side import OutputSide, first_output_angle, longest_substep, output_side, output_step
+from .signatures import PLANTS
+from .time_steps import steps_in
 from .transmission import response
 
 LANE = 8
 """Models that go side by side: a search asks for some ten at a time."""
 
-_ROWS = (
-    *(name.upper() for name in OutputSide._fields),
-    "SUBSTEP",
+LANES = 40 * LANE
+"""Length of the flat array of lanes: what all models have of the first comes first."""
+
+(
+    # the output's side (OutputSide)
+    INERTIA,
+    VISCOUS,
+    DRY,
+    GAP,
+    ASYMMETRY,
+    STIFFNESS,
+    DAMPING,
+    BRISTLE_STIFFNESS,
+    BRISTLE_DAMPING,
+    PULL,
+    BRAKE,
+    SUBSTEP,
     # the motor's side
-    "RATIO",
-    "VISCOUS_OF_MOTOR",
-    "TOTAL_DRY",
-    "STIFFNESS_OF_BRISTLE",
-    "DAMPING_OF_BRISTLE",
+    RATIO,
+    VISCOUS_OF_MOTOR,
+    TOTAL_DRY,
+    STIFFNESS_OF_BRISTLE,
+    DAMPING_OF_BRISTLE,
     # of an interval
-    "STEPS",
-    "H",
-    "GAIN",
-    "DRAG",
-    "COMPLIANCE",
-    "SLOPE",
-    "DRIFT",
-    "SEEN",
-    "SEEN_SPEED",
+    STEPS,
+    H,
+    GAIN,
+    DRAG,
+    COMPLIANCE,
+    SLOPE,
+    DRIFT,
+    SEEN,
+    SEEN_SPEED,
     # of a sample
-    "TORQUE",
-    "AGAINST",
-    "DRY_NOW",
-    "THINNED",
-    "CONTACT",
-    "PASSED",
+    TORQUE,
+    AGAINST,
+    DRY_NOW,
+    THINNED,
+    CONTACT,
+    PASSED,
     # state
-    "ANGLE",
-    "OUTPUT_ANGLE",
-    "OUTPUT_SPEED",
-    "OUTPUT_BRISTLE",
-    "BRISTLE",
-    "ZERO",
-    "MET",
-    "FIRST_MET",
-)
-_AT = {name: LANE * k for k, name in enumerate(_ROWS)}
-LANES = LANE * len(_ROWS)
-INERTIA, VISCOUS, DRY, GAP, ASYMMETRY = (_AT[name] for name in ("INERTIA", "VISCOUS", "DRY", "GAP", "ASYMMETRY"))
-STIFFNESS, DAMPING, PULL, BRAKE = (_AT[name] for name in ("STIFFNESS", "DAMPING", "PULL", "BRAKE"))
-BRISTLE_STIFFNESS, BRISTLE_DAMPING = _AT["BRISTLE_STIFFNESS"], _AT["BRISTLE_DAMPING"]
-SUBSTEP, RATIO, VISCOUS_OF_MOTOR, TOTAL_DRY = (
-    _AT[name] for name in ("SUBSTEP", "RATIO", "VISCOUS_OF_MOTOR", "TOTAL_DRY")
-)
-STIFFNESS_OF_BRISTLE, DAMPING_OF_BRISTLE = _AT["STIFFNESS_OF_BRISTLE"], _AT["DAMPING_OF_BRISTLE"]
-STEPS, H, GAIN, DRAG, COMPLIANCE = (_AT[name] for name in ("STEPS", "H", "GAIN", "DRAG", "COMPLIANCE"))
-SLOPE, DRIFT, SEEN, SEEN_SPEED = (_AT[name] for name in ("SLOPE", "DRIFT", "SEEN", "SEEN_SPEED"))
-TORQUE, AGAINST, DRY_NOW, THINNED = (_AT[name] for name in ("TORQUE", "AGAINST", "DRY_NOW", "THINNED"))
-CONTACT, PASSED, ANGLE = (_AT[name] for name in ("CONTACT", "PASSED", "ANGLE"))
-OUTPUT_ANGLE, OUTPUT_SPEED, OUTPUT_BRISTLE = (_AT[name] for name in ("OUTPUT_ANGLE", "OUTPUT_SPEED", "OUTPUT_BRISTLE"))
-BRISTLE, ZERO, MET, FIRST_MET = (_AT[name] for name in ("BRISTLE", "ZERO", "MET", "FIRST_MET"))
+    ANGLE,
+    OUTPUT_ANGLE,
+    OUTPUT_SPEED,
+    OUTPUT_BRISTLE,
+    BRISTLE,
+    ZERO,
+    MET,
+    FIRST_MET,
+) = range(0, LANES, LANE)
 
 
 @njit(error_model="numpy")
@@ -118,7 +106,7 @@ def _settle(lanes, interval):
     """What depends on the length of an interval [s]; the most steps that a model takes over it."""
     most = 1.0
     for m in range(LANE):
-        steps = max(1.0, math.ceil(interval / lanes[SUBSTEP + m] - 1e-9))
+        steps = steps_in(interval, lanes[SUBSTEP + m])
         h = interval / steps
         lanes[STEPS + m] = steps
         lanes[H + m] = h
@@ -176,7 +164,7 @@ def _drive(lanes, speed, bristled, interval, torque):
 
 @njit(
     void(
-        from_dtype(PLANT)[::1],
+        PLANTS,
         int64[::1],
         int64[::1],
         float64[:, :, ::1],

@@ -4,9 +4,17 @@ Positions are at the fast shaft. A step is drift, kick, drift (position Verlet: 
 the contact spring); viscous friction is taken at the end of the step, dry friction as ``friction.py`` says.
 """
 
+from collections import namedtuple
+
 from numba import njit
 
+from .compiled import inlined
 from .friction import after_dry_friction
+
+Shafts = namedtuple(
+    "Shafts", ["step", "gain", "drag", "output_gain", "output_drag", "stiffness", "damping", "gap", "compliance"]
+)
+"""What a step of two inertias needs: its length [s], each one's ``response``, the contact between them."""
 
 
 @njit(error_model="numpy")
@@ -61,3 +69,47 @@ def shaft_speed(speed, torque, dry, break_away, gain, drag):
     """Speed [rad/s] of one inertia after a step under ``torque`` [N m] and friction (``gain``, ``drag``: response)."""
     share = gain * drag
     return after_dry_friction(speed * drag + share * torque, speed, share * dry, share * break_away)
+
+
+@njit(error_model="numpy")
+def shafts_of(plant, inertia, viscous, step):
+    """The ``Shafts`` of a plant whose motor's shaft has this ``inertia`` [kg m2] and ``viscous`` friction."""
+    gain, drag = response(step, inertia, viscous)
+    output_gain, output_drag = response(step, plant.output_inertia, plant.output_viscous)
+    compliance = 0.5 * step * (1.0 / plant.motor_inertia + 1.0 / plant.output_inertia)
+    return Shafts(
+        step,
+        gain,
+        drag,
+        output_gain,
+        output_drag,
+        plant.contact_stiffness,
+        plant.contact_damping,
+        plant.gap,
+        compliance,
+    )
+
+
+@inlined
+def lumped_step(
+    shafts, twist, speed, output_speed, torque, load, dry, break_away, output_dry, output_break_away
+):  # fmt: skip
+    """(speed, output's speed [rad/s], torque [N m] passed on) of two inertias after a step's kick.
+
+    ``twist`` [rad] is what the step began at; ``torque`` [N m] drives the motor, ``load`` stands against the output.
+    """
+    passed = contact_torque(
+        twist, speed - output_speed, shafts.stiffness, shafts.damping, shafts.gap, shafts.step, shafts.compliance
+    )
+    speed = shaft_speed(speed, torque - passed, dry, break_away, shafts.gain, shafts.drag)
+    output_speed = shaft_speed(
+        output_speed, passed - load, output_dry, output_break_away, shafts.output_gain, shafts.output_drag
+    )
+    return speed, output_speed, passed
+
+
+@inlined
+def passed_rigidly(plant, acceleration, speed, load):
+    """Torque [N m] that a rigid transmission passes on: what the output's inertia, friction and ``load`` take."""
+    sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
+    return plant.output_inertia * acceleration + plant.output_viscous * speed + plant.output_dry * sense + load

@@ -3,64 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-
-import numpy as np
 
 from ..comparison.beyond_noise import is_noise
-from ..comparison.binning import bin_edges, quartiles, rows_by_bin
-from ..comparison.orders import ORDERS, Periodicity, find_order
-from ..comparison.where import FEWEST_SAMPLES, Stretch
-from ..model import Model
-from ..quantities import axis_unit, quantity
-from .chart import FAINT, MODELS, Chart, Charts, Trace, axis, label, line, log_axis, noise_band, widths
+from ..comparison.where import FEWEST_SAMPLES
+from ..quantities import quantity
+from .chart import MODELS, Charts
 from .content import Content, Shown, signal_words, signals_listed
 from .markup import Markup, capitalised, items, joined, section, table, tag
-
-_BINS = 30
-_FEWEST = 5  # samples of a bin that has a median
-_BANDS = 240  # of a spectrum
-_LEAST_SHOWN = 10.0  # orders
-_BEYOND = 1.6  # times the highest order that the model names
-_NEAR = 0.03  # orders that are taken to be a named one
-_APART = 0.09  # decades between the numbers over a spectrum, so that none covers another
-_HEIGHT = 300  # pixels
-_SYMBOLS = dict(zip(MODELS, ("circle", "square", "diamond"), strict=True))
-
-
-@dataclass(frozen=True)
-class Orders:
-    """The order spectra of all models, and their amplitudes at each order that the machine's file names."""
-
-    chart: Chart
-    named: tuple[tuple[float, str, tuple[float, ...]], ...]  # order, its name, amplitudes by model
-    unit: str  # of the amplitudes
-    scale: float  # what they are divided by in the chart
-
-
-@dataclass(frozen=True)
-class Failures:
-    """One signal's residual: charts against speed, position and direction, and its orders where anything turns."""
-
-    signal: str
-    charts: tuple[Chart, ...]
-    orders: Orders | None
-
-
-def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]:
-    """Where models fail, a headline signal at a time; ``model`` names the orders, ``names`` are those of all models.
-
-    Empty where the recordings are too short to tell.
-    """
-    found = []
-    for name in given.headlines:
-        stretches = [[each.stretches[name] for each in curves if name in each.stretches] for curves in given.curves]
-        if sum(len(part.residual) for part in stretches[0]) < FEWEST_SAMPLES:
-            continue
-        shown = _Signal(name, given, names, stretches)
-        orders = shown.over_order(model) if model.motion == "rotary" else None
-        found.append(Failures(name, (shown.over_speed(), shown.over_position(), shown.over_direction()), orders))
-    return found
+from .residual_charts import failures, named_orders
 
 
 def where(content: Content, charts: Charts) -> Markup:
@@ -92,7 +42,7 @@ def where(content: Content, charts: Charts) -> Markup:
 
 def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -> Markup:
     """The orders that the machine's file names, by their numbers in the spectra, with the amplitudes there."""
-    named = _named_orders(content.models[0])
+    named = named_orders(content.models[0])
     if not named:
         return tag("p", f"{content.names[0]} names no orders (`orders:` in its file).", class_="aside")
     columns = [f"{signal}, {model}" for signal in amplitudes for model in content.labels]
@@ -104,10 +54,6 @@ def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -
     return tag(
         "details", tag("summary", "The machine's own orders, by their numbers above the spectra"), whole, open=""
     )
-
-
-def _named_orders(model: Model) -> list[tuple[float, str]]:
-    return sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= ORDERS[-1])
 
 
 def _swatches(names: Sequence[str]) -> list[Markup]:
@@ -129,171 +75,3 @@ def sentences(given: Shown) -> list[str]:
             said = f"{capitalised(signals_listed(given.headlines))}: at the sensors' noise."
         lines.append(said or "Where cannot be told.")
     return lines
-
-
-class _Signal:
-    """One signal's residuals of all models."""
-
-    def __init__(self, name: str, given: Shown, models: Sequence[str], stretches: Sequence[Sequence[Stretch]]) -> None:
-        error, first = given.comparisons[0].overall[name], given.curves[0][0]
-        self.words, self.models, self.base = signal_words(name), models, error["unit"]
-        self.roles = MODELS[: len(models)]
-        self.widths = dict(zip(MODELS, widths(len(models)), strict=False))
-        self.way, self.still = first.way, first.still
-        self.stretches = stretches
-        self.residuals = [np.concatenate([part.residual for part in parts]) for parts in stretches]
-        self.speeds = [np.concatenate([part.speed for part in parts]) for parts in stretches]
-        self.scale, self.unit = axis_unit(
-            max(float(np.nanquantile(np.abs(r), 0.98)) for r in self.residuals), self.base
-        )
-        self.title = f"residual of the {self.words} [{self.unit}]"
-        self.band = noise_band(error["noise_floor"] / self.scale)
-
-    def over_speed(self) -> Chart:
-        """The residual over the motor's speed, both directions."""
-        traces = [
-            trace
-            for role, model, speed, residual in zip(self.roles, self.models, self.speeds, self.residuals, strict=True)
-            for trace in self._banded(speed, residual, role, model, narrow=True)
-        ]
-        return self._chart("the motor's speed", axis(f"speed of the motor [{self.way}/s]"), traces)
-
-    def over_position(self) -> Chart:
-        """The residual over the output's position, forward and backward apart."""
-        traces: list[Trace] = []
-        for role, model, parts, speed, residual in zip(
-            self.roles, self.models, self.stretches, self.speeds, self.residuals, strict=True
-        ):
-            position = np.concatenate([part.output_position for part in parts])
-            for sense, said, dash in ((1.0, "forward", "solid"), (-1.0, "backward", "dot")):
-                chosen = sense * speed > self.still
-                traces += self._banded(position[chosen], residual[chosen], role, f"{model}, {said}", dash=dash)
-        return self._chart(
-            "the output's position, forward solid, backward dotted",
-            axis(f"position of the output [{self.way}]"),
-            traces,
-        )
-
-    def over_direction(self) -> Chart:
-        """The residual moving backward, near standstill, and moving forward."""
-        traces: list[Trace] = []
-        for role, model, speed, residual in zip(self.roles, self.models, self.speeds, self.residuals, strict=True):
-            groups = {
-                "backward": speed < -self.still,
-                "standstill": np.abs(speed) <= self.still,
-                "forward": speed > self.still,
-            }
-            told = {
-                said: np.nanquantile(residual[chosen], (0.25, 0.5, 0.75)) / self.scale
-                for said, chosen in groups.items()
-                if chosen.sum() >= _FEWEST
-            }
-            lower, median, upper = np.array(list(told.values())).reshape(-1, 3).T
-            quarters = {"array": upper - median, "arrayminus": median - lower}
-            spread = {"type": "data", "symmetric": False, **quarters, "color": role, "thickness": 2, "width": 7}
-            marker = {"color": role, "size": 10 if self.widths[role] >= 1.0 else 6, "symbol": _SYMBOLS[role]}
-            traces.append(
-                {"type": "scatter", "mode": "markers", "x": list(told), "y": median, "name": label(model)}
-                | {"error_y": spread, "marker": marker}
-            )
-        return self._chart("the direction of motion", axis("direction", type="category"), traces)
-
-    def over_order(self, model: Model) -> Orders | None:
-        """The order spectra; None where nothing turns enough."""
-        first = find_order(_moving(self.stretches[0], self.still))
-        if first is None:
-            return None
-        flips = bool(first.dissipative)
-        spectra = [find_order(_moving(parts, self.still, flips=flips)) for parts in self.stretches]
-        if any(found is None for found in spectra):
-            return None
-        lines = [found.spectrum for found in spectra if isinstance(found, Periodicity)]
-        highest = min(float(ORDERS[-1]), max(_LEAST_SHOWN, _BEYOND * max(model.orders.values(), default=100.0)))
-        place = np.searchsorted(np.geomspace(ORDERS[0], highest, _BANDS), ORDERS[highest >= ORDERS])
-        bands = [np.flatnonzero(place == k) for k in np.unique(place)]
-        peaks = [np.array([values[band].max() for band in bands]) for values in lines]
-        scale, unit = axis_unit(max(float(values.max()) for values in peaks), self.base)
-        at = [np.array([ORDERS[band[values[band].argmax()]] for band in bands]) for values in lines]
-        traces = [
-            line(x, values / scale, name, role, width=1.6 * self.widths[role])
-            for x, values, name, role in zip(at, peaks, self.models, self.roles, strict=True)
-        ]
-        named = _named_orders(model)
-        marks, numbers = _marked([order for order, _ in named])
-        kind = "; taken as opposing the motion" if flips else ""
-        layout = {
-            "xaxis": log_axis("order [cycles per turn of the motor]", ORDERS[highest >= ORDERS]),
-            "yaxis": axis(f"amplitude, {self.words} [{unit}]", rangemode="tozero"),
-            "shapes": marks,
-            "annotations": numbers,
-            "margin": {"t": 46},  # the numbers, and above them the buttons
-        }
-        said = f"Residual of the {self.words} against order{kind}; the numbers are in the table of orders below"
-        chart = Chart(said, _HEIGHT, layout, traces)
-        peaks_of = [
-            (order, said, tuple(float(values[np.abs(ORDERS - order) <= _NEAR].max()) for values in lines))
-            for order, said in named
-        ]
-        return Orders(chart, tuple(peaks_of), self.base, scale)
-
-    def _banded(
-        self, x: np.ndarray, residual: np.ndarray, role: str, name: str, *, narrow: bool = False, dash: str = "solid"
-    ) -> list[Trace]:
-        """The medians over ``x``, and a band between the quartiles."""
-        good = np.isfinite(x) & np.isfinite(residual)
-        x, residual = x[good], residual[good] / self.scale
-        rows = rows_by_bin(x, bin_edges(x, _BINS, narrow=narrow), _FEWEST)
-        if not rows:
-            return []
-        lower, median, upper = quartiles(residual, rows)
-        centres = np.array([np.median(x[found]) for found in rows])
-        edge = {"showlegend": False, "hoverinfo": "skip"}
-        return [
-            line(centres, lower, name, role, width=0.0, **edge),
-            line(centres, upper, name, role, width=0.0, fill="tonexty", fillcolor=f"{role}-faint", **edge),
-            line(centres, median, name, role, width=2.5 * self.widths[role], dash=dash),
-        ]
-
-    def _chart(self, against: str, x: dict[str, object], traces: list[Trace]) -> Chart:
-        said = f"Residual of the {self.words} against {against}"
-        return Chart(said, _HEIGHT, {"xaxis": x, "yaxis": axis(self.title), "shapes": [self.band]}, traces)
-
-
-def _moving(
-    parts: Sequence[Stretch], still: float, *, flips: bool | None = None
-) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """What the search for orders takes, where the machine moves.
-
-    Where ``flips`` says whether residuals change sign with the direction, they are given with one direction throughout,
-    so that they are taken as they come.
-    """
-    found = []
-    for part in parts:
-        good = np.isfinite(part.residual) & np.isfinite(part.motor_angle) & (np.abs(part.speed) > still)
-        residual, sense = part.residual[good], np.sign(part.speed[good])
-        if flips is not None:
-            residual, sense = residual * (sense if flips else 1.0), np.ones(len(sense))
-        found.append((residual, part.motor_angle[good], sense))
-    return found
-
-
-def _marked(orders: Sequence[float]) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
-    """A line at each named order, and its number above; numbers that would cover each other stand together."""
-    lines = [
-        {"type": "line", "xref": "x", "yref": "y domain", "x0": order, "x1": order, "y0": 0, "y1": 1, "layer": "below",
-         "line": {"color": FAINT, "width": 1, "dash": "dot"}}
-        for order in orders
-    ]  # fmt: skip
-    groups: list[list[int]] = []
-    for k, order in enumerate(orders):
-        if groups and np.log10(order / orders[groups[-1][-1]]) < _APART:
-            groups[-1].append(k)
-        else:
-            groups.append([k])
-    numbers: list[dict[str, object]] = []
-    for group in groups:
-        text = str(group[0] + 1) if len(group) == 1 else f"{group[0] + 1}–{group[-1] + 1}"
-        place = float(np.mean(np.log10([orders[k] for k in group])))
-        above = {"xref": "x", "y": 1.0, "yref": "y domain", "yanchor": "bottom", "showarrow": False}
-        numbers.append({"text": text, "x": place, **above})
-    return lines, numbers

@@ -14,9 +14,9 @@ from ..effects import Effect, Trait, catalogue, mesh_friction, the_effect
 from ..effects.catalogue import is_own
 from ..model import EffectInstance, Model
 from ..model.own_units import shown
-from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT
+from ..plant.layout import ANGLE_ERRORS, DRY_LEVEL, ENCODER_MEMORY, PLANT, Effects
 from ..plant.operating_point import PARAMETER_SLOTS, compile_effect
-from .fidelity import Effects, FineParts, fine_parts
+from .fidelity import FineParts, fine_parts
 from .lumped_train import lump_train
 
 _SAME_NAME = (

@@ -9,9 +9,9 @@ import numpy as np
 
 from ema_bench_replay.errors import InputError
 
-from ..plant.layout import TWIN
+from ..plant.layout import TWIN, Fine
 from ..plant.planetary.layout import PLANETS, ROW
-from .fidelity import Fine, FineParts
+from .fidelity import FineParts
 
 _FASTEST = 1e7
 """rad/s of any shaft or wheel: a hundred times the largest speed limit of a drive."""
@@ -38,13 +38,17 @@ def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
         "the output's bristle": (held["output_bristle"], _MOST_BENT, "rad"),
     }
     if parts.planetary:
-        found["the sun's speed"] = (fine[3][0]["sun_speed"], _FASTEST, "rad/s")
-        found["the carrier's speed"] = (fine[3][0]["carrier_speed"], _FASTEST, "rad/s")
-        for planet, speed in enumerate(fine[4][ROW["SPIN_SPEED"] :][:PLANETS]):
+        found["the sun's speed"] = (fine.train_states[0]["sun_speed"], _FASTEST, "rad/s")
+        found["the carrier's speed"] = (fine.train_states[0]["carrier_speed"], _FASTEST, "rad/s")
+        for planet, speed in enumerate(fine.lanes[ROW["SPIN_SPEED"] :][:PLANETS]):
             found[f"the speed of planet {planet + 1}"] = (speed, _FASTEST, "rad/s")
     if parts.switching:
         for phase in "uvw":
-            found[f"the current of phase {phase}"] = (fine[1][0][f"phase_current_{phase}"], _MOST_CURRENT, "A")
+            found[f"the current of phase {phase}"] = (
+                fine.winding_states[0][f"phase_current_{phase}"],
+                _MOST_CURRENT,
+                "A",
+            )
     return found
 
 

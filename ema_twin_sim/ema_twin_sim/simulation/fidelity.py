@@ -16,6 +16,7 @@ from ..model.constants import CONSTANTS
 from ..model.planetary_constants import DAMAGED_WHEELS, PLANETARY_CONSTANTS, RUNOUT_WHEELS
 from ..model.roles import SPRING
 from ..plant.energy import ENERGIES
+from ..plant.layout import Fine
 from ..plant.planetary.friction_coefficient import FRICTION_LAWS, dynamic_viscosity
 from ..plant.planetary.geometry import Gearing
 from ..plant.planetary.inertia import (
@@ -44,12 +45,6 @@ CYCLE_SHARE = 0.2
 """Of a control cycle: what DEFAULT_STEP is of the usual one, for models in own units."""
 REFRESH = 1.0 / 2048.0
 """Mesh cycles after which stiffness and arms are read again: an eighth of the table's grid."""
-
-Effects = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Addresses (n,), places (n,) and parameters (n, 4) of effects that act, as ``plant.kernel`` takes them."""
-Fine = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, Effects]
-"""What ``plant.kernel`` takes of the finer fidelities: records and states of winding and train, lanes, table, energies,
-and the effects that are taken where torques are balanced."""
 
 
 @dataclass(frozen=True)
@@ -94,23 +89,20 @@ def usual_step(parts: FineParts) -> float:
     return min(step, 0.6 / parts.frequency) if parts.planetary else step
 
 
-def resting_state(parts: FineParts, effects: Effects) -> Fine:
+def resting_state(parts: FineParts) -> Fine:
     """All that a kernel takes, nothing moving, no current flowing."""
     state = np.zeros(1, TRAIN_STATE)
     state["friction_coefficient"] = parts.train["friction_coefficient"][0]
     lanes, energies = np.zeros(LANES), np.zeros(len(ENERGIES))
-    return with_parts(
-        (parts.winding, resting(), parts.train, state, lanes, parts.table, energies, effects), parts, effects
-    )
+    return with_parts(Fine(parts.winding, resting(), parts.train, state, lanes, parts.table, energies), parts)
 
 
-def with_parts(fine: Fine, parts: FineParts, effects: Effects) -> Fine:
+def with_parts(fine: Fine, parts: FineParts) -> Fine:
     """The same state with other constants: a running twin's parameters have changed."""
-    lanes = fine[4]
     for mesh in range(len(MESHES)):
-        lanes[ROW["DAMPING_SUN"] + LANE * mesh :][:PLANETS] = parts.train["damping"][0, mesh]
-    fine[3]["mesh_read"] = np.inf  # read all anew
-    return parts.winding, fine[1], parts.train, fine[3], lanes, parts.table, fine[6], effects
+        fine.lanes[ROW["DAMPING_SUN"] + LANE * mesh :][:PLANETS] = parts.train["damping"][0, mesh]
+    fine.train_states["mesh_read"] = np.inf  # read all anew
+    return fine._replace(windings=parts.winding, trains=parts.train, mesh_table=parts.table)
 
 
 def kept(state: np.ndarray, fine: Fine) -> tuple[bytes, ...]:
@@ -123,24 +115,23 @@ def restored(before: tuple[bytes, ...], state: np.ndarray, fine: Fine) -> tuple[
     own, winding_state, train_state, lanes, energies = (
         np.frombuffer(held, array.dtype).copy() for held, array in zip(before, _changing(state, fine), strict=True)
     )
-    return own, (fine[0], winding_state, fine[2], train_state, lanes, fine[5], energies, fine[7])
+    return own, fine._replace(winding_states=winding_state, train_states=train_state, lanes=lanes, energies=energies)
 
 
 def _changing(state: np.ndarray, fine: Fine) -> tuple[np.ndarray, ...]:
-    return state, fine[1], fine[3], fine[4], fine[6]
+    return state, fine.winding_states, fine.train_states, fine.lanes, fine.energies
 
 
 def set_in_motion(fine: Fine, parts: FineParts, speed: float, current: float, angle: float) -> None:
     """Let a resting train turn with the motor at ``speed`` [rad/s], and windings carry ``current`` [A] at ``angle``."""
-    winding, winding_state, train, train_state, lanes = fine[:5]
     if parts.planetary:
-        of = train[0]
+        of = fine.trains[0]
         carrier = speed * of["sun_radius"] / (of["sun_radius"] + of["ring_radius"])
-        train_state["sun_speed"] = speed
-        train_state["carrier_speed"] = carrier
-        lanes[ROW["SPIN_SPEED"] :][:PLANETS] = carrier * (1.0 - of["ring_radius"] / of["planet_radius"])
+        fine.train_states["sun_speed"] = speed
+        fine.train_states["carrier_speed"] = carrier
+        fine.lanes[ROW["SPIN_SPEED"] :][:PLANETS] = carrier * (1.0 - of["ring_radius"] / of["planet_radius"])
     if parts.switching:
-        start_current(winding[0], winding_state[0], current, angle, speed)
+        start_current(fine.windings[0], fine.winding_states[0], current, angle, speed)
 
 
 def start_current(winding: np.void, state: np.void, current: float, angle: float, speed: float) -> None:

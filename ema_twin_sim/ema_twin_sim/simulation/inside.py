@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..plant.energy import ENERGIES, stored_in_meshes
+from ..plant.layout import Fine
 from ..plant.planetary.layout import LANE, MESHES, PLANETS, ROW
-from .fidelity import Fine, FineParts
+from .fidelity import FineParts
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Energies:
 
 def wheels(fine: Fine, state: np.ndarray, ratio: float) -> Wheels:
     """The wheels of a train as they stand."""
-    lanes, moving = fine[4], fine[3][0]
+    lanes, moving = fine.lanes, fine.train_states[0]
 
     def rows(name: str) -> np.ndarray:
         return np.array([lanes[ROW[f"{name}_SUN"] + LANE * mesh :][:PLANETS] for mesh in range(len(MESHES))])
@@ -64,14 +65,14 @@ def wheels(fine: Fine, state: np.ndarray, ratio: float) -> Wheels:
 
 def energies(parts: FineParts, fine: Fine, plant: np.ndarray, state: np.ndarray, step: float) -> Energies:
     """What was booked since the start, and what is stored in a twin that steps by ``step`` [s]."""
-    booked = dict(zip(ENERGIES, fine[6].tolist(), strict=True))
+    booked = dict(zip(ENERGIES, fine.energies.tolist(), strict=True))
     ratio = float(plant["gear_ratio"][0])
     speed, output_speed = float(state["motor_speed"][0]), float(state["output_speed"][0])
     input_inertia, output_inertia = float(plant["motor_inertia"][0]), float(plant["output_inertia"][0])
     stored = {"magnetic": 0.0, "springs": 0.0}
     wheels_kinetic = 0.0
     if parts.planetary:
-        train, moving = (array.view(np.recarray)[0] for array in fine[2:4])
+        train, moving = (array.view(np.recarray)[0] for array in (fine.trains, fine.train_states))
         input_inertia = float(train["input_inertia"])
         now = wheels(fine, state, ratio)
         wheels_kinetic = 0.5 * float(
@@ -80,10 +81,10 @@ def energies(parts: FineParts, fine: Fine, plant: np.ndarray, state: np.ndarray,
         if train["shaft_stiffness"] > 0.0:
             wheels_kinetic += 0.5 * float(train["sun_inertia"]) * now.sun_speed**2
         stored["springs"] = stored_in_meshes(
-            train, moving, fine[4], now.sun_angle, now.sun_speed, now.output_angle, now.output_speed, step
+            train, moving, fine.lanes, now.sun_angle, now.sun_speed, now.output_angle, now.output_speed, step
         )
     if parts.switching:
-        winding, held = fine[0][0], fine[1][0]
+        winding, held = fine.windings[0], fine.winding_states[0]
         stored["magnetic"] = 0.5 * sum(
             float(winding["phase_inductance"] * winding[f"active_turns_{p}"] ** 2 * held[f"phase_current_{p}"] ** 2)
             for p in "uvw"

@@ -18,24 +18,38 @@ from ..plant.kernel import kernel
 from ..plant.layout import (
     BENCH,
     COMMAND_IN,
+    COMMAND_OUT,
     CURRENT,
     CURRENT_IN,
+    CURRENT_OUT,
+    CURRENT_SETPOINT_OUT,
+    DIRECT_CURRENT_OUT,
     ENCODER_MEMORY,
     INPUTS,
     LOAD_IN,
+    LOAD_TORQUE_OUT,
+    MOTOR_POSITION_OUT,
+    MOTOR_TORQUE_OUT,
+    OUTPUT_POSITION_OUT,
+    PHASE_U_OUT,
+    PHASE_W_OUT,
     SETPOINT,
     SETPOINT_IN,
+    SETPOINT_OUT,
+    SPEED_OUT,
     STANDALONE,
     STANDALONE_SPEED,
     STATE,
     TWIN,
+    VOLTAGE_OUT,
+    Fine,
 )
 from ..plant.sensors import shown
 from .angle_origins import angle_origins
 from .assembly import Assembly, assemble
 from .divergence import States, looks_lost, refuse_divergence, states_of
 from .driving_flank import begin_behind_measured_motion, lead
-from .fidelity import DEFAULT_STEP, Fine, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
+from .fidelity import DEFAULT_STEP, kept, own_step, resting_state, restored, set_in_motion, usual_step, with_parts
 from .inside import Energies, Wheels, energies, wheels
 from .longest_step import longest_step, refuse_long_step
 from .switchable import switchable as with_all_effects
@@ -182,7 +196,7 @@ class Twin:
         state["encoder_memory"] = output - speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
         state["encoder_newest"] = ENCODER_MEMORY - 1
         begin_behind_measured_motion(state, self._assembly.plant[0], speed, _known(sample.get("motor_position")))
-        self._fine = resting_state(self._parts, self._assembly.effects)
+        self._fine = resting_state(self._parts)
         angle = float(state["motor_angle_origin"])
         set_in_motion(self._fine, self._parts, speed, current, angle)
         # in plain Python: once a run, and compiling it would cost more than it saves
@@ -190,13 +204,8 @@ class Twin:
         state["encoder_zero"] = shown.py_func(plant, moving, output, ages[1])
         self._stamps[:] = 0
         self._bench[1] = [sample.get(name, math.nan) for name in BENCH]
-        winding = self._fine[1] if self._parts.switching and self.source != CURRENT else None
+        winding = self._fine.winding_states if self._parts.switching and self.source != CURRENT else None
         self._row[1] = first_row(self._state, self._bench[1], self.source, self._assembly.plant, winding)
-        if self._parts.switching and self.source != CURRENT:
-            winding = self._fine[1][0]
-            for name in ("direct_current", "phase_current_u", "phase_current_v", "phase_current_w"):
-                self._row[1, TWIN.index(name)] = winding[name]
-            self._row[1, TWIN.index("voltage")] = winding["quadrature_voltage"]
         return self._signals()
 
     def _held_by_integrator(self, current: float, speed: float, setpoint: float) -> float:
@@ -261,7 +270,8 @@ class Twin:
 
     def _run(self, state: np.ndarray, fine: Fine, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
         assembly = self._assembly
-        self._advance(assembly.plant, state, assembly.acting, fine, self.source, stamps, bench, rows, self.step, True)
+        of_model = (assembly.plant, state, assembly.acting, assembly.effects, (*fine,))
+        self._advance(*of_model, self.source, stamps, bench, rows, self.step, True)
 
     def _refuse_divergence(self, before: tuple[bytes, ...], stamps: np.ndarray, bench: np.ndarray) -> None:
         """Find, from a sound state on, when the simulation loses its way."""
@@ -301,7 +311,7 @@ class Twin:
         self._parts = parts
         self._advance = kernel(parts.switching, parts.planetary, self._accounting)
         if self._fine is not None:
-            self._fine = with_parts(self._fine, parts, assembly.effects)
+            self._fine = with_parts(self._fine, parts)
 
 
 def first_row(
@@ -312,29 +322,23 @@ def first_row(
     ``winding`` is the state (1,) of the winding where one is simulated.
     """
     held = state[0]
-    torque = plant["torque_constant"][0] * held["current"]
-    by_setpoint = source != CURRENT
-    voltage = plant["back_emf_constant"][0] * held["motor_speed"] + plant["phase_resistance"][0] * held["current"]
-    of_winding = [math.nan] * 4
-    if winding is not None:
-        voltage = winding["quadrature_voltage"][0]
-        of_winding = [winding[name][0] for name in ("direct_current", *(f"phase_current_{phase}" for phase in "uvw"))]
-    return np.array(
-        [
-            bench[CURRENT_IN] if source == CURRENT else held["current"],
-            held["current_setpoint"] if by_setpoint else math.nan,
-            held["smoothed_speed"],
-            held["speed_setpoint"] if by_setpoint else math.nan,
-            0.0,
-            0.0,
-            bench[COMMAND_IN],
-            voltage,
-            torque,
-            0.0,
-            math.nan,
-            *of_winding,
-        ]
-    )
+    row = np.full(len(TWIN), math.nan)
+    row[MOTOR_POSITION_OUT] = row[OUTPUT_POSITION_OUT] = row[LOAD_TORQUE_OUT] = 0.0
+    row[CURRENT_OUT] = bench[CURRENT_IN] if source == CURRENT else held["current"]
+    if source != CURRENT:
+        row[CURRENT_SETPOINT_OUT] = held["current_setpoint"]
+        row[SETPOINT_OUT] = held["speed_setpoint"]
+    row[SPEED_OUT] = held["smoothed_speed"]
+    row[COMMAND_OUT] = bench[COMMAND_IN]
+    row[MOTOR_TORQUE_OUT] = plant["torque_constant"][0] * held["current"]
+    if winding is None:
+        of_motion = plant["back_emf_constant"][0] * held["motor_speed"]
+        row[VOLTAGE_OUT] = of_motion + plant["phase_resistance"][0] * held["current"]
+    else:
+        row[VOLTAGE_OUT] = winding["quadrature_voltage"][0]
+        row[DIRECT_CURRENT_OUT] = winding["direct_current"][0]
+        row[PHASE_U_OUT : PHASE_W_OUT + 1] = [winding[f"phase_current_{phase}"][0] for phase in "uvw"]
+    return row
 
 
 def hold_input(bench: np.ndarray, source: int) -> None:

@@ -10,7 +10,7 @@ import rerun.blueprint as rrb
 
 from ..quantities import quantity
 from ..report.content import signal_words
-from ..report.where import Failures
+from ..report.residual_charts import Failures
 from .drawn_chart import draw
 from .palette import TEXT
 from .sheet import HIGH, RIGHT, TOP, WIDE

@@ -9,7 +9,8 @@ import rerun.blueprint as rrb
 
 from ..model import Model
 from ..report.content import Shown
-from ..report.where import failures, sentences
+from ..report.residual_charts import failures
+from ..report.where import sentences
 from ..words.findings import Findings
 from ..words.sentences import verdict_of
 from .before_and_after import after_tab, log_after

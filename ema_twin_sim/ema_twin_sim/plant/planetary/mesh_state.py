@@ -9,6 +9,7 @@ import math
 from numba import njit
 
 from ..compiled import compiled
+from ..energy import STIFFNESS_CHANGE, stored_in_meshes
 from .friction_coefficient import friction_coefficient
 from .layout import LANE, PLANETS, ROW, TURN
 
@@ -171,3 +172,26 @@ def read_friction(train, moving, lanes, sun_speed, output_speed):
             train.viscosity,
             train.roughness,
         )
+
+
+@compiled
+def follow_meshes(
+    constants, train, moving, lanes, table, sun, sun_speed, carrier, output, output_speed, h, energies, accounting
+):
+    """Read the meshes again where one has moved on, at angles [rad] of the middle of a step of ``h`` [s].
+
+    ``accounting`` books the energy that the change of stiffness brings.
+    """
+    cycles = mesh_cycles(constants, sun, carrier, output)
+    if moved_on(train, moving, cycles):
+        sun -= 0.5 * h * sun_speed
+        output -= 0.5 * h * output_speed
+        if accounting:
+            energies[STIFFNESS_CHANGE] -= stored_in_meshes(
+                train, moving, lanes, sun, sun_speed, output, output_speed, h
+            )
+        read_meshes(train, moving, lanes, table, cycles)
+        if accounting:
+            energies[STIFFNESS_CHANGE] += stored_in_meshes(
+                train, moving, lanes, sun, sun_speed, output, output_speed, h
+            )

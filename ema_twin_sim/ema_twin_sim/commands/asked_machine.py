@@ -1,0 +1,57 @@
+"""What ``ema-twin init`` asks where it is given no trace."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import typer
+
+from ema_bench_replay.errors import InputError
+
+if TYPE_CHECKING:
+    from ..new_machine.columns import Guesses
+    from ..new_machine.given import Given
+
+LEAST_RATIO, MOST_RATIO = 1e-3, 1e5
+
+
+SHAFTS = "motor", "output"
+
+
+_QUESTIONS = {
+    "time": "Column of the time, with its unit, as in 'time [s]'",
+    "current": "Column of the motor's current, as in 'current [A]' (empty: there is none)",
+    "motor_torque": "Column of the motor's torque or force, as in 'torque [Nm]' (empty: there is none)",
+    "motor_position": "Column of the motor's position, as in 'motor position [rad]'",
+    "speed": "Column of the motor's speed, as in 'speed [rpm]' (empty: there is none)",
+    "output_position": "Column of the output's position, as in 'output position [deg]' (empty: there is none)",
+}
+
+
+def asked(given: Given) -> tuple[Guesses, Given]:
+    """What the columns are said to be, and the machine's numbers; each answer is checked as it is given."""
+    from ..new_machine.columns import named_columns
+
+    answers = {signal: str(_ask(text, "")).strip() for signal, text in _QUESTIONS.items()}
+    named = {signal: column for signal, column in answers.items() if column}
+    if not named.keys() & {"current", "motor_torque"} or not named.keys() & {"motor_position", "speed"}:
+        raise InputError("init: a model needs a current or a torque, and a motor's position or speed; answer these")
+    guesses = named_columns(named)
+    ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
+    if not ratio >= LEAST_RATIO:
+        raise InputError(f"init: a gear ratio of {ratio:g} is none; give {LEAST_RATIO:g} or more")
+    shaft = given.shaft
+    if shaft is None and ratio != 1.0 and "motor_position" in named:
+        shaft = str(_ask("Whose turns does the motor's position count, motor or output", SHAFTS[0])).strip().lower()
+        if shaft not in SHAFTS:
+            raise InputError(f"init: '{shaft}' is no shaft; say {' or '.join(SHAFTS)}")
+    constant = given.torque_constant
+    if constant is None and "current" in named:
+        constant = float(_ask("Torque per ampere [N m/A], or force [N/A] (0: not known)", 0.0)) or None
+    return guesses, replace(given, gear_ratio=ratio, torque_constant=constant, shaft=shaft)
+
+
+def _ask(question: str, usual: str | float) -> str | float:
+    answer: str | float = typer.prompt(question, default=usual, show_default=usual != "", type=type(usual))
+    return answer

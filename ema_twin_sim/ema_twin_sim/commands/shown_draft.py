@@ -1,0 +1,103 @@
+"""What ``ema-twin init`` says of the drafts that it wrote: what they rest on, what to look at, what comes next."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING
+
+from .output import say, warn
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..new_machine.columns import Guess, Guesses
+    from ..new_machine.drafts import Drafts
+
+
+def warn_of_contradicted_names(guesses: Guesses) -> None:
+    """Warn of columns whose name tells one quantity and whose unit another, as where two units were swapped."""
+    from ..new_machine.columns import contradicted_quantity
+    from ..new_machine.header_words import header_words
+
+    for guess in guesses.signals:
+        if said := contradicted_quantity(guess.column):
+            unit = header_words(guess.column)
+            warn(
+                f"{guess.column}: its name says {said}, its unit {unit.unit} is one of {unit.quantity}: read as "
+                f"{guess.signal.replace('_', ' ')}; where the unit is wrong, correct the header and run init again"
+            )
+
+
+def warn_of_foreign_units(guesses: Guesses) -> None:
+    """Warn of columns whose header tells a unit that is none of their signal's, as per cent of a rated torque."""
+    from ema_bench_replay.units import signal_unit
+
+    from ..new_machine.header_words import header_words
+
+    for guess in guesses.signals:
+        foreign = header_words(guess.column).foreign
+        if guess.unit is None and foreign and not foreign.isdigit():
+            signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
+            warn(
+                f"{guess.column}: {foreign} is no unit of the {signal}: read as if one were one {unit}, and so is all "
+                "that is told in it; write what one is worth as the signal's `factor` in the map"
+            )
+
+
+def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
+    """Say what the recordings showed of the machine, what the model only assumes, and what else was, ``besides``."""
+    from ..model import load_model
+    from ..new_machine.told import assumed, shown
+
+    model = load_model(place)
+    for text, numbers in (("Known", shown(model)), ("Assumed", assumed(model))):
+        if numbers:
+            say(f"{text}: {', '.join(numbers)}")
+    for sentence in besides:
+        say(f"Assumed: {sentence}")
+
+
+def to_look_at(text: str) -> str:
+    """How many lines of a draft a person should look at; its first two tell of the mark itself."""
+    from ..new_machine.check_comment import CHECK
+
+    count = sum(CHECK in line for line in text.splitlines()[2:])
+    return f"{count} line(s) to look at, marked {CHECK}" if count else "nothing was left to guess"
+
+
+def in_unit(guess: Guess) -> str:
+    """The unit that a column is read in, in words."""
+    from ..new_machine.header_words import COUNTS
+
+    if guess.unit == COUNTS:
+        return f", {guess.counts:g} counts a turn" if guess.counts else ", its counts a turn unknown"
+    return f" in {guess.unit}" if guess.unit else ", unit unknown"
+
+
+def say_next(
+    files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
+) -> None:
+    """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
+    for path, text in zip(files, (drafts.map, drafts.model), strict=True):
+        say(f"{path}: {to_look_at(text)}")
+    if why := guesses.points_doubt:
+        say(f"{why[:1].upper()}{why[1:]}: each row is taken for an operating point, at rest or at constant speed.")
+    map_name, model = (quote(str(file)) for file in files)
+    say("Then:")
+    say(f"  ema-twin info {trace} --map {map_name}")
+    if guesses.both_encoders and not guesses.drives:
+        say("No current and no torque was found: play, delay and angle errors between the encoders show, no friction.")
+    if guesses.drives or guesses.both_encoders:
+        say(f"  ema-twin discover {trace} --map {map_name} --model {model} -o found.yaml")
+        return
+    mended = replace(guesses, signals=(*guesses.signals, *holed))
+    if mended.drives or mended.both_encoders:
+        names = " and ".join(guess.column for guess in holed)
+        say(
+            f"  Without {names} nothing can be judged: write the numbers that it lacks into {trace}, or remove these "
+            "rows, and run init again."
+        )
+    else:
+        say(f"  No current and no torque was found: name its column in {files[0]}, or nothing can be judged.")

@@ -1,0 +1,88 @@
+"""What `ema-twin live` prints and writes of a run that ended."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..comparison.beyond_noise import shown_signals
+from ..quantities import quantity
+from .output import console, say
+
+if TYPE_CHECKING:
+    from ..nodes.live_session import LiveResult
+
+
+def as_json(result: LiveResult) -> dict[str, object]:
+    """What ``compare --json`` writes, from the running nodes."""
+    signals = dict(result.signals)
+    return {
+        "model": result.model,
+        "input": result.input,
+        "recordings": [
+            {"name": result.name, "samples": result.samples, "duration": result.duration, "signals": signals}
+        ],
+        "overall": signals,
+        "where": [],
+        "warnings": list(result.warnings),
+        "complete": result.complete,
+        "counts": dict(result.counts),
+        "elapsed": result.elapsed,
+        **({} if result.health is None else {"health": result.health}),
+        **({} if result.pace is None else {"twin_times_real_time": result.pace}),
+    }
+
+
+def how_much(result: LiveResult, *, loop: bool = False) -> str:
+    """How many samples the errors are of, in words: whether one is missing, and where it was ended before the last.
+
+    Each pass of a ``loop`` is compared by itself: what is told is of the one that it was ended in.
+    """
+    compared, missing, expected = (result.counts[name] for name in ("compared", "missing", "expected"))
+    count = f"{compared} of {expected} samples compared"
+    if result.complete:
+        return f"all {compared} samples compared" + (" in the last pass" if loop else "")
+    if missing:
+        return f"{count}, {missing} missing"
+    return f"{count}, {'ended during this pass of the loop' if loop else 'ended before the last'}, none missing"
+
+
+def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
+    """Print what the nodes ended with, and whether the twin kept up with the ``rate`` of playing (0: none asked)."""
+    console.print(
+        f"\n[bold]{result.name}[/bold] beside {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
+    )
+    if result.health is not None:
+        say(f"Health of {result.health['unit']}: {result.health['words']}")
+    for name in shown_signals(result.input, result.signals):
+        signal = result.signals[name]
+        rmse, floor = signal["rmse"], signal["noise_floor"]
+        times = f"   {rmse / floor:8.1f} × noise" if floor > 0.0 else ""
+        console.print(f"  {name.replace('_', ' '):<20} RMSE {quantity(rmse, signal['unit']):>12}{times}")
+    if result.pace is None:
+        return
+    say(f"The twin computed at {result.pace:.2g} × real time.")
+    if late := late_words(result, rate):
+        say(late, style="yellow")
+
+
+def late_words(result: LiveResult, rate: float) -> str:
+    """That the twin is slower than the machine, or than the ``rate`` that was asked for; empty where it is not."""
+    if result.pace is not None and result.pace < 1.0:
+        return (
+            f"It cannot keep real time on this machine: {result.duration:.1f} s took {result.elapsed:.1f} s. Choose "
+            f"drive.kind averaged or transmission.kind two_inertia for that, or play at --rate {0.9 * result.pace:.1g}."
+        )
+    if rate and result.elapsed > _LATE * result.duration / rate + _LATE_BY:
+        wanted = result.duration / rate
+        return (
+            f"The nodes fell behind the rate that was asked for: {wanted:.1f} s of playing took {result.elapsed:.1f} s."
+        )
+    return ""
+
+
+_LATE = 1.05
+"""Times the time that playing should take, from which on it was late, and by more than the next."""
+
+
+_LATE_BY = 0.5
+"""s."""

@@ -1,0 +1,205 @@
+"""The results of a campaign: written by many, read whole, told by unit and over time."""
+
+import os
+import subprocess
+import sys
+import threading
+from datetime import datetime, timezone
+from functools import partial
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from ema_bench_replay.errors import InputError
+from ema_twin_sim.campaign.healthy import Healthy
+from ema_twin_sim.campaign.histories import outlooks, read_limits
+from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
+from ema_twin_sim.campaign.store import Store, writer_host
+from ema_twin_sim.campaign.units import units_of
+
+
+def a_row(unit="A", name="a", key="1", status=DONE, done=0, **others):
+    row = {"unit": unit, "name": name, "key": key, "status": status, "task": "compare", "model": "m"}
+    return {**dict.fromkeys(SCHEMA.names), **row, "done_at": datetime.fromtimestamp(done, timezone.utc), **others}
+
+
+class TestStore:
+    def test_two_campaigns_at_once_lose_nothing(self, tmp_path):
+        stores = [Store.made(tmp_path / "r"), Store.made(tmp_path / "r")]
+
+        def write(which):
+            for k in range(20):
+                stores[which].write([a_row(key=f"{which} {k}", name=f"{which} {k}")])
+                if k % 5 == 0:
+                    stores[which].merge_files()
+
+        threads = [threading.Thread(target=write, args=(which,)) for which in (0, 1)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        stores[0].merge_files()
+        assert len(stores[0].rows()) == 40
+        assert len(stores[0].settled()) == 40
+
+    def test_a_job_that_was_done_twice_counts_once(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(verdict="none", done=1)])
+        store.write([a_row(verdict="unknown", done=2)])
+        assert [row["verdict"] for row in store.rows()] == ["unknown"]
+
+    def test_what_failed_is_to_be_done_again(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(key="1"), a_row(key="2", status=REFUSED), a_row(key="3", status=FAILED)])
+        assert store.settled() == {"1", "2"}
+
+    def test_what_a_killed_writer_had_begun_goes_and_what_a_living_one_writes_stays(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row()])
+        (file,) = tmp_path.rglob("*.parquet")
+        ended = subprocess.Popen([sys.executable, "-c", ""])
+        ended.wait()
+        parts = [file.parent / f".x.{writer_host()}.{process}.part" for process in (ended.pid, os.getpid())]
+        parts.append(file.parent / f".x.elsewhere.{ended.pid}.part")
+        for part in parts:
+            part.touch()
+        store.merge_files()
+        assert [part.exists() for part in parts] == [False, True, True]
+
+    def test_units_are_told_as_they_are_written(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        names = ["007", "7", "a/b", "..", "Prüfstand 1", "x'y%z"]
+        store.write([a_row(unit=name) for name in names])
+        assert [row["unit"] for row in store.rows()] == sorted(names)
+        assert all(file.parent.parent.parent == tmp_path / "r" for file in tmp_path.rglob("*.parquet"))
+
+    def test_other_versions_and_other_folders_are_refused(self, tmp_path):
+        (tmp_path / "photos").mkdir()
+        (tmp_path / "photos" / "cat.jpg").touch()
+        with pytest.raises(InputError, match="something else"):
+            Store.made(tmp_path / "photos")
+        with pytest.raises(InputError, match="holds no results"):
+            Store.opened(tmp_path / "photos")
+        store = Store.made(tmp_path / "r")
+        store.write([a_row()])
+        (file,) = tmp_path.rglob("*.parquet")
+        pq.write_table(pq.read_table(file).replace_schema_metadata({"ema_twin.schema": "0"}), file)
+        with pytest.raises(InputError, match="version 0"):
+            Store.opened(tmp_path / "r")
+
+    def test_others_read_it(self, tmp_path):
+        store = Store.made(tmp_path / "r")
+        store.write([a_row(missing=["backlash"], parameters=[{"owner": "b", "name": "width", "value": 1.0}])])
+        table = pq.read_table(tmp_path / "r" / "results")
+        assert table.schema.remove_metadata() == SCHEMA.remove_metadata()
+        assert table["missing"].to_pylist() == [["backlash"]]
+
+
+class TestUnits:
+    def test_what_does_not_go_together_is_named(self):
+        of = {"motion": "rotary", "signals": ["current"], "content": ["x"], "errors": []}
+        others = {"time": None, "duration": 1.0, "missing": [], "verdict": None}
+        rows = [a_row(**of, **others), a_row(name="b", **{**of, "motion": "linear", "signals": ["speed"]}, **others)]
+        (unit,) = units_of(rows)
+        told = "\n".join(unit.remarks)
+        for part in ("linear and rotary machines", "differ in what they hold", "b is a copy of a", "one recording"):
+            assert part in told
+
+    def test_clocks_that_disagree_are_named(self):
+        of = {"motion": "rotary", "signals": [], "errors": [], "duration": 10.0}
+        at = partial(datetime.fromtimestamp, tz=timezone.utc)
+        rows = [
+            a_row(name=name, time=at(second), content=[name], **of) for name, second in (("a", 0), ("b", 20), ("c", 25))
+        ]
+        (unit,) = units_of(rows)
+        assert unit.remarks == ("c begins before b ends: one of their clocks is wrong",)
+
+    def test_the_worst_in_its_last_recording_comes_first(self):
+        rows = [
+            a_row(unit=unit, errors=[], beyond_noise=[{"signal": "current", "times": times}])
+            for unit, times in (("A", 2.0), ("B", 7.0))
+        ]
+        assert [(unit.name, unit.beyond_noise) for unit in units_of(rows)] == [("B", 7.0), ("A", 2.0)]
+
+
+class TestHistories:
+    @staticmethod
+    def a_unit(values, std=1.0, dated=True):
+        at = partial(datetime.fromtimestamp, tz=timezone.utc)
+        rows = [
+            a_row(
+                name=f"week {k}",
+                key=str(k),
+                duration=20.0,
+                time=at(k * 7 * 86400.0) if dated else None,
+                parameters=[{"owner": "backlash", "name": "width", "value": value, "std": std, "unit": "rad"}],
+            )
+            for k, value in enumerate(values)
+        ]
+        return units_of(rows)[0]
+
+    def test_a_number_that_stays_has_no_change_and_no_trend(self):
+        values = 100.0 + np.random.default_rng(3).normal(size=30)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 120.0})
+        assert (look.change, look.trend, look.life) == (None, None, None)
+        assert look.margin.share == pytest.approx(1.0, abs=0.05)
+
+    def test_wear_is_told_with_its_begin_and_when_it_reaches_its_limit(self):
+        wear = np.maximum(0.0, np.arange(40) - 20.0)  # one a week from week 20 on
+        values = 100.0 + wear + np.random.default_rng(4).normal(size=40)
+        (look,) = outlooks(self.a_unit(values), {"backlash.width": 130.0}, healthy=Healthy(15))
+        assert 19 <= look.change.begin <= 26
+        assert look.trend.slope * 7.0 == pytest.approx(1.0, rel=0.15)  # days
+        assert look.life.earliest < 11 * 7.0 < look.life.latest  # 19 of 30 are gone
+
+    def test_healthy_ones_by_a_pattern_count_wherever_they_are(self):
+        """Recordings of a spare that stood in for some weeks are no baseline, and those after it are one again."""
+        values = 100.0 + np.random.default_rng(7).normal(size=40)
+        values[4:12] += 30.0
+        healthy = Healthy.of("week ([0-3]|1[2-9]|2.|3.)$", 4)
+        (look,) = outlooks(self.a_unit(values), {}, healthy=healthy)
+        assert look.healthy == pytest.approx(100.0, abs=0.6) and look.history.healthy.sum() == 32
+        assert (look.history.names[look.change.begin], look.history.names[look.change.alarm]) == ("week 4", "week 4")
+        assert look.change.size == pytest.approx(30.0, abs=2.0) and look.history.as_asked
+
+    def test_too_few_healthy_ones_by_a_pattern_are_told(self):
+        (look,) = outlooks(self.a_unit(100.0 + np.arange(30.0)), {}, healthy=Healthy.of("week 29", 4))
+        assert not look.history.as_asked and look.history.healthy.tolist() == [True] * 10 + [False] * 20
+
+    def test_a_day_is_healthy_where_all_its_results_are(self):
+        unit = self.a_unit(100.0 + np.random.default_rng(8).normal(size=40))
+        rows = [{**row, "time": datetime.fromtimestamp((k // 2) * 7 * 86400.0 + 60.0 * (k % 2), timezone.utc)}
+                for k, row in enumerate(unit.rows)]  # fmt: skip
+        (look,) = outlooks(units_of(rows)[0], {}, healthy=Healthy(11))
+        assert look.history.healthy.tolist() == [True] * 5 + [False] * 15
+
+    def test_what_all_recordings_share_hides_no_change(self):
+        """A constant that is known to 10 % makes every value as uncertain, and no week unlike another."""
+        values = 100.0 + np.random.default_rng(5).normal(size=40)
+        values[25:] += 8.0
+        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(20))
+        assert look.change.begin == 25
+        assert look.share == pytest.approx(0.08, abs=0.02)
+
+    def test_healthy_units_seldom_seem_to_change(self):
+        drawn = np.random.default_rng(6)
+        units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]
+        assert sum(outlooks(unit, {})[0].change is not None for unit in units) <= 4
+
+    def test_without_dates_the_results_are_counted(self):
+        (look,) = outlooks(self.a_unit(np.arange(20.0), dated=False), {})
+        assert not look.history.dated
+        assert look.trend.slope == pytest.approx(1.0, rel=0.05)
+
+    def test_numbers_that_were_held_or_are_few_are_not_followed(self):
+        assert outlooks(self.a_unit(np.arange(4.0)), {}) == []
+        assert outlooks(self.a_unit(np.arange(9.0), std=None), {}) == []
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("text", ["", "backlash.width: wide", "- 1"])
+    def test_limits_that_are_none_are_refused(self, tmp_path, text):
+        file = tmp_path / "limits.yaml"
+        file.write_text(text)
+        with pytest.raises(InputError, match=r"limits\.yaml"):
+            read_limits(file)
