@@ -18,6 +18,7 @@ METHOD = {
     "measured/bandwidth.py": "NARROWER",
     "measured/consistency.py": "WINDOW FEWEST PIECE DEGREES RPM TURN SETPOINT",
     "measured/folds.py": "FEWEST_OF_BOTH BLOCKS",
+    "measured/load_sensor.py": "_WIDTH _SHARE _ENDS _MOTION",
     "measured/observation.py": "START JITTER LEAST_NOISE LARGEST",
     "measured/order_spectrum.py": "_ANGLE_BINS _LARGEST _FINER",
     "measured/smoothed_motion.py": "WIDTH COUNTER_WIDTH COUNTER_SPEED_WIDTH COUNTER_PULL LEAST_PERIODS FEWEST",
@@ -99,6 +100,7 @@ METHOD = {
     "live/sample_stream.py": "REORDERED",
     "live/standalone.py": "_LOOKED_AT",
     "live/trend.py": "_LEAST _WINDOWS _TOLD",
+    "live/waiting.py": "CAPACITY",
 }
 """What says how finely or for how long something is computed: widths, grids, starts, steps, counts of tries and of what
 is shown; and what holds where the user does not say otherwise (false alarms, which results are healthy). A number that

@@ -10,7 +10,7 @@ import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import NEGLIGIBLE, PART, TOO_MUCH
+from ..criteria import FEWEST_ROWS, NEGLIGIBLE, PART, TOO_MUCH
 from ..reading_noise import reading_noise
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
@@ -18,7 +18,6 @@ from .spoilt_samples import despiked
 _WIDTH = 10.0  # samples over which all is smoothed, and
 _SHARE = 0.002  # of a recording's
 _ENDS = 4.0  # widths at either end that are left out
-_FEWEST = 30  # rows
 _MOTION = 4  # columns of what the motion takes: acceleration, speed, its direction, a constant
 
 
@@ -48,7 +47,7 @@ def _likeness(recordings: Sequence[Recording]) -> float | None:
     """
     parts = [_rows(r) for r in recordings if r.has("load_torque") and not r.of_points]
     rows = np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
-    if len(rows) < _FEWEST:
+    if len(rows) < FEWEST_ROWS:
         return None
     motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
     if np.std(load) < max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * max(map(_load_noise, recordings))):
