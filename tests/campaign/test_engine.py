@@ -139,7 +139,7 @@ def test_a_campaign_whose_scheduler_was_killed_goes_on_where_it_was(tmp_path):
         own.scheduler.kill()
         _, errors = first.communicate(timeout=120)
         assert first.returncode == 2, errors
-        assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+        assert errors.strip().splitlines()[-1].startswith("error: the scheduler has ended")
         own.workers[0].wait(timeout=120)  # with its scheduler
     done = Store(tmp_path / "r").settled()
     assert 5 <= len(done) < 40
