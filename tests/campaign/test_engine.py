@@ -158,7 +158,7 @@ def test_whatever_is_killed_at_half_time_the_table_is_the_same(victim, tmp_path,
             assert first.returncode == 0 and "40 judged" in told, errors
         elif victim == "scheduler":
             assert first.returncode == 2, errors
-            assert errors.strip().splitlines()[-1].startswith("error: the scheduler is gone")
+            assert errors.strip().splitlines()[-1].startswith("error: the scheduler has ended")
             for worker in own.workers:
                 worker.wait(timeout=120)  # with its scheduler
         else:

@@ -312,7 +312,7 @@ def test_the_command_to_see_how_far_off_it_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("gain", "text"),
     [
-        (-1.0, "not worth its price"), (0.085, "less than 1 % of the step's gain"),
+        (-1.0, "too small a gain for its parameters"), (0.085, "less than 1 % of the step's gain"),
         (84.4, "84 % of the step's gain"), (99.7, "as much gain as the step's"),
         (130.0, "as much gain as the step's"),
     ],

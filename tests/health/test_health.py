@@ -81,7 +81,7 @@ def test_what_is_judged_is_told_in_words_and_units(baseline):
     assert told.words[-1].endswith("Look at lubricant, seals and bearings.")
     well = judge(run(np.random.default_rng(4), "another"), baseline)
     assert not well.detected and well.family is None and well.distance < 1.0
-    assert well.words == ("Healthy: as the 40 recordings of 8 tests it is compared with.",)
+    assert well.words == ("Healthy: like the 40 recordings of 8 tests that it is compared with.",)
 
 
 def test_pits_are_met_both_ways_and_friction_of_a_place_is_not():

@@ -23,7 +23,7 @@ from ema_twin_sim.views import screen
 from tests.command_line import ENDING, ENVIRONMENT, MODEL, TWIN, told
 from tests.commands.test_interrupts import listening
 
-GONE = "warning: the viewer went away before it had taken all; the run does not need it"
+GONE = "warning: the viewer closed before it had shown all samples; the run goes on without it"
 SMALL = 100_000
 """Bytes that a file may have where the disk is to be full."""
 

@@ -256,7 +256,7 @@ def test_what_was_refused_is_shown_only_where_something_is_left(findings):
 def test_a_search_that_came_to_another_end_is_told(models, recordings, folder):
     (folder / "other.json").write_text(json.dumps({**FOUND, "added": ["gravity_load"], "groups": []}))
     text = Read(page(content_of(models, recordings[:1], read_findings(folder / "other.json")))).text
-    assert "comes to another end than better: polito_bench lacks gravity load." in text
+    assert "ends otherwise than better: polito_bench lacks gravity load." in text
 
 
 def test_models_in_the_other_order_are_told(models, recordings, findings, folder):

@@ -202,7 +202,7 @@ def test_lone_points_are_judged_by_halves(held):
 def test_what_points_cannot_tell_is_refused(held, motor, stock):
     with pytest.raises(InputError, match="operating points need current"):
         discover([points("odd", motor_position=np.arange(50.0))], motor)
-    with pytest.raises(InputError, match="operating points drive no twin"):
+    with pytest.raises(InputError, match="operating points cannot drive a twin"):
         compare([held], motor, "current")
     with pytest.raises(InputError, match="record a motion"):
         plan([held], motor)

@@ -166,9 +166,7 @@ def _scheduler_lost() -> Iterator[None]:
     try:
         yield
     except (FutureCancelledError, CommClosedError, TimeoutError):
-        raise InputError(
-            "the scheduler is gone; start the campaign again: what was done is kept, and not done again"
-        ) from None
+        raise InputError("the scheduler has ended; start the campaign again: finished results are kept") from None
 
 
 def _quieten() -> None:

@@ -168,7 +168,7 @@ def find_jobs(
     if not count:
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if strays:
-        tell(f"{len(strays)} of {count} recordings are of no unit by --unit, {strays[0]} the first: left out")
+        tell(f"{len(strays)} of {count} recordings match no unit of --unit and are left out, {strays[0]} first")
     identity = task.identity()
     return [
         Job(

@@ -40,7 +40,7 @@ def asked(given: Given) -> tuple[Guesses, Given]:
     guesses = named_columns(named)
     ratio = given.gear_ratio or float(_ask("Turns of the motor per turn of the output", 1.0))
     if not ratio >= LEAST_RATIO:
-        raise InputError(f"init: a gear ratio of {ratio:g} is none; give {LEAST_RATIO:g} or more")
+        raise InputError(f"init: a gear ratio of {ratio:g} is out of range; give {LEAST_RATIO:g} or more")
     shaft = given.shaft
     if shaft is None and ratio != 1.0 and "motor_position" in named:
         shaft = str(_ask("Whose turns does the motor's position count, motor or output", SHAFTS[0])).strip().lower()

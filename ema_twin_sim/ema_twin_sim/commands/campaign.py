@@ -103,8 +103,8 @@ def run(
             "--wavelength",
             metavar="M|RAD",
             parser=options.number(1e-9, options.LARGEST, "m or rad"),
-            help="Of health: after how much of the position the machine repeats itself, as the lead of a screw; by "
-            "default a turn of a rotary machine's motor.",
+            help="With --do health: the travel after which the machine repeats itself, such as the lead of a screw; by "
+            "default one turn of a rotary machine's motor.",
         ),
     ] = None,
     workers: options.Workers = options.CORES,

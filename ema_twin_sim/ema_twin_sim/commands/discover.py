@@ -44,8 +44,9 @@ def run(
 ) -> None:
     """Find the effects that a model lacks, fit them, and write the model that has them.
 
-    Effects are added one after another as long as each is worth its price, and judged on recordings that they were not
-    fitted to. The verdict may be that nothing is missing, or that no effect of the catalogue explains what is left.
+    Effects are added one after another as long as each explains more than its parameters cost, and judged on recordings
+    that they were not fitted to. The verdict may be that nothing is missing, or that no effect of the catalogue
+    explains what is left.
     """
     from ..model import save_model
     from ..model.model_file import check_model_name
@@ -104,7 +105,7 @@ def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
     """What the written model is, and what the command beneath shows of it."""
     if is_new:
         return [f"\n{output} is the new model. See how far off it is:"]
-    return [f"\n{output} is the same as {model}: nothing found betters it. See where it fails:"]
+    return [f"\n{output} is the same as {model}: no effect was found that improves it. See where it fails:"]
 
 
 def compare_command(

@@ -73,7 +73,7 @@ class LiveView:
                 raise
             if view in self._views:
                 self._views.remove(view)
-                warn("the viewer went away before it had taken all; the run does not need it")
+                warn("the viewer closed before it had shown all samples; the run goes on without it")
 
 
 def open_view(
@@ -92,7 +92,7 @@ def open_view(
         elif sink := open_live_viewer():
             into.append(sink)
         else:
-            warn("the viewer does not come up: the run goes on without it; give --web or --rrd FILE")
+            warn("the viewer did not start; the run goes on without it: give --web or --rrd FILE")
     if not into:
         return None
     from ..views.rerun_view import RerunView

@@ -103,7 +103,7 @@ Evidence = Annotated[
 ]
 Rrd = Annotated[
     Path | None,
-    typer.Option("--rrd", metavar="FILE.rrd", help="Also write views of it, to be looked at in rerun."),
+    typer.Option("--rrd", metavar="FILE.rrd", help="Also write views for rerun."),
 ]
 NewModel = Annotated[Path, typer.Option("-o", "--output", metavar="NEW", help="The model file to write.")]
 Results = Annotated[

@@ -166,7 +166,7 @@ def show(found: Plan) -> None:
         if proposal.hides:
             hides = listed(map(effect_words, proposal.hides), "or")
             console.print(
-                f"It would still not show {hides}: another recording would, ask again after it.", soft_wrap=True
+                f"It would still not show {hides}: run plan again with its recording for the next one.", soft_wrap=True
             )
     if found.inseparable:
         apart = "; ".join(" or ".join(map(_name, pair)) for pair in found.inseparable)
@@ -177,7 +177,7 @@ def show(found: Plan) -> None:
 
 def _commands(proposals: Sequence[Proposal]) -> ReportTable:
 
-    table = ReportTable(f"\nHow far they would come apart, in standard deviations ({DECIDED:g} decide)")
+    table = ReportTable(f"\nHow well it would tell them apart, in standard deviations ({DECIDED:g} decide)")
     table.words("command")
     table.numbers("seconds", *(" or ".join(map(_name, pair)) for pair in proposals[0].separation))
     for k, proposal in enumerate(proposals):
@@ -188,7 +188,7 @@ def _commands(proposals: Sequence[Proposal]) -> ReportTable:
 
 def _shown(proposal: Proposal) -> ReportTable:
     """What effects that are hidden so far would stand out by."""
-    table = ReportTable(f"\nWhat it would show of effects of a usual size, in standard errors ({DECIDED:g} decide)")
+    table = ReportTable(f"\nHow clearly it would show effects of a usual size, in standard errors ({DECIDED:g} decide)")
     table.words("effect")
     table.numbers("so far", "with it")
     for id, (now, then) in proposal.shows.items():

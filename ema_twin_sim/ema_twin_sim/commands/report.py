@@ -38,8 +38,7 @@ def run(
         typer.Option(
             "--model",
             "-m",
-            help="The model before, then the model after (what discover wrote), then perhaps that one with its numbers "
-            "fitted (what fit wrote): give two or three.",
+            help="Give two or three: the model before, what discover wrote, and what fit wrote of that.",
         ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="REPORT.html", help="The page to write.")],
@@ -87,8 +86,8 @@ def run(
 
     if len(model) not in (2, 3):
         raise InputError(
-            "report compares two models, the one before and the one after, or three, that one with its numbers fitted "
-            f"too: --model was given {len(model)} time{'s' if len(model) > 1 else ''}"
+            "report compares two models (before and after) or three (the second fitted, too): --model was given "
+            f"{len(model)} time{'s' if len(model) > 1 else ''}"
         )
     if fit is not None and len(model) == 2:
         raise InputError(f"--fit {fit}: tells of a third model; give that with --model")

@@ -118,7 +118,8 @@ def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) ->
     ]
     if not blind:
         return "; discover tells whether an effect smaller than that is missing"
-    return f", but {' and '.join(blind)}: so much noise hides anything; check what the model's file gives for it"
+    large = " and ".join(blind)
+    return f", but {large}: noise that large hides any error; check the sensors' constants in the model's file"
 
 
 def _where(found: Sequence[Dependence], title: str) -> ReportTable:

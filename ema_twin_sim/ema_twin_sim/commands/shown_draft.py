@@ -41,7 +41,7 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
         if guess.unit is None and foreign and not foreign.isdigit():
             signal, unit = guess.signal.replace("_", " "), signal_unit(guess.signal, guesses.motion)
             warn(
-                f"{guess.column}: {foreign} is no unit of the {signal}: read as if one were one {unit}, and so is all "
+                f"{guess.column}: {foreign} is no unit of the {signal}: read as if 1 were 1 {unit}, and so is all "
                 "that is told in it; write what one is worth as the signal's `factor` in the map"
             )
 

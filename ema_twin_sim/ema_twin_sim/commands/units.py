@@ -71,9 +71,7 @@ def run(
     ] = None,
     rrd: Annotated[
         Path | None,
-        typer.Option(
-            "--rrd", metavar="FILE.rrd", help="Also write the history of the --unit, to be looked at in rerun."
-        ),
+        typer.Option("--rrd", metavar="FILE.rrd", help="Also write the history of --unit as views for rerun."),
     ] = None,
     force: options.Force = False,
     json: options.JsonFile = None,

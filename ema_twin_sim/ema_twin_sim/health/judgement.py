@@ -147,7 +147,9 @@ def _named(
     if not acquisition.effort_usable:
         return Family.UNKNOWN, ("No fault is named, since the effort is not known.",)
     if not ranked or ranked[0].explained <= 0.0:
-        return Family.UNKNOWN, (f"No family of damage moves the features like that. {_ADVICE[Family.UNKNOWN]}",)
+        return Family.UNKNOWN, (
+            f"No known family of damage changes the features in this way. {_ADVICE[Family.UNKNOWN]}",
+        )
     best = ranked[0]
     apart = np.subtract(features.sides, baseline.sides)
     uneven = "load" in baseline.features and abs(offs[baseline.features.index("load")]) > SIGNIFICANT
@@ -170,13 +172,13 @@ def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> t
     """What changed, the most first."""
     told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
     if not detected:
-        return (f"Healthy: as the {baseline.runs} recordings of {baseline.tests} tests it is compared with.",)
+        return (f"Healthy: like the {baseline.runs} recordings of {baseline.tests} tests that it is compared with.",)
     shown = [c for c in told if abs(c.standard_deviations) > LIKELY][:3]
     if not shown:
-        return ("Not as the healthy recordings: the wave that repeats with the position has moved.",)
+        return ("It differs from the healthy recordings: the wave that repeats with the position has shifted.",)
     parts = [f"{_WORDS[c.name]} {_by(c)} ({c.standard_deviations:+.1f} standard deviations)" for c in shown]
     sure = "clearly" if abs(shown[0].standard_deviations) > CONTRADICTED else "as a whole"
-    return (f"Not as the healthy recordings, {sure}: {'; '.join(parts)}.",)
+    return (f"It differs from the healthy recordings, {sure}: {'; '.join(parts)}.",)
 
 
 def _by(change: Change) -> str:

@@ -57,7 +57,7 @@ def matched(recording: Recording, model: Model) -> Recording:
         metadata[BY_SPEED] = "speed"
         warnings = (
             *warnings,
-            f"{recording.name}: has no position; the way that its speed makes stands in: angles count from its start",
+            f"{recording.name}: has no position; its speed is integrated instead, and angles count from its start",
         )
     if clamped := _clamped(signals, model):
         del signals["output_position"]

@@ -149,7 +149,7 @@ def _tried(findings: Findings) -> Markup:
             words=range(3),
             caption="Runners-up: what was tried in each step",
         ),
-        "Gain: how much of the misfit to torque and encoders goes, less the price of the numbers that it takes.",
+        "Gain: the reduction of the misfit to torque and encoders, less a penalty for each number that is added.",
     )
 
 

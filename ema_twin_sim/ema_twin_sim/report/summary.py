@@ -120,7 +120,7 @@ def _card(title: str, *content: str) -> Markup:
 def _wrong(content: Content) -> list[Markup]:
     new, gone = new_effects(*content.before_and_after, content.findings), gone_effects(content)
     if not new and not gone:
-        return [tag("p", "Both models have the same effects. What differs is in their numbers, listed below.")]
+        return [tag("p", "Both models have the same effects; only their numbers differ, as listed below.")]
     left_out = [tag("p", f"{content.names[1]} leaves out:"), items(*map(_described, gone))] if gone else []
     if not new:
         return left_out
@@ -147,7 +147,7 @@ def _sure(content: Content) -> list[Markup]:
     new = new_effects(*content.before_and_after, findings)
     if not _agrees(content, new):
         said = verdict_of(findings, searched_model(content))
-        lines.append(f"A search beside these recordings comes to another end than {content.names[1]}: {said}")
+        lines.append(f"A search on these recordings ends otherwise than {content.names[1]}: {said}")
     if findings.ranking:
         lines.append(_probabilities(content))
     runners = {step.instance: why_step(step) for step in findings.steps if step.action == "add"}

@@ -45,7 +45,8 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
     if recording.of_points:
         if wanted not in (None, POINTWISE):
             raise InputError(
-                f"{recording.name}: operating points drive no twin, each stands by itself; leave out --input {wanted}"
+                f"{recording.name}: operating points cannot drive a twin, since each stands by itself; leave out "
+                f"--input {wanted}"
             )
         return POINTWISE
     if wanted in (None, BY_MOTOR) and of_encoders_alone(recording):

@@ -85,8 +85,8 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
 def surest_sentence() -> str:
     """Why no probability is told as higher than it is."""
     return (
-        f"No answer is told as surer than {100.0 * SUREST:.0f} %: so many of them were right on machines whose missing "
-        "effect was known."
+        f"No probability is given above {100.0 * SUREST:.0f} %: that share of such answers was right on machines whose "
+        "missing effect was known."
     )
 
 
@@ -130,7 +130,7 @@ def fit_sentences(
     before, after = (quantity(values[worst], fitted[worst]["unit"]) for values in (fit.before, fit.after))
     gain = ""
     if fit.after[worst] >= fit.before[worst]:
-        gain = "; that fitting gains anything is not shown: keep the model that was found"
+        gain = "; fitting shows no gain there: keep the model that was found"
     which = "that error" if len(telling) == 1 else f"the error of the {worst.replace('_', ' ')}"
     beside = f"the found model, whose numbers had all recordings, has {before} there"
     return f"{said} On what was not fitted to ({fit.judged_on}), {which} is {after}; {beside}{gain}."
@@ -269,7 +269,7 @@ def _runner_up(step: Step) -> str:
     name = listed(map(effect_words, other["names"]))
     share = other["gain"] / took["gain"]
     if share <= 0.0:
-        return f"{name}, not worth its price"
+        return f"{name}, too small a gain for its parameters"
     if share >= 0.995:
         return f"{name}, as much gain as the step's"
     return f"{name}, {f'{100.0 * share:.0f} %' if share >= 0.01 else 'less than 1 %'} of the step's gain"
