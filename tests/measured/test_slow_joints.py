@@ -83,7 +83,7 @@ def test_a_log_without_an_even_clock_is_judged_nearly_as_well_as_one_with_it(sto
     steps = np.random.default_rng(3).choice([2, 3, 4, 4, 5, 7, 8, 9], len(even))
     logged = np.cumsum(steps) - steps[0]
     logged = logged[logged < len(speed)]
-    whole, uneven = (observe(run(speed, 1e-3, kept), model) for kept in (even, logged))
+    whole, uneven = (observe(run(speed, 1e-3, kept), model, bridging=True) for kept in (even, logged))
     assert (
         len(uneven.rows) * len(uneven.kernel) * uneven.period > 0.8 * len(whole.rows) * len(whole.kernel) * whole.period
     )

@@ -125,8 +125,10 @@ class Observation:
         )
 
 
-def observe(recording: Recording, model: Model, widest: float = math.inf) -> Observation:
+def observe(recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False) -> Observation:
     """Take from a recording what a diagnosis needs, through a kernel of a width of ``widest`` [own s] at most.
+
+    ``bridging``, it spans the steps of a log without an even clock, which else are gaps.
 
     Raises InputError where it lacks a signal that all stands on.
     """
@@ -167,7 +169,8 @@ def observe(recording: Recording, model: Model, widest: float = math.inf) -> Obs
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
-    width = max(width, 2.0 * _usual_step(recording))
+    if bridging:
+        width = max(width, 2.0 * _usual_step(recording))
     kernel = gaussian(width, period)
     whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges what is much shorter than itself
     if len(time) < 4 * len(kernel):
@@ -298,6 +301,10 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     # widths make a row, and some rows count as one
     widest = sum(recording.duration for recording in recordings) / (2.0 * CORRELATION * LEAST_ROWS)
     found = [observe(recording, model, widest) for recording in recordings]
+    if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
+        bridged = [observe(recording, model, widest, bridging=True) for recording in recordings]
+        if sum(len(o.rows) for o in bridged) > sum(len(o.rows) for o in found):
+            found = bridged
     if any(recording.of_points for recording in recordings):
         return found
     # where no torque was measured, it is the encoders' difference that is judged
