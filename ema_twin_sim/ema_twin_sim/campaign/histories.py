@@ -163,8 +163,12 @@ def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_
 
 
 def _change(of: History, false_alarm: float) -> ChangePoint | None:
-    """The first lasting change among the values that are not said to be healthy, in the order of their times."""
-    order = np.argsort(~of.healthy, kind="stable")
+    """The first lasting change among the values that are not said to be healthy, in the order of their times.
+
+    What was recorded before the first healthy one is no change of it: a unit may have been repaired since.
+    """
+    begun = np.flatnonzero(of.healthy | np.logical_or.accumulate(of.healthy))
+    order = begun[np.argsort(~of.healthy[begun], kind="stable")]
     count = int(of.healthy.sum())
     if count == len(order):
         return None

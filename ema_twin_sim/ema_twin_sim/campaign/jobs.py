@@ -153,13 +153,14 @@ def find_jobs(
     """
     of: dict[tuple[str, str], list[tuple[tuple[Path, ...], Place]]] = {}
     strays: list[Path] = []
+    no_times: list[InputError] = []
     count = 0
     for parts in find_recordings(grouping.folder, skipped):
         count += 1
         try:
             place = grouping.place(parts[0])
         except InputError as error:  # one name stops no campaign
-            tell(f"{error}: left out")
+            no_times.append(error)
             continue
         if place is None:
             strays.append(parts[0])
@@ -169,6 +170,10 @@ def find_jobs(
         raise InputError(f"{grouping.folder}: holds no recording; give a folder with CSVs or .mcap files in it")
     if strays:
         tell(f"{len(strays)} of {count} recordings match no unit of --unit and are left out, {strays[0]} first")
+    if no_times:
+        tell(f"{no_times[0]}: left out" + (f", as are {len(no_times) - 1} more" if len(no_times) > 1 else ""))
+        if not of:
+            raise InputError(f"{no_times[0]}; of all {count} recordings none has a time; check the pattern of --unit")
     identity = task.identity()
     return [
         Job(

@@ -46,8 +46,8 @@ from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
-    less_what_warms_no_more_than_it_wanders,
     wandering_after_all,
+    without_warming_that_wandering_explains,
 )
 from .shares import of_sums, with_division
 from .split import ClosedLoop, with_best_split
@@ -270,7 +270,7 @@ def _searched(
     """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
     found = search(problem, null, excluded, progress)
     if null.base.is_open:
-        found = less_what_warms_no_more_than_it_wanders(found)
+        found = without_warming_that_wandering_explains(found)
         return found, explained(found.problem, found.fit, found.rounds[0].before)
     if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
         return found, False

@@ -65,7 +65,7 @@ def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
         table = catalogue()[f.hypothesis.added[name].effect].parameters
         p = next(p for p in table if p.name == parameter)
         width = p.upper - p.lower
-        if math.isfinite(width) and not p.periodic:
+        if p.unit == "1" and math.isfinite(width):
             spread = spread - np.outer(spread[:, k], spread[k]) / (spread[k, k] + width**2 / 12.0)
     return spread
 

@@ -4,13 +4,14 @@ with it; one that falls where the load rises tells that the sensor counts the ot
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from ema_bench_replay.recording import Recording
 
-from ..criteria import FEWEST_ROWS, NEGLIGIBLE, PART, TOO_MUCH
+from ..criteria import CORRELATION, FEWEST_ROWS, NEGLIGIBLE, PART, SIGNIFICANT, TOO_MUCH
 from ..reading_noise import reading_noise
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
@@ -18,7 +19,7 @@ from .spoilt_samples import despiked
 _WIDTH = 10.0  # samples over which all is smoothed, and
 _SHARE = 0.002  # of a recording's
 _ENDS = 4.0  # widths at either end that are left out
-_MOTION = 4  # columns of what the motion takes: acceleration, speed, its direction, a constant
+_MOTION = 5  # columns of what the motion takes: acceleration, speed, its direction, a constant, and what drifts
 
 
 def follows_load(recordings: Sequence[Recording]) -> bool:
@@ -34,10 +35,12 @@ def follows_load(recordings: Sequence[Recording]) -> bool:
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
     """Whether the drive's torque falls where the load rises, as where the sensor counts the other way.
 
-    Whatever moves a machine, its drive has to hold what stands against it beside inertia and friction.
+    Whatever moves a machine, its drive has to hold what stands against it beside inertia and friction. A screw that
+    locks itself is driven down against its load, though, but not up: asked of each direction by itself, surely.
     """
-    likeness = _likeness(recordings)
-    return likeness is not None and likeness <= -PART
+    rows = _all_rows(recordings)
+    forward = rows[:, 1] > 0.0
+    return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
 
 
 def _likeness(recordings: Sequence[Recording]) -> float | None:
@@ -45,13 +48,37 @@ def _likeness(recordings: Sequence[Recording]) -> float | None:
 
     That is without a drive's torque or a motion, or with a load that changes by no more than its sensor's noise.
     """
-    parts = [_rows(r) for r in recordings if r.has("load_torque") and not r.of_points]
-    rows = np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
+    rows = _all_rows(recordings)
+    return _likeness_of(rows) if len(rows) >= FEWEST_ROWS and _load_shows(rows, recordings) else None
+
+
+def _surely_falls(rows: np.ndarray) -> bool:
+    """Whether torque falls as load rises, by more than chance lets it; rows of one kernel share some of their noise."""
     if len(rows) < FEWEST_ROWS:
-        return None
+        return False
+    likeness = _likeness_of(rows)
+    return likeness is not None and likeness <= -max(PART, SIGNIFICANT * math.sqrt(CORRELATION / len(rows)))
+
+
+def _all_rows(recordings: Sequence[Recording]) -> np.ndarray:
+    """The rows (n, ``_MOTION`` + 2) of all recordings whose motion was recorded beside a load."""
+    parts = [_rows(r) for r in _loaded(recordings)]
+    return np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
+
+
+def _loaded(recordings: Sequence[Recording]) -> list[Recording]:
+    return [r for r in recordings if r.has("load_torque") and not r.of_points]
+
+
+def _load_shows(rows: np.ndarray, recordings: Sequence[Recording]) -> bool:
+    """Whether the load changes by more than its sensor's noise."""
+    load = rows[:, _MOTION]
+    noise = max(map(_load_noise, _loaded(recordings)), default=0.0)
+    return bool(np.std(load) >= max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * noise))
+
+
+def _likeness_of(rows: np.ndarray) -> float | None:
     motion, load, torque = rows[:, :_MOTION], rows[:, _MOTION], rows[:, _MOTION + 1]
-    if np.std(load) < max(NEGLIGIBLE * float(np.sqrt(np.mean(load**2))), TOO_MUCH * max(map(_load_noise, recordings))):
-        return None
     by_load, by_torque = _beside(motion, load), _beside(motion, torque)
     both = float(np.linalg.norm(by_load) * np.linalg.norm(by_torque))
     return float(by_load @ by_torque) / both if both > 0.0 else None
@@ -59,9 +86,8 @@ def _likeness(recordings: Sequence[Recording]) -> float | None:
 
 def _load_noise(recording: Recording) -> float:
     """Standard deviation that the noise of a load's sensor has once it is smoothed."""
-    if not recording.has("load_torque"):
-        return 0.0
-    return reading_noise(_whole(recording.signals["load_torque"])) * float(np.linalg.norm(_kernel(recording)))
+    load = recording.signals["load_torque"]
+    return reading_noise(_whole(load)) * float(np.linalg.norm(_kernel(recording))) if np.isfinite(load).any() else 0.0
 
 
 def _kernel(recording: Recording, derivative: int = 0) -> np.ndarray:
@@ -75,16 +101,20 @@ def _width(recording: Recording) -> float:
 def _rows(recording: Recording) -> np.ndarray | None:
     """Rows (n, ``_MOTION`` + 2) of a recording a kernel apart, load and drive's torque last; None without a motion."""
     drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
-    if drive is None or not (recording.has("speed") or recording.has("motor_position")):
+    move = next((name for name in ("speed", "motor_position") if recording.has(name)), None)
+    if drive is None or move is None:
+        return None
+    if not all(np.isfinite(recording.signals[name]).any() for name in (drive, move, "load_torque")):
         return None
     width, plain, slope = _width(recording), _kernel(recording), _kernel(recording, 1)
-    if recording.has("speed"):
+    if move == "speed":
         speed, acceleration = (smooth(_whole(recording.signals["speed"]), kernel) for kernel in (plain, slope))
     else:
         position = _whole(recording.signals["motor_position"])
         speed, acceleration = smooth(position, slope), smooth(position, _kernel(recording, 2))
     load, torque = (smooth(_whole(recording.signals[name]), plain) for name in ("load_torque", drive))
-    rows = np.stack([acceleration, speed, np.sign(speed), np.ones(len(speed)), load, torque], axis=1)
+    drift = np.linspace(-1.0, 1.0, len(speed))
+    rows = np.stack([acceleration, speed, np.sign(speed), np.ones(len(speed)), drift, load, torque], axis=1)
     kept = np.arange(round(_ENDS * width), len(rows) - round(_ENDS * width), max(1, round(width)))
     return rows[kept[np.abs(speed[kept]) > NEGLIGIBLE * np.abs(speed).max()]]
 

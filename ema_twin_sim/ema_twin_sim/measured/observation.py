@@ -8,6 +8,8 @@ of the speed is undone. A row is not judged near standstill (dry friction has no
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -128,7 +130,7 @@ class Observation:
 def observe(recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False) -> Observation:
     """Take from a recording what a diagnosis needs, through a kernel of a width of ``widest`` [own s] at most.
 
-    ``bridging``, it spans the steps of a log without an even clock, which else are gaps.
+    Where ``bridging``, the kernel is wide enough for the steps of a log without an even clock, which are gaps else.
 
     Raises InputError where it lacks a signal that all stands on.
     """
@@ -170,7 +172,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     if bridging:
-        width = max(width, 2.0 * _usual_step(recording))
+        width = max(width, min(2.0 * _usual_step(recording), widest))
     kernel = gaussian(width, period)
     whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges what is much shorter than itself
     if len(time) < 4 * len(kernel):
@@ -287,6 +289,11 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
     )
 
 
+def _judged_rows(found: Sequence[Observation], recordings: Sequence[Recording]) -> list[np.ndarray]:
+    """The rows that are judged: where no torque was measured, those of the encoders' difference."""
+    return [o.rows if r.has("current") else o.encoder_rows for o, r in zip(found, recordings, strict=True)]
+
+
 def _missing(recording: Recording) -> list[str]:
     """The signals without which a recording of a motion tells nothing: a torque, or the output beside the motor."""
     missing = [name for name in NEEDED if not recording.has(name)]
@@ -301,14 +308,14 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
     # widths make a row, and some rows count as one
     widest = sum(recording.duration for recording in recordings) / (2.0 * CORRELATION * LEAST_ROWS)
     found = [observe(recording, model, widest) for recording in recordings]
-    if sum(len(o.rows) for o in found) < LEAST_ROWS and not any(recording.of_points for recording in recordings):
-        bridged = [observe(recording, model, widest, bridging=True) for recording in recordings]
-        if sum(len(o.rows) for o in bridged) > sum(len(o.rows) for o in found):
-            found = bridged
     if any(recording.of_points for recording in recordings):
         return found
-    # where no torque was measured, it is the encoders' difference that is judged
-    judged = [o.rows if r.has("current") else o.encoder_rows for o, r in zip(found, recordings, strict=True)]
+    judged = _judged_rows(found, recordings)
+    if sum(map(len, judged)) < LEAST_ROWS:
+        with suppress(InputError):  # too short for so wide a kernel: it is told of what it holds without one
+            bridged = [observe(recording, model, widest, bridging=True) for recording in recordings]
+            if sum(map(len, _judged_rows(bridged, recordings))) > sum(map(len, judged)):
+                found, judged = bridged, _judged_rows(bridged, recordings)
     moving = sum(
         len(rows) * o.period * float(np.diff(rows).min(initial=len(o.motion)))
         for o, rows in zip(found, judged, strict=True)

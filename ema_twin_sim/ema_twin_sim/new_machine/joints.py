@@ -97,7 +97,8 @@ def _pairs(joints: Mapping[str, HeaderWords]) -> list[tuple[HeaderWords, HeaderW
 def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
     """How far a position goes, in SI units where its name tells one."""
     known = {unit: size for motion in MOTIONS for unit, size in units_of("motor_position", motion).items()}
-    return float(np.ptp(numbers[read.name])) * known.get(read.unit or "", 1.0)
+    values = numbers[read.name]
+    return float(np.ptp(values[np.isfinite(values)])) * known.get(read.unit or "", 1.0)
 
 
 def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
@@ -107,6 +108,7 @@ def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.nd
 
 def likeness(one: np.ndarray, other: np.ndarray) -> float:
     """How far two motions (n,) go the same way, or against each other: the size of their correlation."""
-    ways = [values - values.mean() for values in (one, other)]
+    both = np.isfinite(one) & np.isfinite(other)
+    ways = [values[both] - values[both].mean() for values in (one, other)]
     size = math.sqrt(float(ways[0] @ ways[0]) * float(ways[1] @ ways[1]))
     return min(1.0, abs(float(ways[0] @ ways[1])) / size) if size > 0.0 else 0.0

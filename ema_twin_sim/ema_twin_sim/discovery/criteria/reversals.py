@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import SMALL
+from ...criteria import PART, SMALL
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -27,5 +27,7 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
     less = fit(problem, f.hypothesis.without(name), 6, known=f)
     speed = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in problem.observations])
     slowest = speed <= np.quantile(speed, SMALL)
+    if slowest.mean() > PART:  # it went at one speed, and was never slow
+        return False
     fall = (problem.costs(less.raw) - problem.costs(f.raw))[: problem.size]
     return float(fall[~slowest].sum()) < SMALL * float(fall.sum())

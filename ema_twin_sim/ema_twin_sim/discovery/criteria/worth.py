@@ -38,7 +38,7 @@ BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
 """What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
 NOTHING_ELSE = frozenset({"acceleration", "current"})
 """Over these, no effect shows in anything but constants off their file."""
-LIKE_ROUNDING = frozenset({"direction", "output_position"})
+NEARLY_CONSTANT = frozenset({"direction", "output_position"})
 """Over these, an effect may be as good as constant."""
 ENCODER_ONLY = frozenset({SENSOR_DELAY, SENSOR_WAVE})  # effects that no torque shows
 
@@ -207,8 +207,10 @@ def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     Asked where constants are open: else the model's file tells how the sensor reads.
     """
     instance = f.hypothesis.instance(name)
+    if catalogue()[instance.effect].depends_on not in NEARLY_CONSTANT or not f.hypothesis.base.is_open:
+        return False
     step = max((o.torque_step for o in problem.observations if len(o.rows)), default=0.0)
-    if catalogue()[instance.effect].depends_on not in LIKE_ROUNDING or not f.hypothesis.base.is_open or not step:
+    if not step:
         return False
     size = catalogue()[instance.effect].parameters[0]
     slope = f.slopes()[f"effects.{name}.{size.name}"][: problem.size]

@@ -117,7 +117,8 @@ def _beside_encoders(
     Where a rigid train would take suspiciously many effects and wandering explains the torque instead, the encoders are
     asked beside that.
     """
-    may_wander = may_wander and current.problem.weighting.wander is None
+    # of what the torque alone took so many effects for, it was asked already
+    may_wander = may_wander and current.problem.weighting.wander is None and not _many(current)
     current = fit(_beside_impacts(current.problem.with_encoders()), current.hypothesis)
     if parted_encoders(current):
         progress("looking at the gearbox")
@@ -186,7 +187,7 @@ def _add_effects_or_wander(
             if beside is not None:
                 return beside
             refused = True
-        current, rest = add_effects(current, without | _fleeting(more), progress, most=most - first)
+        current, rest = add_effects(current, without | _added_and_removed(more), progress, most=most - first)
         more += rest
     rounds = [*rounds, *more]
     many = _many(current)
@@ -202,8 +203,8 @@ def _by_torque(f: Fit, later: bool) -> EquationErrorProblem:
 
 
 def _many(f: Fit) -> bool:
-    """Whether more effects were added than a machine may usually lack."""
-    return len(f.hypothesis.added) > USUAL_EFFECTS
+    """Whether more effects that a torque shows were added than a machine may usually lack."""
+    return sum(i.effect not in ENCODER_ONLY for i in f.hypothesis.added.values()) > USUAL_EFFECTS
 
 
 def _beside_wander(
@@ -216,7 +217,8 @@ def _beside_wander(
     most: int,
 ) -> tuple[Fit, list[Round]] | None:
     """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque."""
-    wander = wandering(plain, rounds[1].after if _many(current) else current)
+    taken = [turn.after for turn in rounds if turn.added]
+    wander = wandering(plain, taken[1] if _many(current) and len(taken) > 1 else current)  # before many hid it
     if wander is None:
         return None
     cost_of_many = _torque_cost(current) if _many(current) else math.inf
@@ -231,7 +233,7 @@ def _beside_wander(
     return beside, rounds_beside
 
 
-def _fleeting(rounds: Iterable[Round]) -> frozenset[str]:
+def _added_and_removed(rounds: Iterable[Round]) -> frozenset[str]:
     """Effects that went as soon as they came."""
     return frozenset(turn.effect_of(name) for turn in rounds for name in turn.removed if name in turn.added)
 
@@ -353,7 +355,7 @@ def add_best(
         if not turn.added:
             break
         progress("found " + " and ".join(turn.added))
-        excluded |= _fleeting([turn])
+        excluded |= _added_and_removed([turn])
         current = turn.after
     return current, rounds
 

@@ -18,7 +18,7 @@ from ...identification.weighting import FAR
 from ..criteria.explained import explained
 from ..criteria.worth import penalised_gain
 from .search import add_effects, depends_on_more, less, prune, settle, significant, torque_left
-from .trace import WANDERS, Search
+from .trace import WANDERS, WANDERS_OVER_TIME, Search
 
 
 def wandering_after_all(
@@ -53,7 +53,7 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     return found if after is beside else significant(found.ended(after, WANDERS))
 
 
-def less_what_warms_no_more_than_it_wanders(found: Search) -> Search:
+def without_warming_that_wandering_explains(found: Search) -> Search:
     """The search of a machine whose constants are open, less what changes with time where wandering explains that.
 
     There wandering is no part of the noise, since free constants of friction do much of what it does; but a friction
@@ -64,13 +64,15 @@ def less_what_warms_no_more_than_it_wanders(found: Search) -> Search:
     if wander is None:
         return found
     beside = _beside(found.fit, wander)
-    gone = [
-        name
+    gains = {
+        name: penalised_gain(fit(beside.problem, beside.hypothesis.without(name)), beside)
         for name in over_time
         if name in beside.hypothesis.added
-        and penalised_gain(fit(beside.problem, beside.hypothesis.without(name)), beside) <= DEPENDS
-    ]
-    return significant(less(found, gone, WANDERS)) if gone else found
+    }
+    least = min(gains, key=gains.__getitem__, default=None)
+    if least is None or gains[least] > DEPENDS:
+        return found
+    return without_warming_that_wandering_explains(significant(less(found, [least], WANDERS_OVER_TIME)))
 
 
 def _wander(found: Search) -> Wander | None:
