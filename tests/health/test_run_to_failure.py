@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.run_to_failure import simulated
 from tests.run_to_failure.fleet import LIMITS, drawn_unit
 from tests.run_to_failure.judged import ASKED_AT, judge_unit
 from tests.run_to_failure.run import figures
@@ -40,3 +41,25 @@ def test_a_unit_that_has_failed_records_no_more():
     last = (unit.rows[-1]["time"] - unit.rows[0]["time"]).days
     assert unit.life - 14 <= last <= unit.life + 60
     assert len(unit.until(unit.onset).rows) < len(unit.rows)
+
+
+@pytest.mark.slow
+def test_simulated_units_are_judged_by_health_and_by_numbers(tmp_path, monkeypatch):
+    """A short life of two units, from their recordings to the table of `make wear ARGS="--simulated 2"`."""
+    for name, value in (("HEALTHY_TESTS", 5), ("TESTS", 9), ("REPEATS", 2), ("SECONDS", 6.0), ("LOST_AT_LAST", 0.3)):
+        monkeypatch.setattr(simulated, name, value)
+    monkeypatch.setattr(simulated, "WEARS", {kind: simulated.WEARS[kind] for kind in ("play", "nothing")})
+    simulated.simulate_units(tmp_path, 2, 5)
+    worn, well = simulated.judge_units(tmp_path, 1)
+    assert (worn.name, well.name) == ("EMA-00 play", "EMA-01 nothing")
+    assert worn.early and worn.changed == "backlash.width" and "backlash" in worn.missing
+    assert well.lost_when_off == well.lost_when_changed == np.inf and well.missing == ()
+    told = simulated.table([worn, well])
+    assert "told before 20 % of the margin was lost: 1 of 1 units" in told
+    assert "what wears is among what the model lacks: 1 of 1" in told
+
+
+def test_wear_starts_after_the_healthy_tests():
+    shares = [simulated.lost(test) for test in range(simulated.TESTS)]
+    assert shares[: simulated.HEALTHY_TESTS + 2] == [0.0] * (simulated.HEALTHY_TESTS + 2)
+    assert shares[-1] == simulated.LOST_AT_LAST and sorted(shares) == shares

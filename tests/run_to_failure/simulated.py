@@ -1,7 +1,8 @@
 """Units that wear, simulated down to their recordings, and judged from these alone by `campaign` and `units`.
 
-Health is judged from every recording beside the unit's own healthy tests; what its model lacks, from those of the last
-test. Units of a fleet differ (friction, by 5 %), and so do a unit's tests (by 2 %).
+Health is judged from every recording beside the unit's own healthy tests, and so are the numbers of a model that has
+the effects which may wear, fitted test by test; what a model lacks, from the recordings of the last test. Units of a
+fleet differ (friction, by 5 %), and so do a unit's tests (by 2 %).
 """
 
 from __future__ import annotations
@@ -9,13 +10,13 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from ema_bench_replay.bags.bag_writer import write_mcap
-from ema_twin_sim.model import Model, load_model
+from ema_twin_sim.model import Model, load_model, save_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
 
@@ -36,6 +37,9 @@ FRICTIONS = (
 )
 HEALTHY_TESTS, TESTS, REPEATS = 8, 18, 3
 LOST_AT_LAST = 0.5
+EARLY = 0.2
+SEEN = 0.02
+"""Share of the way to its limit at which the fit of a number starts: at nothing, some have no slope."""
 COMMAND, SECONDS = "triangle:0.15:1.5", 9.0
 
 
@@ -48,8 +52,16 @@ class SimulatedUnit:
     lost_when_off: float  # share of the margin at the first test that is off; infinite: none was
     tests_before: int  # healthy tests that were judged
     false_alarms: int  # of these
+    lost_when_changed: float  # the same share at the first test after which a number is told changed
+    changed: str | None  # that number
+    false_changes: int  # numbers that are told changed after a healthy test
     families: tuple[str | None, ...]  # of the tests that are off
     missing: tuple[str, ...]  # in the last test, by discovery
+
+    @property
+    def early(self) -> bool:
+        """Whether its wear was told before a fifth of the margin was lost: by its health, or by a number."""
+        return min(self.lost_when_off, self.lost_when_changed) <= EARLY
 
 
 def simulate_units(folder: Path, count: int, seed: int) -> None:
@@ -78,12 +90,15 @@ def judge_units(folder: Path, workers: int) -> list[SimulatedUnit]:
     common = ["--model", "polito_bench", "--workers", str(workers)]
     _run("campaign", folder / "runs", "--do", "health", "-o", folder / "health", *common)
     _run("campaign", folder / "last", "--do", "discover", "--together", "unit", "-o", folder / "found", *common)
-    healthy = rf"/test 0[0-{HEALTHY_TESTS - 1}]/"
-    _run("units", folder / "health", "--healthy", healthy, "--json", folder / "health.json")
-    _run("units", folder / "found", "--json", folder / "found.json")
-    found = {one["unit"]: one for one in json.loads((folder / "found.json").read_text())}
-    told = [_told(one, found[one["unit"]]) for one in json.loads((folder / "health.json").read_text())]
-    return sorted(told, key=lambda unit: unit.name)
+    watched = ["--model", save_model(_watched(), folder / "watched.yaml"), "--workers", str(workers)]
+    _run("campaign", folder / "runs", "--do", "fit", "--together", "folder", "-o", folder / "numbers", *watched)
+    healthy = rf"/test 0[0-{HEALTHY_TESTS - 1}](/|$)"
+    told = []
+    for what, given in (("health", ["--healthy", healthy]), ("numbers", ["--healthy", healthy]), ("found", [])):
+        _run("units", folder / what, *given, "--json", folder / f"{what}.json")
+        told.append({one["unit"]: one for one in json.loads((folder / f"{what}.json").read_text())})
+    health, numbers, found = told
+    return [_told(health[name], numbers[name], found[name]) for name in sorted(health)]
 
 
 def table(units: list[SimulatedUnit]) -> str:
@@ -92,31 +107,61 @@ def table(units: list[SimulatedUnit]) -> str:
     for unit in units:
         off = "never off" if np.isinf(unit.lost_when_off) else f"off from {100 * unit.lost_when_off:.0f} % lost"
         families = ", ".join(f"{family} {unit.families.count(family)}" for family in dict.fromkeys(unit.families))
-        lines.append(f"{unit.name:26s} {off:20s} named {families or 'nothing'}; lacks {', '.join(unit.missing) or '-'}")
+        change = (
+            "no number changed"
+            if unit.changed is None
+            else f"{unit.changed} changed from {100 * unit.lost_when_changed:.0f} % lost"
+        )
+        lines.append(
+            f"{unit.name:26s} {off:20s} {change}; named {families or 'nothing'}; lacks {', '.join(unit.missing) or '-'}"
+        )
     worn = [unit for unit in units if unit.wears != "nothing"]
     lacking = [(unit, of[0]) for unit in worn if (of := WEARS[unit.wears]) is not None]
     right = [effect in unit.missing for unit, effect in lacking]
-    early = [unit.lost_when_off <= 0.2 for unit in worn]
-    lines.append(f"off before 20 % of the margin was lost: {sum(early)} of {len(worn)} units")
-    lines.append(f"false alarms: {sum(u.false_alarms for u in units)} of {sum(u.tests_before for u in units)} tests")
+    for what, early in (
+        ("told", [unit.early for unit in worn]),
+        ("off", [unit.lost_when_off <= EARLY for unit in worn]),
+        ("with a number changed", [unit.lost_when_changed <= EARLY for unit in worn]),
+    ):
+        lines.append(f"{what} before {100 * EARLY:.0f} % of the margin was lost: {sum(early)} of {len(worn)} units")
+    before = sum(u.tests_before for u in units)
+    lines.append(f"false alarms: {sum(u.false_alarms for u in units)} of {before} tests")
+    lines.append(f"numbers changed in healthy tests: {sum(u.false_changes for u in units)} of {len(units)} units")
     lines.append(f"what wears is among what the model lacks: {sum(right)} of {len(right)}")
     return "\n".join(lines)
 
 
-def _told(health: dict, found: dict) -> SimulatedUnit:
+def _told(health: dict, numbers: dict, found: dict) -> SimulatedUnit:
     wears = health["unit"].partition(" ")[2]
     at = {test["test"]: test for test in health["health"]["tests"]}
     off = [name for name, test in at.items() if 2 * test["detected"] > test["judged"]]
     truly = {name: 0.0 if wears == "nothing" else lost(int(name.partition(" ")[2])) for name in at}
+    changes = sorted(
+        (one["change"]["told_at"].rpartition("/")[2], one["number"]) for one in numbers["numbers"] if one["change"]
+    )
+    right = [(truly[test], number) for test, number in changes if truly[test] > 0.0]
     return SimulatedUnit(
         name=health["unit"],
         wears=wears,
         lost_when_off=min((truly[name] for name in off if truly[name] > 0.0), default=np.inf),
         tests_before=sum(share == 0.0 for share in truly.values()),
         false_alarms=sum(truly[name] == 0.0 for name in off),
+        lost_when_changed=right[0][0] if right else np.inf,
+        changed=right[0][1] if right else None,
+        false_changes=len(changes) - len(right),
         families=tuple(at[name]["family"] for name in off),
         missing=tuple(entry["effect"] for entry in found["missing"]),
     )
+
+
+def _watched() -> Model:
+    """What is fitted test by test: friction, of which no day tells the next one's, and the effects that may wear."""
+    model = load_model("polito_bench")
+    effects = {name: replace(held, open=name in dict(FRICTIONS)) for name, held in model.effects.items()}
+    model = replace(model, effects=effects)
+    for effect, number, healthy, limit in filter(None, WEARS.values()):
+        model = model.with_effect(effect, {number: healthy + SEEN * (limit - healthy)})
+    return model
 
 
 def _name(number: int, kind: str) -> str:

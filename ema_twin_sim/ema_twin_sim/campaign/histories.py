@@ -82,7 +82,12 @@ class Outlook:
             "now": self.now,
             "change": None
             if change is None
-            else {"size": change.size, "std": change.standard_error, "since": of.names[change.begin]},
+            else {
+                "size": change.size,
+                "std": change.standard_error,
+                "since": of.names[change.begin],
+                "told_at": of.names[change.alarm],
+            },
             "slope": None if trend is None else {"value": trend.slope, "std": trend.slope_error},
             "margin": None if self.margin is None else {"share": self.margin.share, "std": self.margin.standard_error},
             "remaining": None if self.life is None else vars(self.life),
