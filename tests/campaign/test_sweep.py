@@ -196,5 +196,5 @@ def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     assert len(points) == 4 and all(point["results"] == 1 and point["named"] is None for point in points)
     assert all(point["numbers"][0]["bound"] > 0.0 for point in points)
     done_here(*asked, "--vary", "coulomb_friction.torque=0.07")
-    told = capsys.readouterr().out
+    told = " ".join(capsys.readouterr().out.split())
     assert "holds 4 results of other sweeps" in told and "error told" not in told

@@ -8,7 +8,6 @@ effect's place, explains all that the effect does and this too, and beside it th
 from __future__ import annotations
 
 from ...criteria import DEPENDS, LEAST_SIZE, MISFIT_DOUBTED
-from ...effects import catalogue
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
@@ -32,13 +31,12 @@ def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     """Whether the basis that fits best in an effect's place leaves nothing, and gains more than chance would.
 
-    And whether the effect is needless beside it. Over the effect's own quantity any shape explains a little more where
-    friction wanders; whether that is too much, the effect's own shape tells (``own_shape.py``).
+    And whether the effect is needless beside it.
     """
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     beside = problem.with_generic_bases({**problem.generic_bases, **load_bases(problem, bare)})
     basis = next((found for _, found in screen_generic_bases(beside, bare)), None)
-    if basis is None or dependence(basis) == catalogue()[f.hypothesis.added[name].effect].depends_on:
+    if basis is None:
         return False
     instead = fit_with_basis(beside, bare, basis)
     refuse_different_weightings(instead, f)
