@@ -87,7 +87,7 @@ METHOD = {
     "health/wave.py": "FEWEST_CYCLES _FINER _NEIGHBOURS",
     "campaign/engine.py": "BATCH TASK AHEAD LARGEST DEATHS _CONNECTING",
     "campaign/healthy.py": "PART_OF_ALL",
-    "campaign/histories.py": "FEWEST_HEALTHY _DAY",
+    "campaign/histories.py": "FEWEST_HEALTHY _DAY _LEAST_OWN",
     "campaign/jobs.py": "_KEY_BYTES",
     "campaign/store.py": "_MANY_FILES _TRIES",
     "campaign/sweep.py": "MOST_POINTS",

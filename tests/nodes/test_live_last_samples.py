@@ -22,6 +22,11 @@ def ended(recording, **given):
     return live.run_live(recording, load_model("polito_bench"), rate=0.0, **given)
 
 
+def with_patience(monkeypatch, seconds):
+    for module in (live, live_session):
+        monkeypatch.setattr(module, "PATIENCE", seconds)
+
+
 def assert_whole(result, recording):
     assert result.complete
     assert result.counts["compared"] == result.counts["expected"] == result.samples == len(recording)
@@ -29,13 +34,13 @@ def assert_whole(result, recording):
 
 
 def test_a_replay_that_ends_before_the_first_look_around(short, monkeypatch):
-    monkeypatch.setattr(live_session, "TICK", 3600.0)
+    monkeypatch.setattr(live, "TICK", 3600.0)
     assert_whole(ended(short), short)
 
 
 @pytest.mark.slow
 def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
-    monkeypatch.setattr(live_session, "PATIENCE", 0.2)
+    with_patience(monkeypatch, 0.2)
     answer = Follower.answer
 
     def slowly(self, *sample):
@@ -48,7 +53,7 @@ def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
 
 @pytest.mark.slow
 def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
-    monkeypatch.setattr(live_session, "PATIENCE", 0.5)
+    with_patience(monkeypatch, 0.5)
     answer = Follower.answer
 
     def stalled(self, run, sequence, *sample):
@@ -61,7 +66,7 @@ def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
 
 
 def test_a_monitor_that_gets_its_answers_late(short, monkeypatch):
-    monkeypatch.setattr(live_session, "PATIENCE", 1.0)
+    with_patience(monkeypatch, 1.0)
     held = []
     on_twin = MonitorNode._on_twin
     monkeypatch.setattr(MonitorNode, "_on_twin", lambda self, message: held.append(message))
@@ -73,7 +78,7 @@ def test_a_monitor_that_gets_its_answers_late(short, monkeypatch):
 
 
 def test_what_never_comes_ends_the_run_and_is_counted(short, monkeypatch):
-    monkeypatch.setattr(live_session, "PATIENCE", 0.3)
+    with_patience(monkeypatch, 0.3)
     on_twin, seen = MonitorNode._on_twin, []
 
     def deaf(self, message):

@@ -22,6 +22,7 @@ from .units import Unit
 FEWEST_HEALTHY = 4
 """Values that tell how much healthy ones scatter."""
 _DAY = 86400.0  # s
+_LEAST_OWN = 1e-4  # of the squared errors that were told: values that are all the same have errors, too
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,12 @@ class History:
     def path(self) -> str:
         """As limits name it: ``backlash.width``."""
         return f"{self.owner}.{self.name}"
+
+    @property
+    def own_errors(self) -> np.ndarray:
+        """Standard errors (n,) by which the values differ: without what all recordings of the unit share."""
+        part = 1.0 - self.shared**2 / float(np.mean(self.errors**2))
+        return self.errors * np.sqrt(max(part, _LEAST_OWN))
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +184,7 @@ def _change(of: History, false_alarm: float) -> ChangePoint | None:
     count = int(of.healthy.sum())
     if count == len(order):
         return None
-    found = change_point(of.values[order], of.errors[order], count, false_alarm)
+    found = change_point(of.values[order], of.own_errors[order], count, false_alarm)
     if found is None:
         return None
     alarm, begin, earliest, latest = order[[found.alarm, found.begin, found.earliest, found.latest]].tolist()
