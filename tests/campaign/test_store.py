@@ -182,6 +182,13 @@ class TestHistories:
         assert look.change.begin == 25
         assert look.share == pytest.approx(0.08, abs=0.02)
 
+    def test_what_all_recordings_share_delays_no_change(self):
+        """A torque constant beside an inertia that is known to 3 %: each test repeats it to 0.3 %."""
+        values = 100.0 + np.random.default_rng(9).normal(size=24)
+        values[15:] += 10.0
+        (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(12))
+        assert (look.change.begin, look.change.alarm) == (15, 15)
+
     def test_healthy_units_seldom_seem_to_change(self):
         drawn = np.random.default_rng(6)
         units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]
