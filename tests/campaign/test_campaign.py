@@ -37,6 +37,16 @@ class TestJobs:
         (one,) = told
         assert "EMA7_2026-13-01.csv: 2026-13-01 is no time" in one and one.endswith("left out")
 
+    def test_a_pattern_that_finds_no_time_at_all_is_refused(self, tmp_path):
+        for name in ("EMA7_2026-13-01.csv", "EMA8_2026-14-02.csv"):
+            (tmp_path / name).write_text("a\n")
+        told = []
+        grouping = Grouping.of(tmp_path, r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)", "recording")
+        with pytest.raises(InputError, match="of all 2 recordings none has a time"):
+            find_jobs(grouping, COMPARE, tell=told.append)
+        (one,) = told
+        assert one.endswith("left out, as are 1 more")
+
     @pytest.mark.parametrize(
         ("pattern", "reason"), [("(", "no regular"), ("EMA", "a group"), ("(?P<unit>.)(?P<day>.)", "a group")]
     )

@@ -163,6 +163,12 @@ class TestHistories:
         assert (look.history.names[look.change.begin], look.history.names[look.change.alarm]) == ("week 4", "week 4")
         assert look.change.size == pytest.approx(30.0, abs=2.0) and look.history.as_asked
 
+    def test_what_was_repaired_before_is_no_change(self):
+        values = 100.0 + np.random.default_rng(3).normal(size=20)
+        values[:8] += 30.0
+        (look,) = outlooks(self.a_unit(values), {}, healthy=Healthy.of("week (1[4-9])$", 4))
+        assert look.change is None and look.healthy == pytest.approx(100.0, abs=0.6)
+
     def test_too_few_healthy_ones_by_a_pattern_are_told(self):
         (look,) = outlooks(self.a_unit(100.0 + np.arange(30.0)), {}, healthy=Healthy.of("week 29", 4))
         assert not look.history.as_asked and look.history.healthy.tolist() == [True] * 10 + [False] * 20

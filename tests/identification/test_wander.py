@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ema_twin_sim.discovery.criteria.worth import penalised_gain
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.search import prune, settle
 from ema_twin_sim.discovery.search.trace import Search
 from ema_twin_sim.discovery.search.wandering_end import less_what_wandering_explains
 from ema_twin_sim.identification.equation import EquationErrorProblem
@@ -51,6 +52,17 @@ def ended_beside_play(recordings, stock):
     f = settle(fit(EquationErrorProblem(observe_all(recordings, stock)), h, 20))
     found = less_what_wandering_explains(Search(f, ()), lambda text: None)
     return set(found.fit.hypothesis.effects)
+
+
+def test_an_effect_that_gains_clearly_stays_however_small_it_became(stock):
+    """A part of what it explains may be taken for wandering, and the rest is less than a size that is worth a name."""
+    model = stock.with_effect("constant_load", {"torque": 2.5e-4})
+    problem = EquationErrorProblem(observe_all(record(model, RUNS), stock))
+    f = fit(problem, null_hypothesis(stock).with_effect("constant_load", {}, {"torque": 2.5e-4}), 20)
+    gain = penalised_gain(fit(problem, f.hypothesis.without("constant_load")), f)
+    assert gain > 0.0
+    assert "constant_load" not in prune(f).hypothesis.added
+    assert "constant_load" in prune(f, 0.5 * gain).hypothesis.added
 
 
 def settled(recordings, model):

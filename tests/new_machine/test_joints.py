@@ -44,6 +44,13 @@ def test_one_joint_of_a_robots_trace_is_taken_whole(names, far):
     assert taken(numbers, joint=str(other))["motor_position"] == names[0].format(other)
 
 
+def test_a_missing_value_chooses_no_joint():
+    numbers = robot(("q{} [rad]", "dq{} [rad/s]", "tau{} [Nm]"), far=1)
+    numbers["q1 [rad]"][70] = numbers["q2 [rad]"][500] = np.nan
+    backwards = dict(reversed(numbers.items()))
+    assert taken(backwards)["motor_position"] == "q1 [rad]"
+
+
 def test_two_numbered_shafts_of_one_train_stay_motor_and_output():
     angle = 30.0 * np.sin(TIME)
     numbers = {

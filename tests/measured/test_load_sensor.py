@@ -1,0 +1,57 @@
+"""Which way a load's sensor counts is told by both directions of the motion, surely; else nothing is said."""
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.measured.load_sensor import falls_with_load, follows_load
+
+TIME = np.arange(8000) * 2e-3
+SWINGS = 1.2 * 0.9 * np.cos(0.9 * TIME)
+ONE_WAY = 3.0 + 0.5 * np.sin(0.9 * TIME)
+LOAD = 2.0 + 0.8 * np.sin(0.37 * TIME + 1.0) + 0.5 * np.sin(2.3 * TIME)
+
+
+def recorded(speed, torque, load, seed=1):
+    random = np.random.default_rng(seed)
+    signals = {
+        "speed": speed,
+        "current": torque + 0.01 * random.standard_normal(len(TIME)),
+        "load_torque": load + 0.02 * random.standard_normal(len(TIME)),
+    }
+    return Recording("run", np.arange(len(TIME)) * 2_000_000, signals)
+
+
+def friction(speed):
+    return 0.7 * speed + 1.3 * np.sign(speed)
+
+
+@pytest.mark.parametrize(("sign", "turned"), [(1.0, False), (-1.0, True)])
+def test_a_sensor_that_counts_the_other_way_is_told(sign, turned):
+    assert falls_with_load([recorded(SWINGS, friction(SWINGS) + LOAD, sign * LOAD)]) is turned
+
+
+def test_a_screw_that_locks_itself_is_driven_down_against_its_load():
+    """Up it takes more where the load is larger, and down it takes more too: it would hold by itself."""
+    held = np.where(SWINGS > 0.0, 1.3, -0.4)
+    assert not falls_with_load([recorded(SWINGS, friction(SWINGS) + held * LOAD, LOAD)])
+
+
+def test_one_direction_tells_nothing():
+    """Friction that falls as it warms up, beside the drift of a sensor that bears no load."""
+    warming = -0.3 * TIME / TIME[-1]
+    assert not falls_with_load([recorded(ONE_WAY, friction(ONE_WAY) + warming, -warming + 0.05 * LOAD)])
+
+
+def test_chance_tells_nothing():
+    random = np.random.default_rng(5)
+    for seed in range(20):
+        walk = np.cumsum(random.standard_normal(len(TIME))) * 0.02
+        run = recorded(SWINGS, friction(SWINGS) + 0.05 * np.sin(1.7 * TIME), walk, seed)
+        assert not falls_with_load([run])
+
+
+def test_a_sensor_without_a_value_is_no_load():
+    run = recorded(SWINGS, friction(SWINGS) + LOAD, LOAD)
+    nothing = Recording("run", run.stamps, {**run.signals, "load_torque": np.full(len(TIME), np.nan)})
+    assert follows_load([nothing]) and not falls_with_load([nothing])
