@@ -8,7 +8,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.nodes.spin import steady_timer
 from ema_twin_sim.live.follower import Follower
 from ema_twin_sim.model import load_model
-from ema_twin_sim.nodes import live
+from ema_twin_sim.nodes import live, live_session
 from ema_twin_sim.nodes.monitor import MonitorNode
 
 
@@ -29,13 +29,14 @@ def assert_whole(result, recording):
 
 
 def test_a_replay_that_ends_before_the_first_look_around(short, monkeypatch):
-    monkeypatch.setattr(live, "_TICK", 3600.0)
+    for module in (live, live_session):
+        monkeypatch.setattr(module, "TICK", 3600.0)
     assert_whole(ended(short), short)
 
 
 @pytest.mark.slow
 def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
-    monkeypatch.setattr(live, "_PATIENCE", 0.2)
+    monkeypatch.setattr(live_session, "PATIENCE", 0.2)
     answer = Follower.answer
 
     def slowly(self, *sample):
@@ -48,7 +49,7 @@ def test_a_twin_that_takes_longer_than_the_patience(short, monkeypatch):
 
 @pytest.mark.slow
 def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
-    monkeypatch.setattr(live, "_PATIENCE", 0.5)
+    monkeypatch.setattr(live_session, "PATIENCE", 0.5)
     answer = Follower.answer
 
     def stalled(self, run, sequence, *sample):
@@ -61,7 +62,7 @@ def test_one_call_that_takes_longer_than_the_patience(short, monkeypatch):
 
 
 def test_a_monitor_that_gets_its_answers_late(short, monkeypatch):
-    monkeypatch.setattr(live, "_PATIENCE", 1.0)
+    monkeypatch.setattr(live_session, "PATIENCE", 1.0)
     held = []
     on_twin = MonitorNode._on_twin
     monkeypatch.setattr(MonitorNode, "_on_twin", lambda self, message: held.append(message))
@@ -73,7 +74,7 @@ def test_a_monitor_that_gets_its_answers_late(short, monkeypatch):
 
 
 def test_what_never_comes_ends_the_run_and_is_counted(short, monkeypatch):
-    monkeypatch.setattr(live, "_PATIENCE", 0.3)
+    monkeypatch.setattr(live_session, "PATIENCE", 0.3)
     on_twin, seen = MonitorNode._on_twin, []
 
     def deaf(self, message):
