@@ -106,9 +106,18 @@ class Browser:
 
     def wait(self, expression):
         end = time.monotonic() + self._patience
-        while not self.ask(expression):
+        while not self._asked(expression):
             assert time.monotonic() < end, f"never became true: {expression}"
             time.sleep(0.05)
+
+    def _asked(self, expression):
+        """What a page answers; nothing while another takes its place."""
+        try:
+            return self.ask(expression)
+        except AssertionError as error:
+            if "navigated" not in str(error):
+                raise
+            return None
 
     def ask(self, expression):
         """The value of a JavaScript expression in the page."""

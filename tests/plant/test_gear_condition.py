@@ -87,7 +87,7 @@ def test_an_eccentric_planet_moves_along_both_lines_of_action(tmp_path, carrier)
     size, phase = 2e-5, 0.4
     model = planetary_model(tmp_path, planet_runout=size, planet_runout_phase=phase)
     assembly = assemble(model)
-    _, _, trains, states, lanes, table, *_ = resting_state(assembly.fine, assembly.effects)
+    _, _, trains, states, lanes, table, *_ = resting_state(assembly.fine)
     train, pressure = trains[0], model.value("transmission.pressure_angle")
     sun, output = 4.0 * carrier, 4.0 * carrier / 124.0
     read_meshes(train, states[0], lanes, table, mesh_cycles(train_constants(train, 0.0, 1e-6), sun, carrier, output))
