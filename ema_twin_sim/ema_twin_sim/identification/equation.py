@@ -61,11 +61,10 @@ class EquationErrorProblem(WeightedRows):
         lower = np.array([free.lower for free in h.free])
         upper = np.array([free.upper for free in h.free])
         for k, free in enumerate(h.free):
-            name, _, parameter = free.path.removeprefix("effects.").partition(".")
-            if name not in h.added:
+            p = h.parameter_of(free.path)
+            if p is None:
                 continue
-            effect = catalogue()[h.added[name].effect]
-            p = next(p for p in effect.parameters if p.name == parameter)
+            effect = catalogue()[h.added[free.path.split(".")[1]].effect]
             least, most = search_limits(effect, p, self.reached)
             if not p.periodic:
                 lower[k] = max(lower[k], least)

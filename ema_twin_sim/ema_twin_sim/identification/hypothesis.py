@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..criteria import ANY_SIZE, LAG_TOLERANCE, SEARCHED_BEYOND_STARTS, STIFFEST, TOLERANCE
-from ..effects import catalogue
+from ..effects import Parameter, catalogue
 from ..measured.scales import INERTIAS
 from ..model import ConstantValue, EffectInstance, Model
 from ..model.model_file import ABSENT
@@ -80,6 +80,14 @@ class Hypothesis:
             for one in self.free
         )
         return replace(self, free=free).put(values)
+
+    def parameter_of(self, path: str) -> Parameter | None:
+        """What the catalogue tells of a free number at a ``path``; None of one that is no added effect's."""
+        kind, _, rest = path.partition(".")
+        name, _, parameter = rest.partition(".")
+        if kind != "effects" or name not in self.added:
+            return None
+        return next(p for p in catalogue()[self.added[name].effect].parameters if p.name == parameter)
 
     def lag(self) -> float:
         """Time [s] by which the current runs ahead of the motion."""
@@ -297,12 +305,10 @@ class Hypothesis:
         """Which numbers (k,) are torques, stiffnesses, dampings or inertias."""
 
         def mechanical(path: str) -> bool:
-            kind, _, rest = path.partition(".")
-            if kind != "effects":
-                return kind in ("scale", "quarter", "contact", "basis")
-            name, _, parameter = rest.partition(".")
-            table = catalogue()[self.added[name].effect].parameters
-            return next(p for p in table if p.name == parameter).unit.startswith(("N m", "kg m"))
+            p = self.parameter_of(path)
+            if p is None:
+                return path.partition(".")[0] in ("scale", "quarter", "contact", "basis")
+            return p.unit.startswith(("N m", "kg m"))
 
         return np.array([mechanical(free.path) for free in self.free], bool)
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..effects import catalogue
 from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
@@ -59,14 +58,9 @@ def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
     Any value between two ends is as likely, with a variance of a twelfth of their distance squared.
     """
     for k, free in enumerate(f.hypothesis.free):
-        name, _, parameter = free.path.removeprefix("effects.").partition(".")
-        if name not in f.hypothesis.added:
-            continue
-        table = catalogue()[f.hypothesis.added[name].effect].parameters
-        p = next(p for p in table if p.name == parameter)
-        width = p.upper - p.lower
-        if p.unit == "1" and math.isfinite(width):
-            spread = spread - np.outer(spread[:, k], spread[k]) / (spread[k, k] + width**2 / 12.0)
+        p = f.hypothesis.parameter_of(free.path)
+        if p is not None and p.unit == "1" and math.isfinite(p.upper - p.lower):
+            spread = spread - np.outer(spread[:, k], spread[k]) / (spread[k, k] + (p.upper - p.lower) ** 2 / 12.0)
     return spread
 
 

@@ -19,6 +19,7 @@ from .spoilt_samples import despiked
 _WIDTH = 10.0  # samples over which all is smoothed, and
 _SHARE = 0.002  # of a recording's
 _ENDS = 4.0  # widths at either end that are left out
+_SPEED = 1  # column of a row
 _MOTION = 5  # columns of what the motion takes: acceleration, speed, its direction, a constant, and what drifts
 
 
@@ -39,7 +40,7 @@ def falls_with_load(recordings: Sequence[Recording]) -> bool:
     locks itself is driven down against its load, though, but not up: asked of each direction by itself, surely.
     """
     rows = _all_rows(recordings)
-    forward = rows[:, 1] > 0.0
+    forward = rows[:, _SPEED] > 0.0
     return all(_surely_falls(part) for part in (rows[forward], rows[~forward]))
 
 

@@ -50,10 +50,10 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
     free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
     bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
-    noise over. Where constants are open, what turns with a shaft must also show elsewhere than beside standstill. Not
-    asked of what constants off their file show: how far they are off was that effect's worth; nor,
+    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth; nor,
     beside a generic basis, which fits anything, of what every machine has. Where constants are open, no shape may stand
-    on its bound either. Of two that take each other's place it is the later one, which explains less.
+    on its bound either, and what turns with a shaft must show elsewhere than beside standstill. Of two that take each
+    other's place it is the later one, which explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY

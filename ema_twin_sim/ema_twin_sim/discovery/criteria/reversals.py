@@ -14,7 +14,6 @@ from ...criteria import PART, SMALL
 from ...effects import catalogue
 from ...identification.equation import EquationErrorProblem
 from ...identification.fit import Fit, fit
-from ...plant.layout import OUTPUT_TORQUE
 from ...plant.measured_motion import SPEED, TIME
 
 
@@ -34,10 +33,7 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
     slowest = speed <= limit
     if slowest.mean() > PART:  # it went at one speed, and was never slow
         return False
-    order = float(instance.options["order"])
-    if catalogue()[instance.effect].where(instance.options) == OUTPUT_TORQUE:
-        order /= f.hypothesis.base.value("machine.gear_ratio")
-    if order * _way_when_slow(problem, limit) >= 2.0 * math.pi:
+    if f.hypothesis.model().motor_order(name) * _way_when_slow(problem, limit) >= 2.0 * math.pi:
         return False
     less = fit(problem, f.hypothesis.without(name), 6, known=f)
     fall = (problem.costs(less.raw) - problem.costs(f.raw))[: problem.size]
