@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ema_twin_sim.criteria import SIGNIFICANT
-from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.effects import catalogue
 from ema_twin_sim.identification.cramer_rao import fisher_information
 from ema_twin_sim.identification.equation import EquationErrorProblem

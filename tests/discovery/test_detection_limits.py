@@ -9,7 +9,7 @@ from ema_twin_sim.criteria import LEAST_SIZE
 from ema_twin_sim.discovery.criteria.own_shape import by_own_shape
 from ema_twin_sim.discovery.criteria.worth import has_effect_size, largest_rms_reduction, penalised_gain
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.identification.cramer_rao import whitened
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit

@@ -5,8 +5,8 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.explained import depends, explained
 from ema_twin_sim.discovery.criteria.likeness import likenesses
+from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.discovery.search.rivals import with_displaced
-from ema_twin_sim.discovery.search.search import settle
 from ema_twin_sim.discovery.search.trace import Search
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit

@@ -5,7 +5,7 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.explained import apart
 from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, only_teeth, parts_the_encoders
-from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit
 from ema_twin_sim.identification.generic_bases import beside_generic_bases

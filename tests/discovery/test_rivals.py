@@ -1,7 +1,8 @@
 """Rivals: an effect that made another too uncertain beside it may be the wrong one of the two."""
 
+from ema_twin_sim.discovery.search.adding import settle, trial_of
+from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import judged_against_rivals, swapped
-from ema_twin_sim.discovery.search.search import less, settle, trial_of
 from ema_twin_sim.discovery.search.trace import UNCERTAIN, Round, Search
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit

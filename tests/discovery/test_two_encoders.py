@@ -10,8 +10,8 @@ from ema_bench_replay.load import load
 from ema_twin_sim.commands.init import run as init
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.discovery.search.removing import less
 from ema_twin_sim.discovery.search.rivals import other_structures, swapped
-from ema_twin_sim.discovery.search.search import less
 from ema_twin_sim.fitting.fit import fit_model
 from ema_twin_sim.model import ConstantValue, load_model
 from ema_twin_sim.simulation.behind_motor import refuse_encoders_alone

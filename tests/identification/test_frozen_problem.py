@@ -14,7 +14,7 @@ from ema_twin_sim.discovery.criteria.worth import (
     noise_per_unit,
     penalised_gain,
 )
-from ema_twin_sim.discovery.search.search import settle
+from ema_twin_sim.discovery.search.adding import settle
 from ema_twin_sim.identification.comparable import DifferentWeightings, as_compares, cheapest, costs_no_more
 from ema_twin_sim.identification.equation import EquationErrorProblem
 from ema_twin_sim.identification.fit import fit

@@ -7,7 +7,7 @@ import pytest
 
 from ema_twin_sim.discovery.criteria.worth import penalised_gain
 from ema_twin_sim.discovery.discover import discover
-from ema_twin_sim.discovery.search.search import prune, settle
+from ema_twin_sim.discovery.search.adding import prune, settle
 from ema_twin_sim.discovery.search.trace import Search
 from ema_twin_sim.discovery.search.wandering_end import less_what_wandering_explains
 from ema_twin_sim.identification.equation import EquationErrorProblem

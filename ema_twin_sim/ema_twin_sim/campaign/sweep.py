@@ -206,7 +206,7 @@ def bounds(
 
     The numbers are those of the search: those of the effects that the model lacked, inertia and friction.
     """
-    from ..discovery.search.search import settle
+    from ..discovery.search.adding import settle
     from ..identification.cramer_rao import cramer_rao
     from ..identification.equation import EquationErrorProblem
     from ..identification.estimates import constants, standard_errors

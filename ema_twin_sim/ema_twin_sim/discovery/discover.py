@@ -39,8 +39,10 @@ from .experiment.doubts import reverses
 from .experiment.suggestion import suggest
 from .followed import with_followed_numbers
 from .left_over import left_over_words
+from .search.adding import settle
+from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals
-from .search.search import less, search, settle, significant
+from .search.search import search
 from .search.search_order import in_another_order, search_without_first
 from .search.trace import BEATEN, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted

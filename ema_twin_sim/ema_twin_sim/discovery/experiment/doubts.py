@@ -23,8 +23,8 @@ from ...identification.screening import screen
 from ...model import EffectInstance
 from ...plant.measured_motion import SPEED
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
+from ..search.adding import entrants
 from ..search.rivals import Rivalry
-from ..search.search import entrants
 from ..search.trace import Search
 
 ALTERNATIVES = 3

@@ -16,7 +16,7 @@ from ...identification.screening import screen
 from ...identification.unseen_encoders import parting_where_unseen
 from ...model.roles import PLAY
 from ..criteria.worth import ENCODER_ONLY, is_lacked, largest_rms_reduction, penalised_gain
-from .search import add_effects, prune, with_screened
+from .adding import add_effects, prune, with_screened
 from .trace import BEATEN, UNCERTAIN, Round, Search, Trial, new_names
 
 SWAPS = 3

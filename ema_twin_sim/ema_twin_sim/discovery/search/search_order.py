@@ -15,8 +15,10 @@ from ...identification.fit import Fit, fit
 from ...identification.hypothesis import Hypothesis
 from ..criteria.plausible import strained
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
+from .adding import add_effects, entrants, with_one_more
+from .removing import significant
 from .rivals import swapped
-from .search import add_effects, entrants, search, significant, with_one_more
+from .search import search
 from .trace import Search
 
 MORE = 2  # effects that may join those that came in first

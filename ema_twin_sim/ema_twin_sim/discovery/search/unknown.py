@@ -19,8 +19,9 @@ from ..criteria.likeness import likenesses
 from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, is_lacked
+from .adding import add_best
+from .removing import less, significant, with_what_made_room
 from .rivals import substitutes, swapped
-from .search import add_best, less, significant, with_what_made_room
 from .trace import Round, Search, new_names
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds

@@ -17,7 +17,9 @@ from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ..criteria.explained import explained
 from ..criteria.worth import penalised_gain
-from .search import add_effects, depends_on_more, less, prune, settle, significant, torque_left
+from .adding import add_effects, prune, settle
+from .removing import less, significant
+from .search import depends_on_more, torque_left
 from .trace import WANDERS, WANDERS_OVER_TIME, Search
 
 

@@ -1,0 +1,267 @@
+"""Adding: one effect a round. What enters, which of it is taken, and what is needless beside that."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from ...criteria import (
+    BESIDE_IMPACTS,
+    MOST_EFFECTS,
+    NEARLY_ALL,
+)
+from ...effects import catalogue
+from ...identification.candidates import candidates
+from ...identification.comparable import as_compares, cheapest, costs_no_more
+from ...identification.compliance import structural_fits
+from ...identification.equation import EquationErrorProblem
+from ...identification.fit import Fit, fit, fits
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
+from ...identification.local_minima import hopped
+from ...identification.screening import Screened, screen
+from ...identification.sensors import gearbox_shows
+from ...model.roles import TORQUE_FACTOR
+from ...parallel import predictions
+from ..criteria.worth import (
+    has_effect_size,
+    is_lacked,
+    largest_rms_reduction,
+    penalised_gain,
+)
+from .found_orders import order_candidates, resolved
+from .trace import Round, Trial, new_names
+
+ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
+SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
+NEXT_TO_NOTHING = 1e-3  # of an effect's size
+
+
+def settle(f: Fit) -> Fit:
+    """Take weight from outliers, fit again: the fit under a weighting that suits what it leaves over."""
+    for _ in range(4):
+        weighting = f.problem.reweighed(f.raw, BESIDE_IMPACTS if f.parted else math.inf).inflated(f.variance_inflation)
+        if weighting is f.problem.weighting:
+            break
+        f = fit(f.problem.under(weighting), f.hypothesis)
+    return f
+
+
+def beside_impacts(problem: EquationErrorProblem) -> EquationErrorProblem:
+    """The problem under the weighting that play and springs are looked for under."""
+    return problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
+
+
+def add_effects(
+    current: Fit,
+    without: frozenset[str],
+    progress: Callable[[str], None] = lambda text: None,
+    most: int = MOST_EFFECTS,
+) -> tuple[Fit, list[Round]]:
+    """One effect a round, until none is worth its price."""
+
+    def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
+        progress("trying all effects")
+        entering = entrants(current.problem, current, without | excluded)
+        current.differentiate()  # once, for all of them
+        return list(predictions(current.problem.samples, lambda h: with_one_more(current, h), entering))
+
+    return add_best(current, entering, most, progress)
+
+
+def add_best(
+    current: Fit,
+    entering: Callable[[Fit, frozenset[str]], Sequence[Fit]],
+    most: int,
+    progress: Callable[[str], None] = lambda text: None,
+) -> tuple[Fit, list[Round]]:
+    """The best of those ``entering`` a round, until none is worth its price; less what went as soon as it came."""
+    rounds: list[Round] = []
+    excluded: frozenset[str] = frozenset()
+    for _ in range(most):
+        if len(current.hypothesis.added) >= MOST_EFFECTS and not current.hypothesis.base.is_open:
+            break  # what takes more of them is something else
+        turn = take_best(current, entering(current, excluded))
+        rounds.append(turn)
+        if not turn.added:
+            break
+        progress("found " + " and ".join(turn.added))
+        excluded |= added_and_removed([turn])
+        current = turn.after
+    return current, rounds
+
+
+def with_one_more(current: Fit, h: Hypothesis) -> Fit:
+    """A fit of a hypothesis that has one effect more, from where a regression would start it.
+
+    Or, if a straight line led too far, from a typical size, or from where the effect does next to nothing.
+    """
+    name = next(n for n in h.added if n not in current.hypothesis.added)
+    size = catalogue()[h.added[name].effect].parameters[0]
+    tried = [fit(current.problem, h, 6, known=current)]
+    begun = h.instance(name).parameters[size.name]
+    if size.neutral is not None:
+        for value in (size.default, size.neutral + NEXT_TO_NOTHING * (begun - size.neutral)):
+            if costs_no_more(tried[-1], current):
+                break
+            near = h.put({**current.hypothesis.by_path, f"effects.{name}.{size.name}": value})
+            tried.append(fit(current.problem, near, 6, known=current))
+    return cheapest(tried)
+
+
+def add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
+    """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
+    tried, problem = [], current.problem
+    if gearbox_shows(problem, current):
+        tried = structural_fits(problem, current, without)
+        problem = beside_impacts(problem)
+    by_torque = frozenset(
+        c.effect for c in candidates(current.hypothesis) if catalogue()[c.effect].depends_on != "encoders"
+    )
+    tried += fits(problem, entrants(problem, current, without | by_torque), 6)
+    turn = take_best(as_compares(current, problem), tried)
+    return turn.after if turn.added else current, [turn]
+
+
+def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
+    """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
+    choices = Counter(c.effect for c in candidates(current.hypothesis))
+    trials = _ranked((trial_of(current, g) for g in tried), choices)
+    took = _best(current, trials)
+    if took is None and not current.parted:
+        # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
+        near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
+        whole = predictions(current.problem.samples, lambda t: fit(t.fit.problem, t.fit.hypothesis), near)
+        again = [trial_of(current, f) for f in whole]
+        trials = _ranked([*again, *(t for t in trials if t not in near)], choices)
+        took = _best(current, trials)
+    if took is None:
+        return Round(current, trials, current)
+    balanced = fit(took.fit.problem, took.fit.hypothesis.balanced())
+    fresh = [name for name in took.names if name in balanced.hypothesis.added]
+    after = prune(settle(hopped(balanced, fresh) if balanced.parted else balanced))
+    return Round(current, trials, after, took.names, new_names(after, took.fit))
+
+
+def trial_of(before: Fit, after: Fit) -> Trial:
+    """What a fit holds that another has not, and what that gains."""
+    problem = before.problem
+    return Trial(
+        new_names(before, after),
+        after,
+        penalised_gain(before, after),
+        largest_rms_reduction(problem, before, after),
+    )
+
+
+def _ranked(trials: Iterable[Trial], choices: Mapping[str, int]) -> tuple[Trial, ...]:
+    """Best first; a generic basis fits anything: an effect that does nearly as well goes before it.
+
+    So does, before any other effect, what every machine has and this model lacks: where nothing reverses, friction is
+    a load, and a load would be no friction. And of two that do equally well, the one that had fewer ``choices`` of its
+    options to be the best of.
+    """
+    return tuple(sorted(trials, key=lambda t: _by_choice(t, choices) - t.gain * _favour(t)))
+
+
+def _by_choice(t: Trial, choices: Mapping[str, int]) -> float:
+    """What the best of several choices gains by chance, as twice a log-likelihood."""
+    came = (t.fit.hypothesis.added[name].effect for name in t.names if name in t.fit.hypothesis.added)
+    return sum(2.0 * math.log(max(choices.get(id, 1), 1)) for id in came)
+
+
+def _favour(t: Trial) -> float:
+    h = t.fit.hypothesis
+    if {*t.names} & {*h.generic_bases}:
+        return NEARLY_ALL
+    return 1.0 / NEARLY_ALL if all(is_lacked(h, h.added[name].effect) for name in t.names) else 1.0
+
+
+def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
+    """The first that is worth its price, and large enough to be named."""
+    return next((t for t in trials if t.gain > 0.0 and has_effect_size(current.problem, current, t.fit)), None)
+
+
+def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Hypothesis]:
+    """The current hypothesis with each of the most promising effects added."""
+    options = [c for c in candidates(current.hypothesis, without) if c.effect not in COMPLIANT_EFFECTS]
+    options += [c for c in order_candidates(problem, current) if c.effect not in without]
+    ranked = screen(problem, current, resolved(problem, options, current.hypothesis.base))
+    picked: list[Screened] = []
+    for s in ranked:
+        alike = sum(p.candidate.effect == s.candidate.effect for p in picked)
+        if alike < 2 and len(picked) < ENTRANTS and s.gain > (1.0 - NEARLY_ALL) * ranked[0].gain:
+            picked.append(s)
+    return [with_screened(problem, current.hypothesis, s) for s in picked]
+
+
+def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
+    """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
+    lower, upper = problem.bounds(h)
+    room = h.at(np.clip(h.values + s.give_way(), lower, upper))
+    return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
+
+
+def prune(f: Fit, certain: float = math.inf) -> Fit:
+    """Take out effects that are not, or no longer, worth their price, the last added included.
+
+    A generic basis fits anything: beside it, what every machine has and the model lacked stays. So does, however small
+    it is, an effect that gains more than ``certain``.
+    """
+    problem = f.problem
+    while f.hypothesis.added or f.hypothesis.generic_bases:
+        h = f.hypothesis
+        names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]
+        trials = [*zip(names, _less_each(f, names), strict=True)]
+        less = [h.without_generic_basis(n) for n in h.generic_bases]
+        trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
+        needless = [
+            g
+            for n, g in trials
+            if (lost := -penalised_gain(f, g)) <= 0.0
+            or (lost <= certain and not (_on_the_other_side(h, n) or has_effect_size(problem, g, f)))
+        ]
+        if not needless:
+            break
+        best = max(needless, key=lambda g: penalised_gain(f, g))
+        f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
+    return f
+
+
+def _less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
+    """Fits less one of the added effects each.
+
+    To first order in what stays; but where play and a spring are there, each takes the other's place in its own way.
+    """
+    less = fits(f.problem, [without_effect(f.hypothesis, n) for n in names], 6, known=f)
+    compliant = [k for k, n in enumerate(names) if f.hypothesis.added[n].effect in COMPLIANT_EFFECTS]
+    if len(compliant) > 1:
+        for k, whole in zip(compliant, fits(f.problem, [less[k].hypothesis for k in compliant]), strict=True):
+            less[k] = whole
+    return less
+
+
+def _on_the_other_side(h: Hypothesis, name: str) -> bool:
+    """Whether an added friction is one that every machine has, found on both sides of play or a spring.
+
+    The torque shows the sum of both; how they are shared, which winds the spring up and holds the output within the
+    gap, the encoders show.
+    """
+    alike = [i.effect for i in h.added.values() if name in h.added and i.effect == h.added[name].effect]
+    return len(alike) > 1 and catalogue()[alike[0]].every_machine
+
+
+def without_effect(h: Hypothesis, name: str) -> Hypothesis:
+    """A hypothesis less one effect, from where the others make up for it."""
+    instance = h.instance(name)
+    rest = h.without(name)
+    if instance.effect != TORQUE_FACTOR:
+        return rest
+    return rest.with_torques_times(1.0 / instance.parameters["scale"])
+
+
+def added_and_removed(rounds: Iterable[Round]) -> frozenset[str]:
+    """Effects that went as soon as they came."""
+    return frozenset(turn.effect_of(name) for turn in rounds for name in turn.removed if name in turn.added)

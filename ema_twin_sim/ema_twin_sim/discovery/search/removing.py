@@ -1,0 +1,64 @@
+"""Removing: what is not sure to be there goes, and what gave its place to it may come back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...effects import catalogue
+from ...identification.fit import Fit, fit
+from ..criteria.plausible import insignificant
+from ..criteria.worth import (
+    ENCODER_ONLY,
+)
+from .adding import add_effects, prune, settle, without_effect
+from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Search
+
+
+def significant(found: Search) -> Search:
+    """The search less what is not sure to be there; with what had made room for that."""
+    while name := insignificant(found.problem, found.fit):
+        found = with_what_made_room(less(found, [name], UNCERTAIN))
+    return found
+
+
+def with_what_made_room(found: Search) -> Search:
+    """The search with what was needless beside something that is no longer there, where it is worth its price again.
+
+    And with an encoder's own error where that something came in its place, and with what wandering friction explained
+    beside play or a spring that is gone. What was taken out for a reason of its own does not come back.
+    """
+    reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # which is asked beside play and springs alone
+    once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
+    held = {*found.fit.hypothesis.added}
+    for turn in found.taken:
+        if held.isdisjoint(turn.added):
+            once |= ENCODER_ONLY & {e for trial in turn.tried if trial.gain > 0.0 for e in trial.fit.hypothesis.effects}
+    for turn in found.rounds:
+        if turn.reason not in reasons:
+            went = turn.before.hypothesis.added
+            once -= {went[name].effect for name in turn.removed if name in went}
+    back = (once & catalogue().keys()) - {*found.fit.hypothesis.effects}
+    if not back:
+        return found
+    return found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
+
+
+def less(found: Search, names: Sequence[str], reason: str) -> Search:
+    """The search with one more round, in which effects were taken out, and what is needless without them.
+
+    What gave its place to them as better rivals has it back: the end is the one before that.
+    """
+    if not names:
+        return found
+    if (before := _before_swap(found, names)) is not None:
+        return found.ended(before, reason)
+    h = found.fit.hypothesis
+    for name in names:
+        h = without_effect(h, name)
+    return found.ended(prune(settle(fit(found.problem, h))), reason)
+
+
+def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
+    """The end before effects of these ``names`` took the place of others; None where more has gone since then."""
+    last = next((turn for turn in reversed(found.changes) if turn.reason != NEEDLESS), None)
+    return last.before if last is not None and last.reason == BEATEN and {*names} <= {*last.added} else None
