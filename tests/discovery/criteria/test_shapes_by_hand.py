@@ -13,6 +13,7 @@ from ema_twin_sim.criteria import (
     MISFIT_DOUBTED,
     MOSTLY,
     NEARLY_ALL,
+    SMALL,
 )
 from ema_twin_sim.discovery.criteria import likeness, own_shape
 from ema_twin_sim.discovery.criteria.likeness import likenesses
@@ -213,17 +214,22 @@ class TestLikeness:
     """A load in whose place a basis of six columns gains so much, beyond what its five more numbers do by chance."""
 
     def told(self, monkeypatch, stock, gained, basis="output_position#load", left=0.9, needless=0.0, reduces=9.0,
-             effect="constant_load", bases=True, **options):  # fmt: skip
+             effect="constant_load", bases=True, share=0.5, **options):  # fmt: skip
         h = a_hypothesis(stock, effect)
         (name,) = h.added
-        bare = h.without(name)
+        without = h.without(name)
         columns = 6
-        more = len(bare.free) + columns - len(h.free)
+        more = len(without.free) + columns - len(h.free)
         misfit = left * ROWS
         instead = a_fit(
-            bare.with_generic_basis("b", columns), np.ones(ROWS), misfits=(misfit, 0.0), inflations=(SCALE, 7.0 * SCALE)
+            without.with_generic_basis("b", columns),
+            np.ones(ROWS),
+            misfits=(misfit, 0.0),
+            inflations=(SCALE, 7.0 * SCALE),
         )
-        f = a_fit(h, np.ones(ROWS), misfits=(misfit + SCALE * (gained + 2.0 * more), 0.0), **options)
+        further = SCALE * (gained + 2.0 * more)
+        f = a_fit(h, np.ones(ROWS), misfits=(misfit + further, 0.0), **options)
+        bare = a_fit(without, np.ones(ROWS), misfits=(misfit + further + further / share, 0.0))
         monkeypatch.setattr(likeness, "fit", lambda *_, **__: bare)
         monkeypatch.setattr(likeness, "load_bases", lambda *_: {})
         monkeypatch.setattr(likeness, "screen_generic_bases", lambda *_: [(9.0, basis), (1.0, "x")] if bases else [])
@@ -248,6 +254,10 @@ class TestLikeness:
     def test_where_the_dependence_leaves_nothing(self, stock, monkeypatch):
         assert self.told(monkeypatch, stock, 99.0, left=0.99 * MISFIT_DOUBTED)
         assert not self.told(monkeypatch, stock, 99.0, left=1.01 * MISFIT_DOUBTED)
+
+    def test_and_not_only_a_hundredth_more_than_the_effect(self, stock, monkeypatch):
+        assert self.told(monkeypatch, stock, 99.0, share=1.01 * SMALL**2)
+        assert not self.told(monkeypatch, stock, 99.0, share=0.99 * SMALL**2)
 
     def test_and_the_effect_gains_nothing_beside_it(self, stock, monkeypatch):
         assert not self.told(monkeypatch, stock, 99.0, needless=0.1)

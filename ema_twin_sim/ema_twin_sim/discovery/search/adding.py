@@ -214,7 +214,7 @@ def prune(f: Fit, certain: float = math.inf) -> Fit:
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
         names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]
-        trials = [*zip(names, _less_each(f, names), strict=True)]
+        trials = [*zip(names, less_each(f, names), strict=True)]
         less = [h.without_generic_basis(n) for n in h.generic_bases]
         trials += zip(h.generic_bases, fits(problem, less, 4, known=f), strict=True)
         needless = [
@@ -230,7 +230,7 @@ def prune(f: Fit, certain: float = math.inf) -> Fit:
     return f
 
 
-def _less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
+def less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
     """Fits less one of the added effects each.
 
     To first order in what stays; but where play and a spring are there, each takes the other's place in its own way.

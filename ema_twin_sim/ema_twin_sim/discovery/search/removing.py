@@ -4,21 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...criteria import DEPENDS
 from ...effects import catalogue
 from ...identification.fit import Fit, fit
 from ..criteria.plausible import insignificant
-from ..criteria.worth import (
-    ENCODER_ONLY,
-)
-from .adding import add_effects, prune, settle, without_effect
+from ..criteria.worth import ENCODER_ONLY, penalised_gain
+from .adding import add_effects, less_each, prune, settle, without_effect
 from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Search
 
 
 def significant(found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that."""
     while name := insignificant(found.problem, found.fit):
-        found = with_what_made_room(less(found, [name], UNCERTAIN))
+        found = with_what_made_room(less(found, [_least_lost(found.fit, name)], UNCERTAIN))
     return found
+
+
+def _least_lost(f: Fit, uncertain: str) -> str:
+    """The effect to take out where one is uncertain: itself, but for one that explains much and is uncertain beside
+    another alone. Then it is the other, of which less is lost.
+
+    Friction that thins from standstill on takes the place of viscous friction, and explains next to nothing more.
+    """
+    names = [*f.hypothesis.added]
+    lost = {n: -penalised_gain(f, g) for n, g in zip(names, less_each(f, names), strict=True)}
+    return uncertain if lost[uncertain] <= DEPENDS else min(lost, key=lost.__getitem__)
 
 
 def with_what_made_room(found: Search) -> Search:
@@ -61,4 +71,8 @@ def less(found: Search, names: Sequence[str], reason: str) -> Search:
 def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
     """The end before effects of these ``names`` took the place of others; None where more has gone since then."""
     last = next((turn for turn in reversed(found.changes) if turn.reason != NEEDLESS), None)
-    return last.before if last is not None and last.reason == BEATEN and {*names} <= {*last.added} else None
+    if last is None or last.reason != BEATEN or not {*names} <= {*last.added}:
+        return None
+    if last.before.problem.weighting.wander is found.problem.weighting.wander:
+        return last.before
+    return settle(fit(found.problem, last.before.hypothesis))  # that friction wanders was found since
