@@ -4,31 +4,50 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...criteria import DEPENDS
+from ...criteria import DEPENDS, RIVAL_MARGIN
 from ...effects import catalogue
 from ...identification.fit import Fit, fit
 from ..criteria.plausible import insignificant
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .adding import add_effects, less_each, prune, settle, without_effect
+from .rivals import swapped
 from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Search
 
 
 def significant(found: Search) -> Search:
-    """The search less what is not sure to be there; with what had made room for that."""
+    """The search less what is not sure to be there; with what had made room for that.
+
+    An effect that explains much may be uncertain only beside another, of which less is lost: friction that thins from
+    standstill on takes the place of viscous friction, and explains next to nothing more. Then it is the other that
+    goes. Or by its own shape: play of hardly any width, whose teeth wind up as the shaft does that stands in its place.
+    """
     while name := insignificant(found.problem, found.fit):
-        found = with_what_made_room(less(found, [_least_lost(found.fit, name)], UNCERTAIN))
+        names = [*found.fit.hypothesis.added]
+        lost = dict(zip(names, (-penalised_gain(found.fit, g) for g in less_each(found.fit, names)), strict=True))
+        if lost[name] > DEPENDS:
+            if (instead := _sure_instead(found, name)) is not None:
+                return significant(instead)
+            name = min(lost, key=lost.__getitem__)
+        found = with_what_made_room(less(found, [name], UNCERTAIN))
     return found
 
 
-def _least_lost(f: Fit, uncertain: str) -> str:
-    """The effect to take out where one is uncertain: itself, but for one that explains much and is uncertain beside
-    another alone. Then it is the other, of which less is lost.
-
-    Friction that thins from standstill on takes the place of viscous friction, and explains next to nothing more.
-    """
-    names = [*f.hypothesis.added]
-    lost = {n: -penalised_gain(f, g) for n, g in zip(names, less_each(f, names), strict=True)}
-    return uncertain if lost[uncertain] <= DEPENDS else min(lost, key=lost.__getitem__)
+def _sure_instead(found: Search, name: str) -> Search | None:
+    """The search with an uncertain effect's place taken by one that came as near in its round and is sure; or None."""
+    turn = next((turn for turn in found.taken if name in turn.added), None)
+    best = found.fit.hypothesis
+    gained = {} if turn is None else {trial.names: trial for trial in turn.tried if len(trial.names) == 1}
+    if (name,) not in gained:
+        return None
+    for names, trial in gained.items():
+        other = trial.fit.hypothesis.added.get(names[0])
+        if other is None or other.effect in best.effects or trial.gain < gained[(name,)].gain - RIVAL_MARGIN:
+            continue
+        h = best.without(name).with_effect(other.effect, other.options, other.parameters)
+        instead = swapped(found, fit(found.problem, h))
+        if other.effect in instead.fit.hypothesis.effects and not insignificant(instead.problem, instead.fit):
+            return instead
+    return None
 
 
 def with_what_made_room(found: Search) -> Search:
