@@ -1,4 +1,4 @@
-"""What the transport drops, or a reader refuses, is sent again at once and not over and over: the bench does not halt."""
+"""What the transport drops, or a reader refuses, is sent again at once, but not over and over."""
 
 import signal
 import subprocess

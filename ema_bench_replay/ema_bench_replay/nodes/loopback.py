@@ -11,9 +11,10 @@ one of its locks makes every sender wait for that lock, up to 1 s. It takes no l
 
 The kernel drops UDP packets for a process that is not served in time: its buffer holds some 250 samples, of the 5000
 that a node gets as it joins. A reader asks for them when the sender tells what it has sent, which Fast DDS does every
-3 s: again and again 3 s on a machine that is busy, and the bench halts meanwhile. Here it is told every 0.02 s. Once all
-its places are full, Fast DDS tells it with every sample as well; a reader whose places are full then asks for 256 samples
-each time, which it has to refuse again, and has no time left for its work. Here it does not.
+3 s: again and again 3 s on a machine that is busy, and the bench halts meanwhile. Here it is told every 0.02 s.
+
+Once all its places are full, Fast DDS tells it with every sample as well. A reader whose places are full then asks for
+256 samples each time, has to refuse them again, and has no time left for its work. Here it does not.
 """
 
 from __future__ import annotations

@@ -17,6 +17,9 @@ from .hypothesis import Hypothesis
 from .jacobian import jacobian
 from .prediction import Prediction, Predictor
 
+DAMPED = 1e-4
+"""Of a slope's square, at which a fit begins: numbers that hardly differ in what they do are not thrown far apart."""
+
 
 @dataclass(frozen=True, eq=False)
 class Fit:
@@ -141,7 +144,7 @@ def fit(
     inflation = problem.weighting.variance_inflation
     pr, pj = prior_rows(h, inflation)
     cost = problem.misfit(raw) + float(pr @ pr)
-    damping = 0.0
+    damping = DAMPED
     weights = problem.weights(raw)
     differentiate = cache(partial(jacobian, problem, h, predicted, weights, slopes, predictor))
     for _ in range(iterations):
@@ -161,7 +164,10 @@ def fit(
             step[idx] = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(idx)), g[idx] / scale) / scale
             if not np.isfinite(step).all():
                 break
-            trial = h.at(np.clip(h.values + step, lower, upper))
+            moved = np.clip(h.values + step, lower, upper) - h.values
+            if _try == 0 and float(moved @ (2.0 * g - a @ moved)) < tolerance + 1e-5 * cost:
+                break  # no more is to be gained than what ends a fit
+            trial = h.at(h.values + moved)
             p = predictor.predict(trial, side_by_side=True)
             r = problem.residual(p)
             q, _ = prior_rows(trial, inflation)
