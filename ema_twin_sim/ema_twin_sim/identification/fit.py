@@ -164,10 +164,10 @@ def fit(
             step[idx] = np.linalg.solve(normal + (damping + 1e-9) * np.eye(len(idx)), g[idx] / scale) / scale
             if not np.isfinite(step).all():
                 break
-            moved = np.clip(h.values + step, lower, upper) - h.values
+            trial = h.at(np.clip(h.values + step, lower, upper))
+            moved = trial.values - h.values
             if _try == 0 and float(moved @ (2.0 * g - a @ moved)) < tolerance + 1e-5 * cost:
                 break  # no more is to be gained than what ends a fit
-            trial = h.at(h.values + moved)
             p = predictor.predict(trial, side_by_side=True)
             r = problem.residual(p)
             q, _ = prior_rows(trial, inflation)
