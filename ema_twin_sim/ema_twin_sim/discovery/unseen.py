@@ -238,13 +238,17 @@ def gain_where_unseen(f: Fit) -> float:
     """What the added effects gain by the rows of each recording with the numbers that all the others gave.
 
     In units of what is left, beside constants that are fitted without them. The simulated loop does not tell what a
-    fast wave takes away, whose phase it soon loses, nor what the encoders alone show.
+    fast wave takes away, whose phase it soon loses, nor what the encoders alone show. Generic bases are left out: what
+    depends on the time of one recording, no other tells.
     """
-    problem, bare = f.problem, f.hypothesis
+    problem, effects = f.problem, f.hypothesis
+    for name in f.hypothesis.generic_bases:
+        effects = effects.without_generic_basis(name)
+    bare = effects
     for name in f.hypothesis.added:
         bare = bare.without(name)
     costs = []
-    for one in (fit(problem, bare, known=f), f):
+    for one in (fit(problem, bare, known=f), fit(problem, effects, known=f)):
         unseen = np.zeros(problem.rows)
         numbers = held_out(problem, one)
         for t, e, values in zip(problem.torque_parts, problem.encoder_parts, numbers, strict=True):
