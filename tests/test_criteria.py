@@ -44,7 +44,7 @@ METHOD = {
     "identification/side_by_side.py": "LEAST",
     "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",
     "identification/uncertainty.py": "STEP_SHARES RIDGE BLOCKS LEAST_ELSEWHERE",
-    "identification/wandering.py": "SHARES",
+    "identification/wandering.py": "SHARES HARDLY",
     "identification/weighting.py": "FAR INFLATED",
     "comparison/orders.py": "_STEP ORDERS _REFINED _MOST_REFINED _POLISHED _FEWEST_CYCLES _FEWEST_SAMPLES _ENOUGH",
     "comparison/torque_error.py": "BAND ENDS ORDER",

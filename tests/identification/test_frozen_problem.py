@@ -59,7 +59,7 @@ def elsewhere(loaded):
 @pytest.fixture
 def wander(problem):
     directions, _ = np.linalg.qr(np.random.default_rng(2).normal(size=(problem.size, 2)))
-    return Wander(0.1, ((slice(0, problem.size), directions, np.array([9.0, 4.0])),))
+    return Wander(0.1, ((slice(0, problem.size), directions, np.array([9.0, 4.0])),), 99.0)
 
 
 class TestFrozen:

@@ -80,9 +80,11 @@ def wander():
     random = np.random.default_rng(1)
     first, _ = np.linalg.qr(random.normal(size=(40, 3)))
     second, _ = np.linalg.qr(random.normal(size=(25, 2)))
-    return Wander(
-        0.3, ((slice(0, 40), first, np.array([9.0, 4.0, 0.5])), (slice(45, 70), second, np.array([6.0, 1.0])))
+    of_first, of_second = (
+        (slice(0, 40), first, np.array([9.0, 4.0, 0.5])),
+        (slice(45, 70), second, np.array([6.0, 1.0])),
     )
+    return Wander(0.3, (of_first, of_second), 99.0)
 
 
 class TestWhitening:

@@ -21,6 +21,7 @@ class Wander:
 
     share: float
     parts: tuple[tuple[slice, np.ndarray, np.ndarray], ...]  # rows of a recording, directions (m, k), spreads (k,)
+    gain: float  # twice the log-likelihood over a friction that does not wander
 
     @property
     def complexity_penalty(self) -> float:

@@ -16,6 +16,8 @@ from .wander import Wander
 
 SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
 """Of the friction, by which it may wander: from a quarter of a per cent to eleven."""
+HARDLY = 1e-12
+"""Of the largest square of a spread: directions in which less happens are those of rounding."""
 
 
 def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
@@ -34,14 +36,16 @@ def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
         at += c.shape[1]
     # what the numbers of the fit can do themselves tells nothing
     every -= known @ (known.T @ every)
-    directions, spreads, _ = np.linalg.svd(every, full_matrices=False)
-    square, rest = (directions.T @ residual) ** 2, float(residual @ residual)
+    squared_spreads, axes = np.linalg.eigh(every.T @ every)
+    squared_spreads = np.maximum(squared_spreads, HARDLY * squared_spreads[-1])
+    spreads = np.sqrt(squared_spreads)
+    square, rest = (axes.T @ (every.T @ residual) / spreads) ** 2, float(residual @ residual)
     gains = [_log_likelihood(share, spreads, square, rest, problem.size) for share in (0.0, *SHARES)]
     best = int(np.argmax(gains))
     if best == 0 or gains[best] - gains[0] < COST_OF_WANDER:
         return None
     parts = tuple((part, *np.linalg.svd(c, full_matrices=False)[:2]) for part, c in columns)
-    return Wander(SHARES[best - 1], parts)
+    return Wander(SHARES[best - 1], parts, 2.0 * (gains[best] - gains[0]))
 
 
 def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest: float, count: int) -> float:

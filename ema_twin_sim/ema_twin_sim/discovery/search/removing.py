@@ -23,11 +23,13 @@ def significant(found: Search) -> Search:
     """
     while name := insignificant(found.problem, found.fit):
         names = [*found.fit.hypothesis.added]
-        lost = dict(zip(names, (-penalised_gain(found.fit, g) for g in less_each(found.fit, names)), strict=True))
+        less_one = dict(zip(names, less_each(found.fit, names), strict=True))
+        lost = {n: -penalised_gain(found.fit, g) for n, g in less_one.items()}
         if lost[name] > DEPENDS:
             if (instead := _sure_instead(found, name)) is not None:
                 return significant(instead)
-            name = min(lost, key=lost.__getitem__)
+            others = [n for n in sorted(lost, key=lost.__getitem__) if lost[n] < lost[name]]
+            name = next((n for n in others if insignificant(found.problem, less_one[n]) != name), name)
         found = with_what_made_room(less(found, [name], UNCERTAIN))
     return found
 

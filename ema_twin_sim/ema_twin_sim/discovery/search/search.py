@@ -138,26 +138,35 @@ def _gives_way(f: Fit) -> bool:
 def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
     """More effects after ``rounds``, until none is worth its price; or anew, by the torque, beside wandering friction.
 
-    Wandering is asked for where something is left of the torque alone, or as soon as it takes suspiciously many effects
-    to leave nothing. More of them only make what they explain cheaper: what is refused beside that many is refused
-    beside more.
+    Wandering stands in the same comparison as effects do: a round in which it explains more of the torque than the best
+    effect ends the search without it. It is asked for again where something is left in the end, or as soon as
+    suspiciously many effects leave nothing. More of them only make what they explain cheaper: what is refused beside
+    that many is refused beside more.
     """
     later = bool(rounds)  # what the torque alone leaves was asked before
     without = asked.without if later else asked.by_torque
     if not may_wander:
         current, more = add_effects(begun, without, asked.progress, most=asked.most)
         return current, [*rounds, *more]
-    first = min(asked.most, max(USUAL_EFFECTS + 1 - len(begun.hypothesis.added), 1))
-    current, more = add_effects(begun, without, asked.progress, most=first)
-    refused = False
-    if len(more) == first and more[-1].added:
-        if _many(current):
+    current, more = begun, []
+    weaker, refused = later, False  # whether wandering explains less than effects do, and than many of them do
+    while len(more) < asked.most:
+        after, turns = add_effects(current, without | added_and_removed(more), asked.progress, most=1)
+        if not weaker and turns and turns[0].added:
+            wander = wandering(begun.problem, current)
+            if wander is not None and wander.gain > turns[0].tried[0].gain:
+                beside = _beside_wander(asked, begun.problem, current, [*rounds, *more])
+                if beside is not None:
+                    return beside
+                weaker = True
+        current, more = after, [*more, *turns]
+        if not turns or not turns[0].added:
+            break
+        if _many(current) and not refused:
             beside = _beside_wander(asked, _by_torque(current, later), current, [*rounds, *more])
             if beside is not None:
                 return beside
             refused = True
-        current, rest = add_effects(current, without | added_and_removed(more), asked.progress, most=asked.most - first)
-        more += rest
     rounds = [*rounds, *more]
     many = _many(current)
     if (refused and many) or not (many or (torque_left(current) > MISFIT_LEFT and not later)):
