@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, taken
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -166,31 +168,34 @@ def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -
 
 
 class _Columns:
-    """Columns that grow block by block, in place: a long recording is held once, and never twice."""
+    """Columns that grow block by block: a long recording is held once, and never twice."""
 
     def __init__(self) -> None:
         self.size = 0
-        self._arrays: dict[str, np.ndarray] = {}
+        self._columns: dict[str, Column] = {}
 
     def add(self, block: dict[str, np.ndarray]) -> None:
         """Append rows. Signals take no space before they are known: most of them never are."""
-        size = self.size + len(block["stamp"])
         for name, values in block.items():
-            if name not in self._arrays:
+            if name not in self._columns:
                 if name in SIGNALS and np.isnan(values).all():
                     continue
-                self._arrays[name] = np.full(self.size, np.nan if name in SIGNALS else 0, values.dtype)
-            array = self._arrays[name]
-            if len(array) < size:
-                array.resize(size + size // 4, refcheck=False)
-            array[self.size : size] = values
-        self.size = size
+                self._columns[name] = self._unknown_before(name, values.dtype)
+            self._columns[name].add(values)
+        self.size += len(block["stamp"])
+        for name, column in self._columns.items():
+            if column.size < self.size:  # a field that this block's messages do not have
+                column.add(np.full(self.size - column.size, np.nan if name in SIGNALS else 0))
 
     def finish(self) -> dict[str, np.ndarray]:
         """The columns, each of the length that all have."""
-        for array in self._arrays.values():
-            array.resize(self.size, refcheck=False)
-        return self._arrays
+        return {name: column.finish() for name, column in self._columns.items()}
+
+    def _unknown_before(self, name: str, kind: np.dtype) -> Column:
+        column = Column(kind)
+        for rows in pieces(self.size):
+            column.add(np.full(rows.stop - rows.start, np.nan if name in SIGNALS else 0, kind))
+        return column
 
 
 class _Samples:
@@ -201,42 +206,42 @@ class _Samples:
         self.warnings: list[str] = []
         self.origins = {name: float(columns.pop(name)[0]) for name in _ORIGINS if name in columns}
         log_times = self.columns.pop("log_time")
-        if (log_times[1:] < log_times[:-1]).any():
+        if any((part[1:] < part[:-1]).any() for part in overlapping(log_times)):
             self._keep(np.argsort(log_times, kind="stable"))
 
     def first_run(self) -> None:
         """Keep the first run: runs are told apart by their number, else by a stamp that goes back."""
         if "run" in self.columns:
             runs = self.columns["run"]
-            of_first = runs == runs[0]
-            if of_first.all():
+            later = (runs[rows][runs[rows] != runs[0]] for rows in pieces(len(runs)))
+            others = {int(run) for part in later for run in np.unique(part)}
+            if not others:
                 return
-            count = len(np.unique(runs))
-            self._keep(np.flatnonzero(of_first))
+            count = 1 + len(others)
+            self._keep(np.flatnonzero(by_pieces(lambda part: part == runs[0], runs)))
         else:
-            back = np.flatnonzero(np.diff(self.columns["stamp"]) < 0)
-            if not back.size:
+            back = [place for place, step in _standing(self.columns["stamp"]) if step < 0]
+            if not back:
                 return
-            count = back.size + 1
+            count = len(back) + 1
             self._keep(np.arange(back[0] + 1))
         self._warn(f"holds {count} runs; the first one is used ({len(self.columns['stamp'])} samples)")
 
     def in_order(self) -> None:
         """Sort, drop what is repeated, and count what is missing."""
         key = self.columns.get("sequence", self.columns["stamp"])
-        if (key[1:] <= key[:-1]).any():
+        if any((part[1:] <= part[:-1]).any() for part in overlapping(key)):
             _, first = np.unique(key, return_index=True)
             repeated = len(key) - len(first)
             self._keep(first)
             if repeated:
                 self._warn(f"{repeated} samples are there twice; used once")
         stamps = self.columns["stamp"]
-        wrong = np.flatnonzero(np.diff(stamps) <= 0)
-        if wrong.size:
+        if (wrong := next(_standing(stamps), None)) is not None:
             raise self._error(f"time does not go on at sample {wrong[0] + 1}", "record it again, one run at a time")
         if "sequence" in self.columns:
-            sequence = self.columns["sequence"].astype(np.int64)
-            late, missing = int(sequence[0]), int(sequence[-1] - sequence[0]) + 1 - len(sequence)
+            sequence = self.columns["sequence"]
+            late, missing = int(sequence[0]), int(sequence[-1]) - int(sequence[0]) + 1 - len(sequence)
             if late:
                 self._warn(f"begins with sample {late} of its run: the recorder came late")
             if missing:
@@ -254,7 +259,7 @@ class _Samples:
         warnings = list(dict.fromkeys([*warnings, *self.warnings]))
         return Recording(
             self.name,
-            stamps - stamps[0],
+            by_pieces(lambda part: part - stamps[0], stamps),
             signals,
             int(stamps[0]),
             **self.origins,
@@ -264,13 +269,12 @@ class _Samples:
 
     def _is_known(self, name: str, stamps: np.ndarray) -> bool:
         """Whether a signal is known throughout; False where it never is. Unknown in places is an error."""
-        known = np.isfinite(self.columns[name])
-        if known.all():
-            return True
-        if not known.any():
-            return False
-        first = int(np.argmin(known))
-        what = f"{name} is not a number in {np.count_nonzero(~known)} of {len(known)} samples"
+        values = self.columns[name]
+        known = sum(np.count_nonzero(np.isfinite(values[rows])) for rows in pieces(len(values)))
+        if known in (0, len(values)):
+            return bool(known)
+        first = int(np.argmin(by_pieces(np.isfinite, values)))
+        what = f"{name} is not a number in {len(values) - known} of {len(values)} samples"
         where = f"first {(stamps[first] - stamps[0]) * 1e-9:g} s after the start"
         if name == "unexplained_torque":
             self._warn(f"{what}, {where}; left out")
@@ -279,10 +283,19 @@ class _Samples:
 
     def _keep(self, places: np.ndarray) -> None:
         for name in self.columns:
-            self.columns[name] = self.columns[name][places]
+            self.columns[name] = by_pieces(partial(taken, self.columns[name]), places)
 
     def _warn(self, message: str) -> None:
         self.warnings.append(f"{self.file.name}: {self.topic}: {message}")
 
     def _error(self, wrong: str, remedy: str) -> InputError:
         return InputError(f"{self.file}: {self.topic}: {wrong}; {remedy}")
+
+
+def _standing(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
+    """(sample, step [ns] from it to the next) wherever time does not go on."""
+    first = 0
+    for part in overlapping(stamps):
+        steps = np.diff(part)
+        yield from ((first + int(i), int(steps[i])) for i in np.flatnonzero(steps <= 0))
+        first += len(steps)

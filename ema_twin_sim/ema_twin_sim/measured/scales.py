@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import Recording, spread
 
 from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SMALL, STANDSTILL
 from ..effects import catalogue, find_effect
@@ -169,7 +169,7 @@ def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Record
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
     """The rms of the drive's torque [N m, N where the machine is linear] over all recordings; 0 where none has one."""
-    parts = [np.abs(recording.signals["current"]) for recording in recordings if recording.has("current")]
+    parts = [np.abs(recording.signals["current"]) for recording in spread(recordings) if recording.has("current")]
     sizes = np.concatenate([part[np.isfinite(part)] for part in parts]) if parts else np.zeros(0)
     if not len(sizes):
         return 0.0
@@ -186,7 +186,7 @@ def drum_radius(recordings: Sequence[Recording]) -> float:
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:
     """Sizes (m,) of each speed [m/s]: measured, or of the motor's position where samples follow each other in time."""
-    for recording in recordings:
+    for recording in spread(recordings):
         if recording.has("speed"):
             speed = np.abs(recording.signals["speed"])
         elif recording.has("motor_position") and not recording.of_points:
