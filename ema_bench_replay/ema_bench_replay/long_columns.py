@@ -187,16 +187,24 @@ def extremes(column: np.ndarray) -> tuple[float, float]:
     return float(least), float(greatest)
 
 
+def at_once(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
+    """The parts, which are asked for again and again: as a single one where they are not long together."""
+    if is_long(sum(map(len, parts()))):
+        return parts
+    whole = [np.concatenate([np.zeros(0), *parts()])]
+    return lambda: whole
+
+
 def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
     """As ``np.quantile`` over all values of the parts together, which are asked for again and again; NaN without any.
 
     None of the values may be NaN.
     """
+    parts = at_once(parts)
     count = sum(map(len, parts()))
-    if not count:
-        return float("nan")
     if not is_long(count):
-        return float(np.quantile(np.concatenate(list(parts())), share))
+        (whole,) = parts()
+        return float(np.quantile(whole, share)) if count else math.nan
     place = (count - 1) * share
     below, above = _neighbours(parts, count, int(place))
     beyond = place - int(place)
@@ -206,11 +214,11 @@ def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
 
 def median(parts: Callable[[], Iterable[np.ndarray]]) -> float:
     """As ``np.median`` over all values of the parts together; see ``quantile``."""
+    parts = at_once(parts)
     count = sum(map(len, parts()))
-    if not count:
-        return float("nan")
     if not is_long(count):
-        return float(np.median(np.concatenate(list(parts()))))
+        (whole,) = parts()
+        return float(np.median(whole)) if count else math.nan
     below, above = _neighbours(parts, count, (count - 1) // 2)
     return below if count % 2 else 0.5 * (below + above)
 
