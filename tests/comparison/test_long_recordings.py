@@ -53,7 +53,8 @@ def gapped(bench):
 def turned(bench):
     """The recording with a motor that goes so far that its turns are taken in several cuts."""
     way = 2.0 * math.pi * 20_000.0 * np.linspace(0.0, 1.0, len(bench))
-    return with_signals(bench, {**bench.signals, "motor_position": bench.signals["motor_position"] + way})
+    ways = {"motor_position": way, "output_position": way / 124.0}
+    return with_signals(bench, bench.signals | {name: bench.signals[name] + more for name, more in ways.items()})
 
 
 VARIANTS = {

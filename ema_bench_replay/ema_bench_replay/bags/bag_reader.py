@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -27,20 +27,25 @@ _NAMED = 5  # of the topics that an error lists
 _EVIDENCE = "/evidence/"  # what the topics of a search's evidence begin with
 
 
-def read_bag(path: str | Path | Sequence[Path], *, topic: str | None = None) -> Recording:
+def read_bag(
+    path: str | Path | Sequence[Path],
+    *,
+    topic: str | None = None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
     """Read the EmaState messages of one topic: `topic`, else /bench/state, else the only one there is.
 
     `path` is an MCAP, a folder with one recording, or the files of one that was split, in their order. The samples are
     those of the first run in the bag, in the order of their sequence (of their stamps where they have none); repeated
     ones are dropped. A signal that is NaN throughout is absent; one that is NaN in places is refused, but for
     unexplained_torque, which a twin may not know at once. A damaged file is used up to the damage. What was left out is
-    told in the warnings. Raises InputError.
+    told in the warnings. `progress` is told the share of the bytes that was read. Raises InputError.
     """
     files = _files(Path(path)) if isinstance(path, (str, Path)) else tuple(path)
     place = files[0] if len(files) == 1 else files[0].with_name(f"{files[0].name} to {files[-1].name}")
     scans = [McapScan(file) for file in files]
     topic, schema, types = _choose(place, scans, topic)
-    columns = _read(scans, topic, schema, types)
+    columns = _read(scans, topic, schema, types, progress)
     damaged = [scan for scan in scans if scan.damage]
     warnings = [f"{scan.path.name}: {scan.damage}; used up to the last whole part" for scan in damaged]
     if not columns:
@@ -145,7 +150,9 @@ def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[t
                 raise InputError(f"{scan.path}: a message {error}; record it again") from None
 
 
-def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -> dict[str, np.ndarray]:
+def _read(
+    scans: Sequence[McapScan], topic: str, schema: Schema, types: Types, progress: Callable[[float], None]
+) -> dict[str, np.ndarray]:
     """All samples of a topic, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
 
     The angle origins are those of the first message: a run has one.
@@ -153,7 +160,9 @@ def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -
     columns = _Columns()
     root = "/".join(STATE_TYPE.split("/")[::2])
     origins: dict[str, np.ndarray] = {}
+    total = sum(scan.size for scan in scans)
     for scan, block in _blocks(scans, topic, schema):
+        progress(sum(scan.place for scan in scans) / total)
         try:
             fields = decode(types, root, block.data, block.offsets, block.sizes, _NAMES)
             if not columns.size:

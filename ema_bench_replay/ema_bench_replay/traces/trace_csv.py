@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
@@ -25,16 +26,18 @@ _UNEQUAL = 0.01
 _REPEATED = 0.1
 
 
-def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
+def read_trace(
+    path: str | Path, import_map: ImportMap, progress: Callable[[float], None] = lambda share: None
+) -> Recording:
     """Read a text trace through an import map.
 
     Both positions begin at zero; what the counters showed there is kept as their angle origins. All other values are
     those of the text times the unit's SI value. The metadata hold source, hash and map, and what `write_trace` needs to
-    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. Raises
-    InputError.
+    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. `progress` is
+    told the share that was read. Raises InputError.
     """
     path = Path(path)
-    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
+    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places, progress)
     return recording_of(table, import_map)
 
 

@@ -76,6 +76,7 @@ def read_table(
     delimiter: str | None = None,
     number_format: str | None = None,
     needed: Callable[[list[str]], Collection[int]] = all_columns,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
@@ -83,10 +84,10 @@ def read_table(
     row of units below it: they are then in brackets behind the names. Columns may stand apart by blanks. Times of day
     and dates are told in s. A cut last row is left out, with a warning. `delimiter` and `number_format` ("german",
     "english") are found out where they are None. `needed` tells of a header which columns must hold numbers; others may
-    hold words and empty cells. Raises InputError.
+    hold words and empty cells. `progress` is told the share that was read. Raises InputError.
     """
     try:
-        if path.stat().st_size > LARGEST:
+        if (size := path.stat().st_size) > LARGEST:
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
         with path.open("rb") as file:
             sha256 = _sha256(file)
@@ -100,7 +101,9 @@ def read_table(
             header_text, header_line, body = _header(path, first)
             rows = _RowReader(path, header_text, header_line, body, delimiter, number_format, needed)
             parts = [rows.read(body, is_last)]
-            parts += [rows.read(block, is_last) for block, is_last in blocks]
+            for block, is_last in blocks:
+                progress(file.tell() / size)
+                parts.append(rows.read(block, is_last))
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from None
     except NotText:

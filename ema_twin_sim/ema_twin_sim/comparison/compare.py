@@ -95,13 +95,14 @@ def compare(
     step: float | None = None,
     noise: Mapping[str, float] | None = None,
     progress: Callable[[str], None] = lambda name: None,
+    within: Callable[[str, float], None] = lambda name, share: None,
 ) -> Comparison:
     """Simulate the model beside each recording and compare; nothing is estimated.
 
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``noise`` the
     noise floor, by default that of these recordings beside this model: several models beside the same recordings share
-    one. ``progress`` is called with each recording's name when it is done. Raises InputError where a recording lacks
-    the input's signal.
+    one. ``progress`` is called with each recording's name when it is done, ``within`` with the name of a long one and
+    the share of it that was simulated. Raises InputError where a recording lacks the input's signal.
     """
     given, asked = recordings, model
     noise = noise_of(recordings, model) if noise is None else noise
@@ -113,7 +114,11 @@ def compare(
     starts: list[str] = []
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    besides = simulations(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
+
+    def beside(recording: Recording, chosen: str) -> tuple[RunningComparison, dict[str, Stretch]]:
+        return _beside(recording, model, chosen, step, noise, partial(within, recording.name))
+
+    besides = simulations(beside, recordings, inputs)
     for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
         for name, part in parts.items():
             stretches[name].append(part)
@@ -175,14 +180,24 @@ def compare_all(
     *,
     step: float | None = None,
     progress: Callable[[str, str], None] = lambda model, name: None,
+    within: Callable[[str, str, float], None] = lambda model, name, share: None,
 ) -> list[Comparison]:
     """Compare several models with the same recordings, beside one noise floor: that of the first.
 
-    ``progress`` is called with the model's and the recording's name.
+    ``progress`` is called with the model's and the recording's name, ``within`` with these and the share of a long
+    recording that was simulated.
     """
     noise = noise_of(recordings, models[0])
     return [
-        compare(recordings, model, source, step=step, noise=noise, progress=partial(progress, model.name))
+        compare(
+            recordings,
+            model,
+            source,
+            step=step,
+            noise=noise,
+            progress=partial(progress, model.name),
+            within=partial(within, model.name),
+        )
         for model in models
     ]
 
@@ -205,10 +220,15 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
 
 
 def _beside(
-    recording: Recording, model: Model, source: str, step: float | None, noise: Mapping[str, float]
+    recording: Recording,
+    model: Model,
+    source: str,
+    step: float | None,
+    noise: Mapping[str, float],
+    progress: Callable[[float], None],
 ) -> tuple[RunningComparison, dict[str, Stretch]]:
     """The errors of a twin beside a recording, and those that are traced to a place; the twin itself is let go of."""
-    twin = simulate(model, recording, source, step=step, wanted=UNITS)
+    twin = simulate(model, recording, source, step=step, wanted=UNITS, progress=progress)
     running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
