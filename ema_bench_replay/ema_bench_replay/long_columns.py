@@ -114,17 +114,21 @@ class Column:
         self._values = np.empty(0, self._kind)
 
 
-def by_pieces(function: Callable[..., np.ndarray], *columns: np.ndarray) -> np.ndarray:
-    """What a function makes of columns (n,), piece by piece: as many values as it gives for each piece, in a row."""
+def by_pieces(function: Callable[..., np.ndarray], *columns: np.ndarray, margin: int = 0) -> np.ndarray:
+    """What a function makes of columns (n,), piece by piece: as many values as it gives for each piece, in a row.
+
+    With a ``margin`` it sees so many samples on either side of each piece, and gives a value a sample.
+    """
     count = len(columns[0])
     if not is_long(count):
         return function(*columns)
-    parts = (function(*(column[rows] for column in columns)) for rows in pieces(count))
-    first = next(parts)
-    made = Column(first.dtype)
-    made.add(first)
-    for values in parts:
-        made.add(values)
+    made: Column | None = None
+    for rows in pieces(count):
+        seen = slice(max(rows.start - margin, 0), min(rows.stop + margin, count))
+        values = function(*(column[seen] for column in columns))
+        made = made or Column(values.dtype)
+        made.add(values[rows.start - seen.start :][: rows.stop - rows.start] if margin else values)
+    assert made is not None  # a long column has pieces
     return made.finish()
 
 
@@ -161,15 +165,12 @@ def overlapping(column: np.ndarray) -> Iterator[np.ndarray]:
 
 def slopes(values: np.ndarray, over: np.ndarray) -> np.ndarray:
     """As ``np.gradient`` of values (n,) over what rises strictly (n,)."""
-    count = len(values)
-    if not is_long(count):
-        return np.gradient(values, over)
-    made = Column(np.float64)
-    for rows in pieces(count):
-        beside = slice(max(rows.start - 1, 0), min(rows.stop + 1, count))
-        found = np.gradient(values[beside], over[beside])
-        made.add(found[rows.start - beside.start : rows.stop - beside.start])
-    return made.finish()
+    return by_pieces(np.gradient, values, over, margin=1)
+
+
+def differences(column: np.ndarray) -> np.ndarray:
+    """As ``np.diff`` of a column (n,)."""
+    return by_pieces(np.subtract, column[1:], column[:-1])
 
 
 def mean_of(column: np.ndarray) -> np.floating:
@@ -185,6 +186,27 @@ def extremes(column: np.ndarray) -> tuple[float, float]:
         least = np.fmin(least, np.fmin.reduce(column[rows]))
         greatest = np.fmax(greatest, np.fmax.reduce(column[rows]))
     return float(least), float(greatest)
+
+
+def places_where(condition: Callable[..., np.ndarray], *columns: np.ndarray) -> np.ndarray:
+    """The places (m,) in columns (n,) of what a condition holds of."""
+    of_pieces = pieces(len(columns[0]))
+    return np.concatenate([r.start + np.flatnonzero(condition(*(column[r] for column in columns))) for r in of_pieces])
+
+
+def steps_where(condition: Callable[[np.ndarray], np.ndarray], column: np.ndarray) -> np.ndarray:
+    """The places (m,) of the steps between neighbours in a column (n,) of which a condition holds."""
+    return places_where(lambda later, earlier: condition(later - earlier), column[1:], column[:-1])
+
+
+def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """The column (n,) less some rows, which rise."""
+    if not is_long(len(column)):
+        return np.delete(column, rows)
+    made = Column(column.dtype)
+    for piece in pieces(len(column)):
+        made.add(np.delete(column[piece], rows[slice(*np.searchsorted(rows, (piece.start, piece.stop)))] - piece.start))
+    return made.finish()
 
 
 def at_once(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import by_pieces, is_long, median, overlapping, pieces, spread_pieces
+from ema_bench_replay.long_columns import by_pieces, is_long, median, overlapping, pieces, spread_pieces, steps_where
 from ema_bench_replay.units import MOTIONS
 
 #: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
@@ -139,15 +139,13 @@ class Recording:
         if self.of_points:
             return ()
         period = self.sample_period
-        found = []
-        first = 0  # sample before the first step of a piece
-        for part in overlapping(self.stamps):
-            lengths = np.diff(part) * 1e-9
-            for i in np.flatnonzero(lengths > _GAP_FACTOR * period):
-                at = float(self.stamps[first + i]) * 1e-9
-                found.append(Gap(at, float(lengths[i]), round(lengths[i] / period) - 1))
-            first += len(lengths)
-        return tuple(found)
+        places = steps_where(lambda steps: steps * 1e-9 > _GAP_FACTOR * period, self.stamps)
+        times, steps = (
+            values * 1e-9 for values in (self.stamps[places], self.stamps[places + 1] - self.stamps[places])
+        )
+        return tuple(
+            Gap(float(time), float(step), round(step / period) - 1) for time, step in zip(times, steps, strict=True)
+        )
 
     def has(self, *names: str) -> bool:
         """Whether all these signals are there."""

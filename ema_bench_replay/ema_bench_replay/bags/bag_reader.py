@@ -15,7 +15,7 @@ from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, taken
+from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, steps_where, taken
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -229,10 +229,10 @@ class _Samples:
             count = 1 + len(others)
             self._keep(np.flatnonzero(by_pieces(lambda part: part == runs[0], runs)))
         else:
-            back = [place for place, step in _standing(self.columns["stamp"]) if step < 0]
-            if not back:
+            back = steps_where(lambda steps: steps < 0, self.columns["stamp"])
+            if not back.size:
                 return
-            count = len(back) + 1
+            count = back.size + 1
             self._keep(np.arange(back[0] + 1))
         self._warn(f"holds {count} runs; the first one is used ({len(self.columns['stamp'])} samples)")
 
@@ -246,7 +246,8 @@ class _Samples:
             if repeated:
                 self._warn(f"{repeated} samples are there twice; used once")
         stamps = self.columns["stamp"]
-        if (wrong := next(_standing(stamps), None)) is not None:
+        wrong = steps_where(lambda steps: steps <= 0, stamps)
+        if wrong.size:
             raise self._error(f"time does not go on at sample {wrong[0] + 1}", "record it again, one run at a time")
         if "sequence" in self.columns:
             sequence = self.columns["sequence"]
@@ -299,12 +300,3 @@ class _Samples:
 
     def _error(self, wrong: str, remedy: str) -> InputError:
         return InputError(f"{self.file}: {self.topic}: {wrong}; {remedy}")
-
-
-def _standing(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
-    """(sample, step [ns] from it to the next) wherever time does not go on."""
-    first = 0
-    for part in overlapping(stamps):
-        steps = np.diff(part)
-        yield from ((first + int(i), int(steps[i])) for i in np.flatnonzero(steps <= 0))
-        first += len(steps)
