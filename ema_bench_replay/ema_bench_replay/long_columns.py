@@ -58,7 +58,7 @@ def pieces(count: int, multiple: int = 1) -> Iterator[slice]:
 
 
 def spread_pieces(count: int) -> list[slice]:
-    """Some of the pieces of so many samples, evenly over these, that are no more than ``WHOLE`` together."""
+    """Some of the pieces of so many samples, evenly over these, that are about ``WHOLE`` together."""
     every = list(pieces(count))
     chosen = np.linspace(0, len(every) - 1, max(1, min(WHOLE // PIECE, len(every))))
     return [every[k] for k in chosen.round().astype(int)]
@@ -99,8 +99,11 @@ class Column:
         if self._file is None:
             self._values.resize(self.size, refcheck=False)
             return self._values
-        with self._file as file:
-            mapping = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        try:
+            with self._file as file:
+                mapping = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        except OSError as error:  # too many are open
+            raise _no_room(error) from None
         with _lock:
             _mappings.add(mapping)
         return np.frombuffer(mapping, self._kind)
@@ -211,9 +214,14 @@ def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 def at_once(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
     """The parts, which are asked for again and again: as a single one where they are not long together."""
-    if is_long(sum(map(len, parts()))):
-        return parts
-    whole = [np.concatenate([np.zeros(0), *parts()])]
+    held = [np.zeros(0)]
+    count = 0
+    for part in parts():
+        count += len(part)
+        if is_long(count):
+            return parts
+        held.append(part)
+    whole = [np.concatenate(held)] if len(held) != 2 else held[1:]
     return lambda: whole
 
 
@@ -286,7 +294,8 @@ def _write(file: BinaryIO, values: np.ndarray) -> None:
 
 
 def _no_room(error: OSError) -> InputError:
+    folder = tempfile.tempdir or os.environ.get("TMPDIR", "/tmp")  # where it is not the first, none can be written to
     return InputError(
-        f"{tempfile.gettempdir()}: a long recording cannot be laid down there ({error.strerror}); make room, or name "
-        "another folder in TMPDIR"
+        f"{folder}: a long recording cannot be laid down there ({error.strerror}); make room, or name another folder in "
+        "TMPDIR"
     )

@@ -62,7 +62,7 @@ def test_pieces_follow_each_other_and_none_is_short(short):
         assert found[-1].stop == count
         assert all((part.stop - part.start) % 7 == 0 for part in found[:-1])
         assert min(part.stop - part.start for part in found) >= 140
-    assert sum(part.stop - part.start for part in spread_pieces(100_000)) <= 1000
+    assert sum(part.stop - part.start for part in spread_pieces(100_000)) < 1200
     assert spread_pieces(800) == [slice(0, 800)]
 
 
@@ -149,6 +149,6 @@ def test_parts_of_a_long_recording_are_cut_as_between_cuts_them(short):
     second = recording.between(parts[0].duration + 0.001, parts[0].duration + parts[1].duration + 0.003)
     assert (len(parts[1]), parts[1].motor_angle_origin) == (len(second), second.motor_angle_origin)
     np.testing.assert_array_equal(parts[1].signals["motor_position"], second.signals["motor_position"])
-    assert sum(map(len, recording.spread())) <= 1000
+    assert sum(map(len, recording.spread())) < 1200
     brief = recording.between(0.0, 1.0)
     assert (*brief.parts(), *brief.spread()) == (brief, brief)
