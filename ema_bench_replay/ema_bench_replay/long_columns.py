@@ -296,6 +296,6 @@ def _write(file: BinaryIO, values: np.ndarray) -> None:
 def _no_room(error: OSError) -> InputError:
     folder = tempfile.tempdir or os.environ.get("TMPDIR", "/tmp")  # where it is not the first, none can be written to
     return InputError(
-        f"{folder}: a long recording cannot be laid down there ({error.strerror}); make room, or name another folder in "
-        "TMPDIR"
+        f"{folder}: a long recording cannot be laid down there ({error.strerror}); make room, or name another folder "
+        "in TMPDIR"
     )
