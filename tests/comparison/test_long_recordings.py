@@ -14,6 +14,7 @@ from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
 from ema_twin_sim.comparison.compare import compare
+from ema_twin_sim.measured import order_spectrum
 from ema_twin_sim.model import load_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.simulate import simulate
@@ -29,7 +30,8 @@ def bench(stock):
 
 @pytest.fixture
 def by_pieces(monkeypatch):
-    """What makes recordings long from 2001 samples on."""
+    """What makes recordings long from 2001 samples on; cuts of an angle are short in any case."""
+    monkeypatch.setattr(order_spectrum, "_LARGEST", 1 << 14)
 
     def begin():
         monkeypatch.setattr(long_columns, "WHOLE", 2000)
@@ -51,8 +53,8 @@ def gapped(bench):
 
 
 def turned(bench):
-    """The recording with a motor that goes so far that its turns are taken in several cuts."""
-    way = 2.0 * math.pi * 20_000.0 * np.linspace(0.0, 1.0, len(bench))
+    """The recording with a motor that goes so far that its turns are taken in several cuts, of 32 turns each."""
+    way = 2.0 * math.pi * 200.0 * np.linspace(0.0, 1.0, len(bench))
     ways = {"motor_position": way, "output_position": way / 124.0}
     return with_signals(bench, bench.signals | {name: bench.signals[name] + more for name, more in ways.items()})
 
