@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.markup import escape
 
-from ema_bench_replay.long_columns import extremes, mean_of
 from ema_bench_replay.units import signal_unit
 
 from ..quantities import quantity
@@ -48,6 +47,8 @@ def run(
 
 
 def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
+    from ema_bench_replay.long_columns import extremes, mean_of
+
     from .inputs import load_runs, write_json
 
     contents = []
