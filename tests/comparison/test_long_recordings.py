@@ -13,6 +13,7 @@ from ema_bench_replay import long_columns
 from ema_bench_replay.bags.bag_writer import write_bag
 from ema_bench_replay.load import load
 from ema_bench_replay.recording import Recording
+from ema_twin_sim.commands import output
 from ema_twin_sim.comparison.compare import compare
 from ema_twin_sim.measured import order_spectrum
 from ema_twin_sim.model import load_model
@@ -150,6 +151,20 @@ def test_a_signal_of_the_wrong_unit_is_named_once(bench, stock, by_pieces):
     told = compare([wrong], stock).warnings
     assert len(told) == len(whole) > 0
     assert "rpm" in told[0]
+
+
+def test_a_log_tells_how_much_of_a_long_recording_was_compared(monkeypatch, capsys):
+    for name in ("_SECONDS_BETWEEN_LOG_LINES", "_SECONDS_BETWEEN_SHARES"):
+        monkeypatch.setattr(output, name, 0.0)
+    with output.counted(2, "comparing") as done:
+        done.within("night", 0.25)
+        done.within("night", 0.5)
+        done("night")
+        done.within("day", 0.5)
+    told = capsys.readouterr().err.splitlines()
+    wanted = ("25 % of night", "50 % of night", "1 of 2 done (night)", "50 % of day")
+    assert [words in line for words, line in zip(wanted, told, strict=True)] == [True] * 4
+    assert all("left" in line for line in told)
 
 
 MEASURE = """

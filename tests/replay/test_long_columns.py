@@ -129,7 +129,10 @@ def test_a_long_recording_is_read_as_a_short_one(tmp_path, monkeypatch):
     whole = load(bag)
     monkeypatch.setattr(long_columns, "WHOLE", 1000)
     monkeypatch.setattr(long_columns, "PIECE", 300)
-    long = load(bag)
+    shares = []
+    long = load(bag, progress=shares.append)
+    assert shares == sorted(shares)
+    assert 0.0 < shares[0] < 0.5 < shares[-1] <= 1.0
     assert not any(values.flags.writeable for values in long.signals.values())
     for one, other in ((whole, long), (whole.between(0.1, 7.0), long.between(0.1, 7.0))):
         assert (one.sample_period, one.gaps, one.start) == (other.sample_period, other.gaps, other.start)
