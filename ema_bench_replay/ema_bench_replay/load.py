@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ema_bench_replay.errors import InputError
@@ -11,10 +11,15 @@ from ema_bench_replay.recording import Recording
 _TRACES = (".csv", ".txt", ".tsv")
 
 
-def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens") -> Recording:
+def load(
+    path: str | Path | Sequence[Path],
+    *,
+    import_map: str | Path = "siemens",
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
     """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
 
-    A recording that was split is its folder, or the sequence of its files.
+    A recording that was split is its folder, or the sequence of its files. `progress` is told the share that was read.
 
     Both positions of a run begin at zero (see `Recording.from_zero`), wherever they were. Raises InputError, in one
     line, where there is none or it cannot be used.
@@ -27,13 +32,13 @@ def load(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens
     if path.is_dir() or path.suffix.lower() == ".mcap":
         from ema_bench_replay.bags.bag_reader import read_bag
 
-        recording = read_bag(path if len(files) == 1 else files)
+        recording = read_bag(path if len(files) == 1 else files, progress=progress)
         return recording if recording.of_points else recording.from_zero()  # as a trace is read, and a live twin counts
     if path.suffix.lower() in _TRACES:
         from ema_bench_replay.traces.import_map import load_map
         from ema_bench_replay.traces.trace_csv import read_trace
 
-        return read_trace(path, load_map(import_map))
+        return read_trace(path, load_map(import_map), progress)
     from ema_bench_replay.bags.bag_parts import how_to_convert
 
     if other := how_to_convert(path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import by_pieces, is_long, median, overlapping, pieces, spread_pieces, steps_where
 from ema_bench_replay.units import MOTIONS
 
 #: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
@@ -85,7 +86,7 @@ class Recording:
 
     def __post_init__(self) -> None:
         stamps = _frozen(self.stamps, np.int64)
-        if stamps.ndim != 1 or not stamps.size or stamps[0] != 0 or (stamps[1:] <= stamps[:-1]).any():
+        if stamps.ndim != 1 or not stamps.size or stamps[0] != 0 or not _rise(stamps):
             raise ValueError(f"{self.name}: stamps must be one-dimensional and rise strictly from 0")
         signals = {name: _frozen(values, np.float64) for name, values in self.signals.items()}
         for name, values in signals.items():
@@ -110,7 +111,7 @@ class Recording:
     @cached_property
     def time(self) -> np.ndarray:
         """Seconds since the first sample, float64 (n,)."""
-        return _frozen(self.stamps * 1e-9, np.float64)
+        return _frozen(by_pieces(lambda stamps: stamps * 1e-9, self.stamps), np.float64)
 
     @property
     def motion(self) -> str:
@@ -130,17 +131,21 @@ class Recording:
     @cached_property
     def sample_period(self) -> float:
         """The usual step between two samples (the median), s; NaN where there is one sample only."""
-        return float(np.median(np.diff(self.stamps))) * 1e-9 if len(self) > 1 else np.nan
+        return median(lambda: map(np.diff, overlapping(self.stamps))) * 1e-9
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
         """Where samples are missing: steps longer than one and a half sample periods. Between points nothing is."""
         if self.of_points:
             return ()
-        steps = np.diff(self.stamps) * 1e-9
-        places = np.flatnonzero(steps > _GAP_FACTOR * self.sample_period)
         period = self.sample_period
-        return tuple(Gap(float(self.time[i]), float(steps[i]), round(steps[i] / period) - 1) for i in places)
+        places = steps_where(lambda steps: steps * 1e-9 > _GAP_FACTOR * period, self.stamps)
+        times, steps = (
+            values * 1e-9 for values in (self.stamps[places], self.stamps[places + 1] - self.stamps[places])
+        )
+        return tuple(
+            Gap(float(time), float(step), round(step / period) - 1) for time, step in zip(times, steps, strict=True)
+        )
 
     def has(self, *names: str) -> bool:
         """Whether all these signals are there."""
@@ -156,11 +161,27 @@ class Recording:
         if first >= last:
             span = f"{start or 0.0:g} s to {self.duration if end is None else end:g} s"
             raise InputError(f"{self.name}: no sample from {span}; it lasts from 0 s to {self.duration:g} s")
-        if last - first == len(self):
-            return self
+        return self if last - first == len(self) else self._part(int(first), int(last))
+
+    def parts(self) -> Iterator[Recording]:
+        """A long recording piece by piece, each as `between` cuts it out; another is its only part."""
+        for rows in pieces(len(self)):
+            yield self._part(rows.start, rows.stop) if rows.stop - rows.start < len(self) else self
+
+    def spread(self) -> list[Recording]:
+        """Some pieces of a long recording, evenly over it, that lie in memory together; of another itself.
+
+        For what a part of a recording tells as well as all of it: a scale, a unit that was mistaken.
+        """
+        if not is_long(len(self)):
+            return [self]
+        return [self._part(rows.start, rows.stop) for rows in spread_pieces(len(self))]
+
+    def _part(self, first: int, last: int) -> Recording:
+        """Samples from the first to before the last; stamps and positions begin at 0."""
         part = replace(
             self,
-            stamps=self.stamps[first:last] - self.stamps[first],
+            stamps=by_pieces(lambda stamps: stamps - self.stamps[first], self.stamps[first:last]),
             signals={name: values[first:last] for name, values in self.signals.items()},
             start=self.start + int(self.stamps[first]),
         )
@@ -177,7 +198,7 @@ class Recording:
             return self
         for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
             if name in signals and origin in shift:
-                signals[name] = signals[name] - shift[origin]
+                signals[name] = _less(signals[name], shift[origin])
         return replace(
             self,
             signals=signals,
@@ -200,10 +221,26 @@ def moved_origin(origin: float, shift: float) -> float:
     return shift if math.isnan(origin) and shift else origin + shift
 
 
+def _rise(stamps: np.ndarray) -> bool:
+    return not any((part[1:] <= part[:-1]).any() for part in overlapping(stamps))
+
+
+def _less(values: np.ndarray, by: float) -> np.ndarray:
+    return by_pieces(lambda part: part - by, values)
+
+
 def _first(values: np.ndarray) -> float:
     """The first that is known, 0 where none is."""
-    known = values[np.isfinite(values)]
-    return float(known[0]) if known.size else 0.0
+    for rows in pieces(len(values)):
+        known = values[rows][np.isfinite(values[rows])]
+        if known.size:
+            return float(known[0])
+    return 0.0
+
+
+def spread(recordings: Iterable[Recording]) -> list[Recording]:
+    """The recordings, each long one as some pieces of it (see `Recording.spread`)."""
+    return [part for recording in recordings for part in recording.spread()]
 
 
 def refuse_points(recording: Recording) -> None:

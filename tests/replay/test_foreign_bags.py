@@ -72,6 +72,17 @@ class TestPackedMessages:
         refused(tmp_path / "bomb.mcap", "unpacks to more than 64 KiB")
         assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 64 << 10  # KiB
 
+    @pytest.mark.parametrize("told", [True, False], ids=["size told", "size not told"])
+    def test_one_that_is_cut_anywhere_is_refused(self, told, tmp_path):
+        """Cut in its checksum too, though all that it holds is there then."""
+        packer = zstandard.ZstdCompressor(write_content_size=told, write_checksum=True)
+        good, frame = (packer.compress(state) for state in states(2))
+        write_bytes(tmp_path / "b.mcap", DEFINITION, good, frame)
+        assert len(read_bag(tmp_path / "b.mcap")) == 2
+        for size in (0, 3, 5, len(frame) // 2, *range(len(frame) - 12, len(frame))):
+            write_bytes(tmp_path / "b.mcap", DEFINITION, good, frame[:size])
+            refused(tmp_path / "b.mcap", "a message is packed with zstd and damaged")
+
     def test_those_of_a_block_are_bounded_together(self, tmp_path, monkeypatch):
         monkeypatch.setattr(packed_messages, "_LARGEST_BLOCK", 1000)
         write_bytes(tmp_path / "b.mcap", DEFINITION, *map(packed, states()))

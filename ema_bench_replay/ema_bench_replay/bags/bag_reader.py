@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, steps_where, taken
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -25,20 +27,25 @@ _NAMED = 5  # of the topics that an error lists
 _EVIDENCE = "/evidence/"  # what the topics of a search's evidence begin with
 
 
-def read_bag(path: str | Path | Sequence[Path], *, topic: str | None = None) -> Recording:
+def read_bag(
+    path: str | Path | Sequence[Path],
+    *,
+    topic: str | None = None,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
     """Read the EmaState messages of one topic: `topic`, else /bench/state, else the only one there is.
 
     `path` is an MCAP, a folder with one recording, or the files of one that was split, in their order. The samples are
     those of the first run in the bag, in the order of their sequence (of their stamps where they have none); repeated
     ones are dropped. A signal that is NaN throughout is absent; one that is NaN in places is refused, but for
     unexplained_torque, which a twin may not know at once. A damaged file is used up to the damage. What was left out is
-    told in the warnings. Raises InputError.
+    told in the warnings. `progress` is told the share of the bytes that was read. Raises InputError.
     """
     files = _files(Path(path)) if isinstance(path, (str, Path)) else tuple(path)
     place = files[0] if len(files) == 1 else files[0].with_name(f"{files[0].name} to {files[-1].name}")
     scans = [McapScan(file) for file in files]
     topic, schema, types = _choose(place, scans, topic)
-    columns = _read(scans, topic, schema, types)
+    columns = _read(scans, topic, schema, types, progress)
     damaged = [scan for scan in scans if scan.damage]
     warnings = [f"{scan.path.name}: {scan.damage}; used up to the last whole part" for scan in damaged]
     if not columns:
@@ -143,7 +150,9 @@ def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[t
                 raise InputError(f"{scan.path}: a message {error}; record it again") from None
 
 
-def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -> dict[str, np.ndarray]:
+def _read(
+    scans: Sequence[McapScan], topic: str, schema: Schema, types: Types, progress: Callable[[float], None]
+) -> dict[str, np.ndarray]:
     """All samples of a topic, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
 
     The angle origins are those of the first message: a run has one.
@@ -151,7 +160,9 @@ def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -
     columns = _Columns()
     root = "/".join(STATE_TYPE.split("/")[::2])
     origins: dict[str, np.ndarray] = {}
+    total = sum(scan.size for scan in scans)
     for scan, block in _blocks(scans, topic, schema):
+        progress(sum(scan.place for scan in scans) / total)
         try:
             fields = decode(types, root, block.data, block.offsets, block.sizes, _NAMES)
             if not columns.size:
@@ -166,31 +177,34 @@ def _read(scans: Sequence[McapScan], topic: str, schema: Schema, types: Types) -
 
 
 class _Columns:
-    """Columns that grow block by block, in place: a long recording is held once, and never twice."""
+    """Columns that grow block by block: a long recording is held once, and never twice."""
 
     def __init__(self) -> None:
         self.size = 0
-        self._arrays: dict[str, np.ndarray] = {}
+        self._columns: dict[str, Column] = {}
 
     def add(self, block: dict[str, np.ndarray]) -> None:
         """Append rows. Signals take no space before they are known: most of them never are."""
-        size = self.size + len(block["stamp"])
         for name, values in block.items():
-            if name not in self._arrays:
+            if name not in self._columns:
                 if name in SIGNALS and np.isnan(values).all():
                     continue
-                self._arrays[name] = np.full(self.size, np.nan if name in SIGNALS else 0, values.dtype)
-            array = self._arrays[name]
-            if len(array) < size:
-                array.resize(size + size // 4, refcheck=False)
-            array[self.size : size] = values
-        self.size = size
+                self._columns[name] = self._unknown_before(name, values.dtype)
+            self._columns[name].add(values)
+        self.size += len(block["stamp"])
+        for name, column in self._columns.items():
+            if column.size < self.size:  # a field that this block's messages do not have
+                column.add(np.full(self.size - column.size, np.nan if name in SIGNALS else 0))
 
     def finish(self) -> dict[str, np.ndarray]:
         """The columns, each of the length that all have."""
-        for array in self._arrays.values():
-            array.resize(self.size, refcheck=False)
-        return self._arrays
+        return {name: column.finish() for name, column in self._columns.items()}
+
+    def _unknown_before(self, name: str, kind: np.dtype) -> Column:
+        column = Column(kind)
+        for rows in pieces(self.size):
+            column.add(np.full(rows.stop - rows.start, np.nan if name in SIGNALS else 0, kind))
+        return column
 
 
 class _Samples:
@@ -201,20 +215,21 @@ class _Samples:
         self.warnings: list[str] = []
         self.origins = {name: float(columns.pop(name)[0]) for name in _ORIGINS if name in columns}
         log_times = self.columns.pop("log_time")
-        if (log_times[1:] < log_times[:-1]).any():
+        if any((part[1:] < part[:-1]).any() for part in overlapping(log_times)):
             self._keep(np.argsort(log_times, kind="stable"))
 
     def first_run(self) -> None:
         """Keep the first run: runs are told apart by their number, else by a stamp that goes back."""
         if "run" in self.columns:
             runs = self.columns["run"]
-            of_first = runs == runs[0]
-            if of_first.all():
+            later = (runs[rows][runs[rows] != runs[0]] for rows in pieces(len(runs)))
+            others = {int(run) for part in later for run in np.unique(part)}
+            if not others:
                 return
-            count = len(np.unique(runs))
-            self._keep(np.flatnonzero(of_first))
+            count = 1 + len(others)
+            self._keep(np.flatnonzero(by_pieces(lambda part: part == runs[0], runs)))
         else:
-            back = np.flatnonzero(np.diff(self.columns["stamp"]) < 0)
+            back = steps_where(lambda steps: steps < 0, self.columns["stamp"])
             if not back.size:
                 return
             count = back.size + 1
@@ -224,19 +239,19 @@ class _Samples:
     def in_order(self) -> None:
         """Sort, drop what is repeated, and count what is missing."""
         key = self.columns.get("sequence", self.columns["stamp"])
-        if (key[1:] <= key[:-1]).any():
+        if any((part[1:] <= part[:-1]).any() for part in overlapping(key)):
             _, first = np.unique(key, return_index=True)
             repeated = len(key) - len(first)
             self._keep(first)
             if repeated:
                 self._warn(f"{repeated} samples are there twice; used once")
         stamps = self.columns["stamp"]
-        wrong = np.flatnonzero(np.diff(stamps) <= 0)
+        wrong = steps_where(lambda steps: steps <= 0, stamps)
         if wrong.size:
             raise self._error(f"time does not go on at sample {wrong[0] + 1}", "record it again, one run at a time")
         if "sequence" in self.columns:
-            sequence = self.columns["sequence"].astype(np.int64)
-            late, missing = int(sequence[0]), int(sequence[-1] - sequence[0]) + 1 - len(sequence)
+            sequence = self.columns["sequence"]
+            late, missing = int(sequence[0]), int(sequence[-1]) - int(sequence[0]) + 1 - len(sequence)
             if late:
                 self._warn(f"begins with sample {late} of its run: the recorder came late")
             if missing:
@@ -254,7 +269,7 @@ class _Samples:
         warnings = list(dict.fromkeys([*warnings, *self.warnings]))
         return Recording(
             self.name,
-            stamps - stamps[0],
+            by_pieces(lambda part: part - stamps[0], stamps),
             signals,
             int(stamps[0]),
             **self.origins,
@@ -264,13 +279,12 @@ class _Samples:
 
     def _is_known(self, name: str, stamps: np.ndarray) -> bool:
         """Whether a signal is known throughout; False where it never is. Unknown in places is an error."""
-        known = np.isfinite(self.columns[name])
-        if known.all():
-            return True
-        if not known.any():
-            return False
-        first = int(np.argmin(known))
-        what = f"{name} is not a number in {np.count_nonzero(~known)} of {len(known)} samples"
+        values = self.columns[name]
+        known = sum(np.count_nonzero(np.isfinite(values[rows])) for rows in pieces(len(values)))
+        if known in (0, len(values)):
+            return bool(known)
+        first = int(np.argmin(by_pieces(np.isfinite, values)))
+        what = f"{name} is not a number in {len(values) - known} of {len(values)} samples"
         where = f"first {(stamps[first] - stamps[0]) * 1e-9:g} s after the start"
         if name == "unexplained_torque":
             self._warn(f"{what}, {where}; left out")
@@ -279,7 +293,7 @@ class _Samples:
 
     def _keep(self, places: np.ndarray) -> None:
         for name in self.columns:
-            self.columns[name] = self.columns[name][places]
+            self.columns[name] = by_pieces(partial(taken, self.columns[name]), places)
 
     def _warn(self, message: str) -> None:
         self.warnings.append(f"{self.file.name}: {self.topic}: {message}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
@@ -14,6 +14,7 @@ from ema_bench_replay.bags.cdr import layout_of, parse, serialise
 from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import let_go
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
@@ -56,23 +57,26 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
     file = McapFile(stream)
     file.add_metadata(METADATA_NAME, _metadata(recording))
     state = _encoder(file, STATE_TOPIC, STATE_TYPE, STATE_QOS, {"header": {"frame_id": "bench"}, "run": 1})
-    encoders = [(state, np.arange(len(recording)))]
+    encoders = [state]
     joints = {"motor": "motor_position", "output": "output_position"}
     joints = {joint: signal for joint, signal in joints.items() if recording.has(signal)}
     if joints:
         zeros = [0.0] * len(joints)
         example = {"name": list(joints), "position": zeros, "velocity": zeros, "header": {"frame_id": "bench"}}
-        encoder = _encoder(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example)
-        encoders.append((encoder, np.flatnonzero(np.diff(recording.stamps // _JOINTS_PERIOD, prepend=-1))))
-    columns = {STATE_TOPIC: _state_columns(recording), JOINTS_TOPIC: _joint_columns(recording, joints)}
+        encoders.append(_encoder(file, JOINTS_TOPIC, JOINTS_TYPE, JOINTS_QOS, example))
     for start, end in _blocks(recording.stamps):
-        rows = [(encoder, samples[slice(*np.searchsorted(samples, (start, end)))]) for encoder, samples in encoders]
-        blocks = [(encoder, encoder.encode(recording, columns[encoder.topic], samples)) for encoder, samples in rows]
+        samples = np.arange(start, end)
+        blocks = [(state, state.encode(recording, samples, _state_columns(recording, samples)))]
+        if joints:
+            slots = recording.stamps[max(start - 1, 0) : end] // _JOINTS_PERIOD
+            some = samples[np.diff(slots, prepend=slots[:0] if start else -1) != 0]
+            blocks.append((encoders[1], encoders[1].encode(recording, some, _joint_columns(recording, joints, some))))
         for chunk in _chunks(blocks, recording.start):
             file.add_chunk(chunk)
+        let_go()
     file.finish()
     counts = file.counts
-    topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e, _ in encoders]
+    topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e in encoders]
     return metadata_yaml([FileOfBag(name, *file.span, sum(counts.values()))], topics)
 
 
@@ -87,8 +91,10 @@ class _Encoder(NamedTuple):
     dtype: np.dtype  # of a record: prefix and message
     blank: bytes  # a record with everything that does not change
 
-    def encode(self, recording: Recording, columns: dict[str, np.ndarray], samples: np.ndarray) -> np.ndarray:
-        """Records (n,) of these samples."""
+    def encode(
+        self, recording: Recording, samples: np.ndarray, columns: Mapping[str, np.ndarray | float]
+    ) -> np.ndarray:
+        """Records (m,) of these samples (m,), with these values of them in their fields."""
         records = np.frombuffer(bytearray(self.blank) * len(samples), self.dtype)
         stamps = recording.stamps[samples] + recording.start
         prefix, message = records["prefix"], records["message"]
@@ -96,7 +102,7 @@ class _Encoder(NamedTuple):
         prefix["sequence"] = samples
         message["header.stamp.sec"], message["header.stamp.nanosec"] = np.divmod(stamps, 1_000_000_000)
         for name, values in columns.items():
-            message[name] = values[samples]
+            message[name] = values
         return records
 
 
@@ -113,37 +119,38 @@ def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict
     return _Encoder(topic, type_name, definition.type_hash, qos, channel, dtype, blank["prefix"].tobytes() + message)
 
 
-def _state_columns(recording: Recording) -> dict[str, np.ndarray]:
+def _state_columns(recording: Recording, samples: np.ndarray) -> dict[str, np.ndarray | float]:
     """Fields of EmaState; what is not here stays NaN."""
-    origins = {name: np.full(len(recording), getattr(recording, name)) for name in _ORIGINS}
-    return {"sequence": np.arange(len(recording)), **recording.signals, **origins}
+    signals = {name: values[samples] for name, values in recording.signals.items()}
+    return {"sequence": samples, **signals, **{name: getattr(recording, name) for name in _ORIGINS}}
 
 
 _ORIGINS = ("motor_angle_origin", "output_angle_origin")
 
 
-def _joint_columns(recording: Recording, joints: dict[str, str]) -> dict[str, np.ndarray]:
+def _joint_columns(recording: Recording, joints: dict[str, str], samples: np.ndarray) -> dict[str, np.ndarray]:
     """Fields of JointState. Only the motor's speed is measured; the output's is not known."""
-    if not joints:
-        return {}
-    unknown = np.full(len(recording), np.nan)
-    speeds = {"motor": recording.signals.get("speed", unknown), "output": unknown}
+    unknown = np.full(len(samples), np.nan)
+    motor = recording.signals["speed"][samples] if recording.has("speed") else unknown
+    speeds = {"motor": motor, "output": unknown}
     return {
-        "position": np.column_stack([recording.signals[signal] for signal in joints.values()]),
+        "position": np.column_stack([recording.signals[signal][samples] for signal in joints.values()]),
         "velocity": np.column_stack([speeds[joint] for joint in joints]),
     }
 
 
 def _blocks(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
     """Rows from, to (exclusive) of blocks that end where a chunk ends."""
-    chunk = stamps // _CHUNK
-    ends = np.append(np.flatnonzero(np.diff(chunk)) + 1, len(stamps))
     start = 0
     while start < len(stamps):
-        # At least one whole chunk, else as many as fit.
-        place = max(np.searchsorted(ends, start + _BLOCK, side="right") - 1, np.searchsorted(ends, start, side="right"))
-        yield start, int(ends[place])
-        start = int(ends[place])
+        end = min(start + _BLOCK, len(stamps))
+        if end < len(stamps):
+            # as many whole chunks as fit, or one that does not
+            chunk = stamps[end] // _CHUNK
+            first, beyond = (int(row) for row in np.searchsorted(stamps, (chunk * _CHUNK, (chunk + 1) * _CHUNK)))
+            end = first if first > start else beyond
+        yield start, end
+        start = end
 
 
 def _chunks(blocks: list[tuple[_Encoder, np.ndarray]], start: int) -> Iterator[list[Messages]]:

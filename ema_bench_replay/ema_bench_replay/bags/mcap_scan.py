@@ -59,7 +59,8 @@ class Message(NamedTuple):
 class McapScan:
     """One MCAP file. Once its blocks were read, `damage` says in words what was wrong with it, or is None.
 
-    `torn` is then how many bytes lie behind the last whole record; 0 where there is no damage.
+    `torn` is then how many bytes lie behind the last whole record; 0 where there is no damage. `place` tells, while
+    they are read, how many of the file's `size` bytes were.
     """
 
     def __init__(self, path: Path) -> None:
@@ -70,10 +71,12 @@ class McapScan:
         self.metadata: list[Metadata] = []
         self.damage: str | None = None
         self.torn = 0
+        self.size = 0
         if not self._take_summary():
             self.schemas, self.channels = {}, {}
             for data in self._contents():
                 self._messages(data, set())
+        self.place = 0
 
     def blocks(self, wanted: set[int]) -> Iterator[Block]:
         """The messages of the wanted channels, in the file's order, up to where the file is damaged."""
@@ -101,6 +104,7 @@ class McapScan:
     def _take_summary(self) -> bool:
         """Take schemas and channels from the file's summary; false where it has none that holds a channel."""
         with self._open() as file:
+            self.size = file.seek(0, 2)
             try:
                 file.seek(-(_FOOTER.size + len(MAGIC)), 2)
                 opcode, _, start, _, _ = _FOOTER.unpack(file.read(_FOOTER.size))
@@ -131,7 +135,8 @@ class McapScan:
             whole = False
             while True:
                 if file.tell() <= size:
-                    self.torn = size - file.tell()
+                    self.place = file.tell()
+                    self.torn = size - self.place
                 head = file.read(_RECORD.size)
                 if len(head) < _RECORD.size:
                     break

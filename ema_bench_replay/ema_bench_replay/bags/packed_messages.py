@@ -26,15 +26,22 @@ def unpacked(block: Block) -> Block:
     unpacker = zstandard.ZstdDecompressor()
     found, total = [], 0
     for offset, size in zip(block.offsets.tolist(), block.sizes.tolist(), strict=True):
-        try:
-            # bounded, whatever size the frame claims
-            data = unpacker.stream_reader(block.data[offset : offset + size]).read(_LARGEST + 1)
-        except zstandard.ZstdError:
-            raise CdrError("is packed with zstd and damaged") from None
-        if len(data) > _LARGEST:
-            raise CdrError(f"unpacks to more than {_LARGEST >> 10} KiB, which no state has")
+        data = _message(unpacker, block.data[offset : offset + size])
         if (total := total + len(data)) > _LARGEST_BLOCK:
             raise CdrError(f"unpacks with those beside it to more than {_LARGEST_BLOCK >> 20} MiB")
         found.append(data)
     sizes = np.array([len(data) for data in found])
     return Block(b"".join(found), np.cumsum(sizes) - sizes, sizes, block.log_times)
+
+
+def _message(unpacker: zstandard.ZstdDecompressor, frame: bytes) -> bytes:
+    """What a frame holds, which must be whole. Raises CdrError."""
+    try:
+        size = zstandard.get_frame_parameters(frame).content_size
+        if size == zstandard.CONTENTSIZE_UNKNOWN:
+            size = len(unpacker.stream_reader(frame).read(_LARGEST + 1))  # which takes a cut frame for a whole one
+        if size > _LARGEST:  # before room is made for it
+            raise CdrError(f"unpacks to more than {_LARGEST >> 10} KiB, which no state has")
+        return unpacker.decompress(frame, max_output_size=_LARGEST)
+    except zstandard.ZstdError:
+        raise CdrError("is packed with zstd and damaged") from None

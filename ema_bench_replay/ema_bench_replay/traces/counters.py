@@ -7,10 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_bench_replay.long_columns import Column, by_pieces, differences, median, pieces, places_where
+
 # A jump is taken for a power of two or for whole revolutions where it comes this near to it (in revolutions).
 _NEAR = 0.005
 # A jump that the next step takes back to within this share of it is one wrong reading.
 _WAY_BACK = 0.1
+# Steps on either side by which the speed of one is predicted.
+_SEEN = 3
 # Powers of two below this one are taken for no word of a counter.
 _SMALLEST_POWER = 12
 # Deviations of this many robust standard deviations are still noise of the encoder.
@@ -66,32 +70,51 @@ def unwrap_counts(
     if raw.size < 2:
         return raw.copy(), []
     word = 1 << bits
-    steps = np.diff(raw)
+    steps = differences(raw)
     findings = []
-    if raw.min() >= -word // 2 and raw.max() < word:
-        turns = np.rint(steps / word).astype(steps.dtype)
-        for place in np.flatnonzero(turns).tolist():
-            size = int(turns[place]) * word
+    if all(raw[rows].min() >= -word // 2 and raw[rows].max() < word for rows in pieces(raw.size)):
+        for place in places_where(lambda step: np.rint(step / word) != 0.0, steps).tolist():
+            size = round(float(steps[place] / word)) * word
             findings.append(Finding("wrap", place + 1, size, size / counts_per_revolution, False))
-        steps -= turns * word
-    period = np.diff(time)
+        steps = by_pieces(lambda step: step - np.rint(step / word).astype(step.dtype) * word, steps)
+    period = differences(time)
     radian = counts_per_revolution / (2 * math.pi)
-    predicted = _predicted_speed(steps / period) * period
-    excess = steps - predicted
-    noise = 1.4826 * float(np.median(np.abs(excess)))
-    possible = maximum_acceleration * radian * period**2 + _NOISE_FACTOR * noise + 2.0
-    too_fast = np.abs(steps) > maximum_speed * radian * period + _NOISE_FACTOR * noise + 2.0
-    jumps = np.flatnonzero(too_fast | (np.abs(excess) > possible)).tolist()
+    predicted = by_pieces(_predicted_speed, by_pieces(np.divide, steps, period), margin=_SEEN)
+    excess = by_pieces(lambda step, speed, duration: step - speed * duration, steps, predicted, period)
+    noise = 1.4826 * median(lambda: (np.abs(excess[rows]) for rows in pieces(excess.size)))
+
+    def impossible(step: np.ndarray, beyond: np.ndarray, duration: np.ndarray) -> np.ndarray:
+        possible = maximum_acceleration * radian * duration**2 + _NOISE_FACTOR * noise + 2.0
+        too_fast = np.abs(step) > maximum_speed * radian * duration + _NOISE_FACTOR * noise + 2.0
+        return too_fast | (np.abs(beyond) > possible)
+
+    jumps = places_where(impossible, steps, excess, period).tolist()
     size, whole = 0, False
+    taken_out: dict[int, int] = {}  # by step
     for place, comes_back in _with_the_way_back(jumps, excess).items():
         size, whole = (-size, whole) if comes_back else _jump_size(float(excess[place]), counts_per_revolution)
         if size:
             findings.append(Finding("jump", place + 1, size, size / counts_per_revolution, whole))
-            steps[place] -= size
+            taken_out[place] = size
     if not findings:
-        return raw.copy(), []
-    counts = np.concatenate((raw[:1], raw[0] + np.cumsum(steps)))
-    return counts, sorted(findings, key=lambda finding: finding.sample)
+        return raw, []
+    return _summed(raw[:1], steps, taken_out), sorted(findings, key=lambda finding: finding.sample)
+
+
+def _summed(first: np.ndarray, steps: np.ndarray, taken_out: dict[int, int]) -> np.ndarray:
+    """The counts (n,) from the first one (1,) on, by their steps (n - 1,) less what is taken out of some."""
+    places, sizes = np.array(sorted(taken_out), int), np.array([taken_out[place] for place in sorted(taken_out)])
+    counts = Column(first.dtype)
+    counts.add(first)
+    last = first[0]
+    for rows in pieces(len(steps)):
+        here = slice(*np.searchsorted(places, (rows.start, rows.stop)))
+        left = steps[rows].copy()
+        left[places[here] - rows.start] -= sizes[here].astype(left.dtype)
+        went = last + np.cumsum(left)
+        counts.add(went)
+        last = went[-1]
+    return counts.finish()
 
 
 def _with_the_way_back(places: list[int], excess: np.ndarray) -> dict[int, bool]:

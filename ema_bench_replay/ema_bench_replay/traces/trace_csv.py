@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import (
+    by_pieces,
+    differences,
+    extremes,
+    mean_of,
+    median,
+    overlapping,
+    pieces,
+    places_where,
+    steps_where,
+)
 from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
 from ema_bench_replay.traces.import_map import TIME_UNITS, Column, ImportMap, SignalMap
@@ -25,16 +37,18 @@ _UNEQUAL = 0.01
 _REPEATED = 0.1
 
 
-def read_trace(path: str | Path, import_map: ImportMap) -> Recording:
+def read_trace(
+    path: str | Path, import_map: ImportMap, progress: Callable[[float], None] = lambda share: None
+) -> Recording:
     """Read a text trace through an import map.
 
     Both positions begin at zero; what the counters showed there is kept as their angle origins. All other values are
     those of the text times the unit's SI value. The metadata hold source, hash and map, and what `write_trace` needs to
-    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. Raises
-    InputError.
+    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. `progress` is
+    told the share that was read. Raises InputError.
     """
     path = Path(path)
-    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)
+    table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places, progress)
     return recording_of(table, import_map)
 
 
@@ -66,14 +80,14 @@ class _Trace:
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
                 f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
             )
-        time = stamps * 1e-9
+        time = by_pieces(lambda part: part * 1e-9, stamps)
         signals = {name: self._values(maps[name], time) for name in self.columns}
         if "output_command" in signals:
             # Measured from the same zero as the output position where both show one scale, else from its own start.
             beside = "output_position" if "output_position" in signals else "motor_position"
             same_scale = beside in signals and not maps[beside].counts_per_revolution
             zero = self.origins[beside] if same_scale else signals["output_command"][0]
-            signals["output_command"] = signals["output_command"] - zero
+            signals["output_command"] = by_pieces(lambda values: values - zero, signals["output_command"])
             self.origins["output_command"] = float(zero)
         return Recording(
             name=self.table.path.stem,
@@ -104,22 +118,20 @@ class _Trace:
         in_brackets = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]", name)
         unit = in_brackets[1] if in_brackets and in_brackets[1] in TIME_UNITS else self.map.time_unit
         stamps = _stamps(table.columns[places[0]], unit)
-        steps = np.diff(stamps)
-        repeats = np.flatnonzero(steps == 0) + 1
-        if 0 < repeats.size <= _REPEATED * len(stamps) and not (steps < 0).any():
+        back, repeats = _not_rising(stamps)
+        if 0 < repeats.size <= _REPEATED * len(stamps) and not back.size:
             self._warn(
                 f"{repeats.size} row{'s' if repeats.size > 1 else ''} (the first in line {table.line(repeats[0])}) "
                 "tell the time of the row before: left out"
             )
             self.table = table = table.without(repeats)
             stamps = _stamps(table.columns[places[0]], unit)
-            steps = np.diff(stamps)
+            back, repeats = _not_rising(stamps)
         values = table.columns[places[0]]
-        wrong = np.flatnonzero(steps < 0) if (steps < 0).any() else np.flatnonzero(steps == 0)
-        if wrong.size:
-            row = int(wrong[0]) + 1
+        if back.size or repeats.size:
+            row = int(back[0] if back.size else repeats[0])
             how, remedy = "goes back", "cut the file there, it holds more than one run"
-            if steps[wrong[0]] == 0:
+            if not back.size:
                 how, remedy = "repeats", f"{repeats.size} of {len(values)} rows do: export it with more decimals"
             shown = f"{values[row]:.10g} {unit} after {values[row - 1]:.10g} {unit}"
             raise InputError(f"{table.place(row)}: column {name!r}: time {how} ({shown}); {remedy}")
@@ -127,22 +139,24 @@ class _Trace:
             raise InputError(f"{table.path}: has one row only; a recording needs at least two")
         resolution = TIME_UNITS[unit] * 10.0 ** -table.decimals[places[0]]
         if not self.map.of_points:
-            self._report_steps(stamps, steps, resolution)
+            self._report_steps(stamps, resolution)
         return places[0], stamps, float(values[0]), unit
 
-    def _report_steps(self, stamps: np.ndarray, steps: np.ndarray, resolution: float) -> None:
-        period = float(np.median(steps))
-        gaps = np.flatnonzero(steps > 1.5 * period)
+    def _report_steps(self, stamps: np.ndarray, resolution: float) -> None:
+        period = median(lambda: map(np.diff, overlapping(stamps)))
+        gaps = steps_where(lambda steps: steps > 1.5 * period, stamps)
         if gaps.size:
-            missing = int(np.rint(steps[gaps] / period - 1).sum())
-            longest = gaps[np.argmax(steps[gaps])]
+            lengths = stamps[gaps + 1] - stamps[gaps]
+            missing = int(np.rint(lengths / period - 1).sum())
+            longest = int(np.argmax(lengths))
             self._warn(
                 f"{missing} samples are missing in {gaps.size} gap{'s' if gaps.size > 1 else ''}, the longest "
-                f"{steps[longest] * 1e-6:g} ms from {stamps[longest] * 1e-9:g} s on"
+                f"{lengths[longest] * 1e-6:g} ms from {stamps[gaps[longest]] * 1e-9:g} s on"
             )
-        others = np.delete(steps, gaps)
-        if np.abs(others - period).max(initial=0.0) > max(_UNEQUAL * period, 1.001 * resolution):
-            self._warn(f"time steps are unequal: {others.min() * 1e-6:g} to {others.max() * 1e-6:g} ms")
+        usual = by_pieces(lambda steps: steps[steps <= 1.5 * period], differences(stamps))
+        least, most = extremes(usual)
+        if max(period - least, most - period) > max(_UNEQUAL * period, 1.001 * resolution):
+            self._warn(f"time steps are unequal: {least * 1e-6:g} to {most * 1e-6:g} ms")
 
     def _place(self, signal: SignalMap) -> int | None:
         """Which column of the table is that signal; None where it has none."""
@@ -182,15 +196,16 @@ class _Trace:
         place = self.columns[signal.signal]
         values = self.table.columns[place]
         if signal.less_than:
-            values = self._whole(signal.less_than, signal.signal) - values
+            values = by_pieces(np.subtract, self._whole(signal.less_than, signal.signal), values)
         if signal.signal in ("motor_position", "output_position") and self.map.motion == "rotary":
             values = self._counted_on(values, 2.0 * np.pi / abs(signal.factor), self.table.header[place])
         if signal.counts_per_revolution:
             values = self._counts(signal, signal.counts_per_revolution, place, values, time)
         if signal.signal not in ("motor_position", "output_position"):
-            return values * signal.factor
-        self.origins[signal.signal] = float(values[0] * signal.factor)
-        return (values - values[0]) * signal.factor
+            return by_pieces(lambda part: part * signal.factor, values)
+        first = values[0]
+        self.origins[signal.signal] = float(first * signal.factor)
+        return by_pieces(lambda part: (part - first) * signal.factor, values)
 
     def _whole(self, column: Column, signal: str) -> np.ndarray:
         """What a signal's column is told against (n,)."""
@@ -212,13 +227,13 @@ class _Trace:
     def _counts(
         self, signal: SignalMap, per_revolution: float, place: int, values: np.ndarray, time: np.ndarray
     ) -> np.ndarray:
-        whole = values.astype(np.int64)
         name = self.table.header[place]
-        if (whole == values).all():
-            values = whole
-        else:
-            row = int(np.argmax(whole != values))
+        fractions = places_where(lambda part: part != part.astype(np.int64), values)
+        if fractions.size:
+            row = int(fractions[0])
             self._warn(f"line {self.table.line(row)}: {name} is a counter but shows fractions ({values[row]:.10g})")
+        else:
+            values = by_pieces(lambda part: part.astype(np.int64), values)
         counts, findings = unwrap_counts(
             values,
             time,
@@ -264,15 +279,26 @@ class _Trace:
 
 def _stamps(time: np.ndarray, unit: str) -> np.ndarray:
     """Stamps [ns] (n,), from 0 on, of a column of time in a unit."""
-    return np.rint((time - time[0]) * TIME_UNITS[unit]).astype(np.int64)
+    first = time[0]
+    return by_pieces(lambda part: np.rint((part - first) * TIME_UNITS[unit]).astype(np.int64), time)
+
+
+def _not_rising(stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The samples (m,) whose stamps go back, and those (k,) whose stamps repeat the one before."""
+    return steps_where(lambda steps: steps < 0, stamps) + 1, steps_where(lambda steps: steps == 0, stamps) + 1
 
 
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:
     """Slope of the follower's regression on its leader, and its standard error (infinite where the leader rests)."""
-    x, y = leader - leader.mean(), follower - follower.mean()
-    square = float(x @ x)
+    of_leader, of_follower = mean_of(leader), mean_of(follower)
+    x, y = by_pieces(lambda part: part - of_leader, leader), by_pieces(lambda part: part - of_follower, follower)
+    square = _product(x, x)
     if not square:
         return 0.0, np.inf
-    slope = float(x @ y) / square
-    left = y - slope * x
-    return slope, float(np.sqrt(left @ left / max(len(x) - 2, 1) / square))
+    slope = _product(x, y) / square
+    left = by_pieces(lambda one, other: other - slope * one, x, y)
+    return slope, float(np.sqrt(_product(left, left) / max(len(x) - 2, 1) / square))
+
+
+def _product(one: np.ndarray, other: np.ndarray) -> float:
+    return float(sum(one[rows] @ other[rows] for rows in pieces(len(one))))

@@ -7,12 +7,14 @@ import re
 import warnings
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import Column, less_rows
 from ema_bench_replay.traces.blank_columns import rows_with_tabs, with_tabs
 from ema_bench_replay.traces.header_lines import NoHeader, header_lines
 from ema_bench_replay.traces.number_format import ENGLISH, FORMATS, GERMAN, NumberFormat, detect
@@ -51,7 +53,7 @@ class TraceTable:
 
     def without(self, rows: np.ndarray) -> TraceTable:
         """The table less some rows (counted from 0, ascending); of a table that no row was taken from."""
-        columns = [np.delete(column, rows) for column in self.columns]
+        columns = [less_rows(column, rows) for column in self.columns]
         return replace(self, columns=columns, left_out=tuple(int(row) for row in rows))
 
 
@@ -76,6 +78,7 @@ def read_table(
     delimiter: str | None = None,
     number_format: str | None = None,
     needed: Callable[[list[str]], Collection[int]] = all_columns,
+    progress: Callable[[float], None] = lambda share: None,
 ) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
@@ -83,10 +86,10 @@ def read_table(
     row of units below it: they are then in brackets behind the names. Columns may stand apart by blanks. Times of day
     and dates are told in s. A cut last row is left out, with a warning. `delimiter` and `number_format` ("german",
     "english") are found out where they are None. `needed` tells of a header which columns must hold numbers; others may
-    hold words and empty cells. Raises InputError.
+    hold words and empty cells. `progress` is told the share that was read. Raises InputError.
     """
     try:
-        if path.stat().st_size > LARGEST:
+        if (size := path.stat().st_size) > LARGEST:
             raise InputError(f"{path}: larger than {LARGEST >> 30} GiB; split it, or trace fewer signals")
         with path.open("rb") as file:
             sha256 = _sha256(file)
@@ -99,13 +102,16 @@ def read_table(
                 first, blocks = tabbed, ((rows_with_tabs(block), last) for block, last in blocks)
             header_text, header_line, body = _header(path, first)
             rows = _RowReader(path, header_text, header_line, body, delimiter, number_format, needed)
-            parts = [rows.read(body, is_last)]
-            parts += [rows.read(block, is_last) for block, is_last in blocks]
+            growing = [Column(np.float64) for _ in rows.header]
+            for block, last in chain([(body, is_last)], blocks):
+                for column, values in zip(growing, rows.read(block, last).T, strict=True):
+                    column.add(values)
+                progress(file.tell() / size)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from None
     except NotText:
         raise InputError(f"{path}: is no text; give the drive's trace exported as CSV") from None
-    columns = [np.concatenate([part[:, place] for part in parts]) for place in range(len(rows.header))]
+    columns = [column.finish() for column in growing]
     if not columns[0].size:
         raise InputError(f"{path}: has a header and no rows below it; export the trace again")
     style = rows.style(newline)

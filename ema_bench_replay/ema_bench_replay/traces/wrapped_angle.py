@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ema_bench_replay.long_columns import Column, by_pieces, extremes, overlapping, steps_where
+
 _LEAST_SPAN = 0.75  # of a turn, that an angle which begins again has been through
 _MOST_SPAN = 1.001  # of a turn
 _JUMP = 0.5  # of a turn between two samples: no motor goes so far in one of a drive's
@@ -15,13 +17,22 @@ def counted_on(values: np.ndarray, turn: float) -> tuple[np.ndarray, int]:
 
     An angle that goes beyond one turn, or does not jump, or does so all the time, stays as it is.
     """
-    finite = np.isfinite(values)
-    if finite.sum() < 2:
+    known = by_pieces(lambda part: part[np.isfinite(part)], values)
+    if len(known) < 2:
         return values, 0
-    known = values[finite]
-    jumps = int(np.count_nonzero(np.abs(np.diff(known)) > _JUMP * turn))
-    if not 0 < jumps <= _MOST_JUMPS * len(known) or not _LEAST_SPAN * turn < np.ptp(known) <= _MOST_SPAN * turn:
+    jumps = len(steps_where(lambda steps: np.abs(steps) > _JUMP * turn, known))
+    least, greatest = extremes(known)
+    if not 0 < jumps <= _MOST_JUMPS * len(known) or not _LEAST_SPAN * turn < greatest - least <= _MOST_SPAN * turn:
         return values, 0
+    went = Column(np.float64)
+    more = 0.0  # that it went up to the piece before
+    for part in overlapping(known):
+        on = np.unwrap(part, period=turn) + more
+        went.add(on[1:] if went.size else on)  # what follows a piece begins with its last value
+        more = on[-1] - part[-1]
+    unwrapped = went.finish()
+    if len(known) == len(values):
+        return unwrapped, jumps
     on = values.astype(float)
-    on[finite] = np.unwrap(known, period=turn)
+    on[np.isfinite(values)] = unwrapped
     return on, jumps

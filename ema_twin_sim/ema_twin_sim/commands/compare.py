@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from . import options
-from .output import counted, status
+from .output import Counted, counted, status
 from .shown_comparison import show_comparison
 
 EXAMPLES = """Examples:
@@ -50,7 +49,9 @@ def run(
     models = [load_model(name) for name in model]
     recordings = load_runs(runs, import_map=import_map, start=start, end=end, strict=strict, least=2)
     with counted(len(models) * len(recordings), "comparing") as done:
-        comparisons = compare_all(recordings, models, input, step=step, progress=partial(_tell, done))
+        comparisons = compare_all(
+            recordings, models, input, step=step, progress=partial(_tell, done), within=partial(_tell_within, done)
+        )
     show_comparison(comparisons, labels=model)
     warn_of(list(dict.fromkeys(text for c in comparisons for text in c.warnings)), recordings)
     first, *others = comparisons
@@ -65,5 +66,9 @@ def run(
         tell_of_rrd(rrd, tabs)
 
 
-def _tell(done: Callable[[str], None], model: str, recording: str) -> None:
+def _tell(done: Counted, model: str, recording: str) -> None:
     done(f"{model} beside {recording}")
+
+
+def _tell_within(done: Counted, model: str, recording: str, share: float) -> None:
+    done.within(f"{model} beside {recording}", share)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -13,7 +15,7 @@ from ema_bench_replay.errors import InputError
 
 from ..quantities import quantity
 from . import options
-from .output import console, tracked, warn
+from .output import console, counted, warn
 
 EXAMPLES = """Examples:
 
@@ -51,11 +53,11 @@ def run(
     refuse_inputs(files, json)
     written = []
     begin = time.perf_counter()
-    for file in tracked(files, "importing"):
+    for file, of_file in _each(files):
         if topic is None:
-            recording = read_trace(file, chosen)
+            recording = read_trace(file, chosen, of_file)
         else:
-            recording = read_bag(file, topic=topic).from_zero()
+            recording = read_bag(file, topic=topic, progress=of_file).from_zero()
             recording = replace(recording, name="_".join([recording.name, *topic.split("/")[1:]]))
         for warning in recording.warnings:
             if strict:
@@ -88,6 +90,14 @@ def run(
     seconds = time.perf_counter() - begin
     console.print(f"{len(files)} file(s), {quantity(size, 'B')} in {seconds:.2f} s", style="dim")
     write_json(json, {"imported": written})
+
+
+def _each(files: list[Path]) -> Iterator[tuple[Path, Callable[[float], None]]]:
+    """The files, and what takes the share of each that was read; with a bar or lines of how far it is."""
+    with counted(len(files), "importing") as done:
+        for file in files:
+            yield file, partial(done.within, file.name)
+            done(file.name)
 
 
 def _check_files(files: list[Path], topic: str | None) -> None:

@@ -47,6 +47,8 @@ def run(
 
 
 def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
+    from ema_bench_replay.long_columns import extremes, mean_of
+
     from .inputs import load_runs, write_json
 
     contents = []
@@ -63,11 +65,8 @@ def _show_recording(path: Path, import_map: str, json: Path | None) -> None:
         signals = {}
         for name, values in recording.signals.items():
             unit = signal_unit(name, recording.motion)
-            numbers = {
-                "least": float(values.min()),
-                "mean": float(values.mean()),
-                "greatest": float(values.max()),
-            }
+            least, greatest = extremes(values)
+            numbers = {"least": least, "mean": float(mean_of(values)), "greatest": greatest}
             table.add_row(name, *(quantity(number, unit) for number in numbers.values()))
             signals[name] = {"unit": unit, **numbers}
         console.print(table)

@@ -6,8 +6,9 @@ import json
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ema_bench_replay.bags.bag_parts import bag_parts, recordings_in
@@ -16,7 +17,7 @@ from ema_bench_replay.load import load
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
-from .output import tracked, warn
+from .output import counted, warn
 
 
 def load_runs(
@@ -37,8 +38,7 @@ def load_runs(
     found = _together(_each_once([file for path in paths for file in find_recordings(path)]))
     files = [parts[0] for parts in found]
     recordings = []
-    for file, parts in zip(files, tracked(found, "reading"), strict=True):
-        recording = load(parts, import_map=import_map)
+    for file, recording in zip(files, _read(found, import_map), strict=True):
         for warning in recording.warnings:
             if strict:
                 raise InputError(f"{warning} (refused by --strict)")
@@ -50,6 +50,15 @@ def load_runs(
         recordings.append(recording)
     names = _told_apart([recording.name for recording in recordings], files)
     return [replace(recording, name=name) for recording, name in zip(recordings, names, strict=True)]
+
+
+def _read(found: Sequence[tuple[Path, ...]], import_map: str) -> Iterator[Recording]:
+    """The recordings of these files, one after another, with a bar or lines of how far it is."""
+    with counted(len(found), "reading") as done:
+        for parts in found:
+            name = parts[0].stem
+            yield load(parts, import_map=import_map, progress=partial(done.within, name))
+            done(name)
 
 
 def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:

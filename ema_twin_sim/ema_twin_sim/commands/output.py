@@ -7,9 +7,8 @@ import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import (
@@ -26,6 +25,7 @@ from rich.text import Text
 _WIDTH_WITHOUT_TERMINAL = 120
 _LEAST_WIDTH = 20
 _SECONDS_BETWEEN_LOG_LINES = 5.0
+_SECONDS_BETWEEN_SHARES = 0.1
 _LONG = 90.0  # s, from which on a time is told in minutes
 
 
@@ -64,8 +64,6 @@ _BREAK = re.compile(
     r"(?!(?<=\d) (?:%|±|°C|[nµmkM]?(?:A|V|s|Hz|rad|N|kg|m)\b)|(?<=±) |(?<=N) m\b|(?<=N m) s\b|(?<=V) s/|(?<=kg) m\b"
     r"|(?<=^[+−]) ) +|\n"
 )
-
-Item = TypeVar("Item")
 
 
 def say(text: str, *, style: str = "", markup: bool = False) -> None:
@@ -123,12 +121,6 @@ def warn(text: str) -> None:
     messages.print(f"warning: {' '.join(text.split())}", style="yellow", markup=False)
 
 
-def tracked(items: Sequence[Item], what: str) -> Iterator[Item] | Iterable[Item]:
-    """The items, with a progress bar where somebody watches and there is more than one."""
-    with progress_bar() as progress:
-        yield from progress.track(items, description=what)
-
-
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
     """What takes a line of what is being done, and shows it on the error output; in a log, now and then."""
@@ -139,27 +131,50 @@ def status() -> Iterator[Callable[[str], None]]:
         yield lambda text: shown.update(f"{text} …")
 
 
-@contextmanager
-def counted(total: int, what: str) -> Iterator[Callable[[str], None]]:
-    """What takes the name of each of ``total`` pieces of work when it is done: a bar; in a log, now and then a line.
+class Counted:
+    """Pieces of work, ``total`` of them: takes the name of each when it is done.
 
-    Both tell the time that is left, by how fast the last ones went.
+    Told by a bar; in a log, by a line now and then. Both tell the time that is left, by how fast the last ones went.
     """
-    done = 0
-    begun = time.monotonic()
-    show = _now_and_then()
-    with progress_bar(TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True)) as progress:
-        task = progress.add_task(what, total=total)
 
-        def advance(name: str) -> None:
-            nonlocal done
-            done += 1
-            progress.advance(task)
-            if progress.disable and done < total:
-                left = (time.monotonic() - begun) / done * (total - done)
-                show(f"{what}: {done} of {total} done ({name}), about {duration(left)} left")
+    def __init__(self, total: int, what: str, bar: Progress) -> None:
+        self._total, self._what, self._bar = total, what, bar
+        self._task = bar.add_task(what, total=total)
+        self._begun = self._shown = time.monotonic()
+        self._show = _now_and_then()
+        self._done = 0
+        self._under_way: dict[str, float] = {}
 
-        yield advance
+    def __call__(self, name: str) -> None:
+        """Take the name of a piece that is done."""
+        self._under_way.pop(name, None)
+        self._done += 1
+        self._bar.update(self._task, completed=self._so_far)
+        self._log(f"{self._done} of {self._total} done ({name})")
+
+    def within(self, name: str, share: float) -> None:
+        """Take the share that is done of a long piece under way."""
+        self._under_way[name] = share
+        if time.monotonic() - self._shown > _SECONDS_BETWEEN_SHARES:
+            self._shown = time.monotonic()
+            self._bar.update(self._task, completed=self._so_far)
+            self._log(f"{100.0 * share:.0f} % of {name}")
+
+    @property
+    def _so_far(self) -> float:
+        return self._done + sum(list(self._under_way.values()))
+
+    def _log(self, text: str) -> None:
+        if self._bar.disable and 0.0 < self._so_far < self._total:
+            left = (time.monotonic() - self._begun) / self._so_far * (self._total - self._so_far)
+            self._show(f"{self._what}: {text}, about {duration(left)} left")
+
+
+@contextmanager
+def counted(total: int, what: str) -> Iterator[Counted]:
+    """What counts ``total`` pieces of work as they are done."""
+    with progress_bar(TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True)) as bar:
+        yield Counted(total, what, bar)
 
 
 def duration(seconds: float) -> str:

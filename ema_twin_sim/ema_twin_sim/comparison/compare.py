@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ema_bench_replay.long_columns import by_pieces, slopes
 from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
@@ -93,13 +95,14 @@ def compare(
     step: float | None = None,
     noise: Mapping[str, float] | None = None,
     progress: Callable[[str], None] = lambda name: None,
+    within: Callable[[str, float], None] = lambda name, share: None,
 ) -> Comparison:
     """Simulate the model beside each recording and compare; nothing is estimated.
 
     ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``noise`` the
     noise floor, by default that of these recordings beside this model: several models beside the same recordings share
-    one. ``progress`` is called with each recording's name when it is done. Raises InputError where a recording lacks
-    the input's signal.
+    one. ``progress`` is called with each recording's name when it is done, ``within`` with the name of a long one and
+    the share of it that was simulated. Raises InputError where a recording lacks the input's signal.
     """
     given, asked = recordings, model
     noise = noise_of(recordings, model) if noise is None else noise
@@ -111,7 +114,11 @@ def compare(
     starts: list[str] = []
     slow = standstill(given, asked, together)
     stretches: dict[str, list[Stretch]] = {name: [] for name in UNITS}
-    besides = simulations(lambda recording, chosen: _beside(recording, model, chosen, step, noise), recordings, inputs)
+
+    def beside(recording: Recording, chosen: str) -> tuple[RunningComparison, dict[str, Stretch]]:
+        return _beside(recording, model, chosen, step, noise, partial(within, recording.name))
+
+    besides = simulations(beside, recordings, inputs)
     for recording, chosen, (running, parts) in zip(recordings, inputs, besides, strict=True):
         for name, part in parts.items():
             stretches[name].append(part)
@@ -126,7 +133,10 @@ def compare(
     constant = model.value("machine.torque_constant")
     torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
     if _by_torque(recordings):
-        stretches["motor_torque"] = [replace(s, residual=s.residual * constant) for s in stretches.pop("current")]
+        torque = partial(np.multiply, constant)
+        stretches["motor_torque"] = [
+            replace(s, residual=by_pieces(torque, s.residual)) for s in stretches.pop("current")
+        ]
     where = [
         dependence
         for name, parts in stretches.items()
@@ -152,8 +162,15 @@ def compare(
 
 def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
     """What of the recordings does not fit, by the rule of ``fit`` and ``discover``: in the machine's own units."""
-    own, its_model = to_own_units(recordings, model)
-    return [str(found) for recording in own for found in inconsistencies(recording, its_model, own)]
+    parts = [recording.spread() for recording in recordings]
+    own, its_model = to_own_units([part for group in parts for part in group], model)
+    rest = iter(own)
+    found: list[str] = []
+    for group in parts:
+        its = list(islice(rest, len(group)))
+        told = ([str(one) for one in inconsistencies(part, its_model, own)] for part in its)
+        found += next(filter(None, told), [])  # what one part of a long recording tells, others would tell again
+    return found
 
 
 def compare_all(
@@ -163,14 +180,24 @@ def compare_all(
     *,
     step: float | None = None,
     progress: Callable[[str, str], None] = lambda model, name: None,
+    within: Callable[[str, str, float], None] = lambda model, name, share: None,
 ) -> list[Comparison]:
     """Compare several models with the same recordings, beside one noise floor: that of the first.
 
-    ``progress`` is called with the model's and the recording's name.
+    ``progress`` is called with the model's and the recording's name, ``within`` with these and the share of a long
+    recording that was simulated.
     """
     noise = noise_of(recordings, models[0])
     return [
-        compare(recordings, model, source, step=step, noise=noise, progress=partial(progress, model.name))
+        compare(
+            recordings,
+            model,
+            source,
+            step=step,
+            noise=noise,
+            progress=partial(progress, model.name),
+            within=partial(within, model.name),
+        )
         for model in models
     ]
 
@@ -184,7 +211,7 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
 
     def beside(recording: Recording, source: str) -> RunningComparison:
         running = RunningComparison(twin, source, period=recording.sample_period, noise=noise)
-        running.add_rows(recording.signals, simulate(twin, recording, source).signals)
+        running.add_rows(recording.signals, simulate(twin, recording, source, wanted=UNITS).signals)
         return running
 
     for running in simulations(beside, matched, inputs):
@@ -193,10 +220,15 @@ def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping
 
 
 def _beside(
-    recording: Recording, model: Model, source: str, step: float | None, noise: Mapping[str, float]
+    recording: Recording,
+    model: Model,
+    source: str,
+    step: float | None,
+    noise: Mapping[str, float],
+    progress: Callable[[float], None],
 ) -> tuple[RunningComparison, dict[str, Stretch]]:
     """The errors of a twin beside a recording, and those that are traced to a place; the twin itself is let go of."""
-    twin = simulate(model, recording, source, step=step)
+    twin = simulate(model, recording, source, step=step, wanted=UNITS, progress=progress)
     running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
@@ -257,8 +289,9 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
 def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
     """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
     residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
-    scaled = (stretch.residual * residual, stretch.speed * way, stretch.motor_angle * way)
-    return Stretch(*scaled, stretch.output_position * way, stretch.time)
+    factors = {"residual": residual, "speed": way, "motor_angle": way, "output_position": way}
+    scaled = {key: by_pieces(partial(np.multiply, by), getattr(stretch, key)) for key, by in factors.items()}
+    return replace(stretch, **scaled)
 
 
 def explained_signals(source: str) -> tuple[str, ...]:
@@ -273,8 +306,11 @@ def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, rati
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:
-        speed = np.gradient(position, recording.time)
+        speed = slopes(position, recording.time)
     origin, _ = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
-    own = position / ratio if recording.has("motor_position") else twin.signals["output_position"]
-    output = recording.signals.get("output_position", own)
-    return Stretch(residual, speed, position + origin, output, recording.time)
+    output = recording.signals.get("output_position")
+    if output is None and recording.has("motor_position"):
+        output = by_pieces(lambda part: part / ratio, position)
+    elif output is None:
+        output = twin.signals["output_position"]
+    return Stretch(residual, speed, by_pieces(lambda part: part + origin, position), output, recording.time)

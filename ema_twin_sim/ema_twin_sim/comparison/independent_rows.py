@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from ema_bench_replay.long_columns import pieces
+
 
 def independent_rows(residual: np.ndarray) -> float:
     """Between 1 and the number of values (n,): by the scatter of root(n) means of stretches of their squares."""
@@ -17,8 +19,15 @@ def independent_rows(residual: np.ndarray) -> float:
     length = math.isqrt(count)
     if length < 2:
         return float(min(count, 1))
-    squares = residual[: length * (count // length)] ** 2
-    of_means = float(np.var(squares.reshape(-1, length).mean(axis=1), ddof=1))
+    whole = length * (count // length)
+    means = [_squares(residual, rows).reshape(-1, length).mean(axis=1) for rows in pieces(whole, length)]
+    of_means = float(np.var(np.concatenate(means), ddof=1))
     if of_means == 0.0:
         return float(count)
-    return max(1.0, count * min(1.0, float(np.var(squares)) / (length * of_means)))
+    mean = sum(np.sum(_squares(residual, rows)) for rows in pieces(whole)) / whole
+    variance = sum(np.sum((_squares(residual, rows) - mean) ** 2) for rows in pieces(whole)) / whole
+    return max(1.0, count * min(1.0, float(variance) / (length * of_means)))
+
+
+def _squares(residual: np.ndarray, rows: slice) -> np.ndarray:
+    return residual[rows] ** 2

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ema_bench_replay.long_columns import by_pieces, joined, overlapping, quantile, taken
+
 from ..criteria import CLEARLY_MORE
 from ..measured.order_spectrum import largest_in_cells, line_turns, refined
 
@@ -52,19 +54,19 @@ def find_order(
     for residual, angle, direction in used:
         counts = highest_resolved(angle) > ORDERS if resolved else True
         plain += largest_in_cells(ORDERS, residual, angle, _FEWEST_CYCLES) * counts
-        flipped += largest_in_cells(ORDERS, residual * direction, angle, _FEWEST_CYCLES) * counts
+        flipped += largest_in_cells(ORDERS, by_pieces(np.multiply, residual, direction), angle, _FEWEST_CYCLES) * counts
     if not plain.any():
         return None
     dissipative = bool(flipped.max() > plain.max())
     clear = max(flipped.max(), plain.max()) > CLEARLY_MORE**2 * min(flipped.max(), plain.max())
     power = flipped if dissipative else plain
     if dissipative:
-        used = [(residual * direction, angle, direction) for residual, angle, direction in used]
+        used = [(by_pieces(np.multiply, residual, direction), angle, direction) for residual, angle, direction in used]
     best = refined(float(ORDERS[int(np.argmax(power))]), _STEP, [part[:2] for part in used])
-    residual, angle = (np.concatenate([part[k] for part in used]) for k in (0, 1))
+    residual, angle = (joined([part[k] for part in used]) for k in (0, 1))
     if len(residual) > _ENOUGH:  # drawn: every so manyth would show other orders in the place of this one
         rows = np.random.default_rng(0).choice(len(residual), _ENOUGH, replace=False)
-        residual, angle = residual[rows], angle[rows]
+        residual, angle = taken(residual, rows), taken(angle, rows)
     near = best + _around(angle, line_turns([part[1] for part in used]))
     order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
     std = math.inf
@@ -87,7 +89,7 @@ def find_order(
 
 def highest_resolved(angle: np.ndarray) -> float:
     """The order of which an angle (n,) [rad] has two samples a cycle at its usual top speed; infinite at rest."""
-    step = float(np.quantile(np.abs(np.diff(angle)), 0.95))
+    step = quantile(lambda: (np.abs(np.diff(part)) for part in overlapping(angle)), 0.95)
     return math.pi / step if step > 0.0 else math.inf
 
 

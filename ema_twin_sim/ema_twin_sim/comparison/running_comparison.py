@@ -9,6 +9,8 @@ from typing import TypedDict
 
 import numpy as np
 
+from ema_bench_replay.long_columns import by_pieces, pieces
+
 from ..criteria import NOISY
 from ..model import Model
 from ..simulation.sensor_noise import noise_floors
@@ -135,22 +137,26 @@ class RunningComparison:
             if name not in twin or (name not in bench and name != "unexplained_torque"):
                 continue
             if name == "unexplained_torque":
-                residual, measured = twin[name], bench["current"] * self._torque_constant
+                residual, measured = twin[name], by_pieces(self._torque, bench["current"])
             else:
-                residual, measured = bench[name] - twin[name], bench[name]
+                residual, measured = by_pieces(np.subtract, bench[name], twin[name]), bench[name]
             residuals[name] = residual
             count = len(residual)
-            good = ~(np.isnan(residual) | np.isnan(measured))
-            if not good.all():
-                residual, measured = residual[good], measured[good]
+            if not all(_both_known(residual[rows], measured[rows]).all() for rows in pieces(count)):
+                pair = residual, measured
+                residual, measured = by_pieces(_first_known, *pair), by_pieces(_first_known, *reversed(pair))
             self._count[name] += len(residual)
             self._independent[name] += independent_rows(residual)
-            self._square[name] += float(residual @ residual)
-            self._measured_square[name] += float(measured @ measured)
+            for rows in pieces(len(residual)):
+                self._square[name] += float(residual[rows] @ residual[rows])
+                self._measured_square[name] += float(measured[rows] @ measured[rows])
             self._window[name].extend((residual[-(self._window[name].maxlen or len(residual)) :] ** 2).tolist())
             self._has_speed = self._has_speed or (name == "speed" and len(residual) > 0)
         self.samples += count
         return residuals
+
+    def _torque(self, current: np.ndarray) -> np.ndarray:
+        return current * self._torque_constant
 
     def include(self, other: RunningComparison) -> None:
         """Pool the sums of another comparison into this one (its window is left alone).
@@ -220,3 +226,12 @@ class RunningComparison:
                 "driven": name in DRIVEN.get(self.source, ()),
             }
         return found
+
+
+def _both_known(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    return ~(np.isnan(one) | np.isnan(other))
+
+
+def _first_known(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The values (m,) of one where both are known."""
+    return one[_both_known(one, other)]

@@ -17,7 +17,7 @@ from ema_bench_replay.recording import Recording
 from ..measured.smoothed_motion import full_rate
 from ..model import Model
 from ..plant.measured_motion import ACCELERATION, MOTOR_CURRENT
-from ..simulation.assembly import assemble
+from ..simulation.assembly import Assembly, assemble
 from ..simulation.required import required_torque
 
 BAND = 50.0
@@ -44,9 +44,22 @@ class TorqueError:
 def torque_error(recording: Recording, model: Model) -> TorqueError | None:
     """The relative torque error of a recording; None where it lacks what that takes, or its gearbox parts."""
     assembly = assemble(model)
-    plant = assembly.plant[0]
-    if plant["two_inertia"] != 0.0:
+    if assembly.plant[0]["two_inertia"] != 0.0:
         return None
+    parts = [norms for part in recording.parts() if (norms := _norms(part, model, assembly)) is not None]
+    if not parts:
+        return None
+    left, measured = parts[0] if len(parts) == 1 else np.linalg.norm(parts, axis=0)
+    unfiltered, filtered = (float(share) for share in left / np.maximum(measured, 1e-300))
+    return TorqueError(filtered, unfiltered)
+
+
+def _norms(recording: Recording, model: Model, assembly: Assembly) -> np.ndarray | None:
+    """Norms (2, 2) of measured minus needed torque, and of the measured one; each without a filter, and below ``BAND``.
+
+    None of a recording, or a piece of one, that lacks what that takes.
+    """
+    plant = assembly.plant[0]
     try:
         motion, period = full_rate(recording, model)
     except InputError:
@@ -58,10 +71,9 @@ def torque_error(recording: Recording, model: Model) -> TorqueError | None:
     needed = required_torque(assembly, recording, motion)[inside] + inertia * motion[inside, ACCELERATION]
     if not len(measured):
         return None
-    pairs = [(measured, needed)]
+    pairs = [(measured, needed)] * 2
     if 0.5 / period > BAND:
         low = butter(ORDER, BAND, fs=1.0 / period, output="sos")
         every = max(1, round(1.0 / (BAND * period)))  # below the band, what lies between says nothing new
-        pairs.append((sosfiltfilt(low, measured)[::every], sosfiltfilt(low, needed)[::every]))
-    shares = [float(np.linalg.norm(m - n) / max(float(np.linalg.norm(m)), 1e-300)) for m, n in pairs]
-    return TorqueError(shares[-1], shares[0])
+        pairs[1] = sosfiltfilt(low, measured)[::every], sosfiltfilt(low, needed)[::every]
+    return np.array([[np.linalg.norm(m - n) for m, n in pairs], [np.linalg.norm(m) for m, _ in pairs]])

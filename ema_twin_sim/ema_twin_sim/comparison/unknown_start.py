@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
+
+from ema_bench_replay.long_columns import median, pieces
 
 from ..criteria import SMALL, TOO_MUCH
 from ..model import Model
@@ -23,11 +27,17 @@ def unknown_start(name: str, model: Model, stretch: Stretch, noise: float, stand
     """
     plant = assemble(model).plant[0]
     width = 2.0 * float(plant["gap"] / plant["gear_ratio"])
-    known = np.isfinite(stretch.residual)
-    ways = [stretch.residual[known & (way * stretch.speed > standstill)] for way in (1.0, -1.0)]
-    if width == 0.0 or not all(map(len, ways)):
+    if width == 0.0:
         return ()
-    forward, backward = (float(np.median(residual)) for residual in ways)
+
+    def going(way: float) -> Iterator[np.ndarray]:
+        for rows in pieces(len(stretch.residual)):
+            residual = stretch.residual[rows]
+            yield residual[np.isfinite(residual) & (way * stretch.speed[rows] > standstill)]
+
+    forward, backward = (median(partial(going, way)) for way in (1.0, -1.0))
+    if math.isnan(forward + backward):
+        return ()
     constant, difference = 0.5 * (forward + backward), abs(forward - backward)
     if not TOO_MUCH * noise < abs(constant) <= (1.0 + SMALL) * width or difference > SMALL * abs(constant):
         return ()

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from ema_bench_replay.long_columns import by_pieces, extremes, joined, mean_of, pieces, quantile
 from ema_bench_replay.units import unit_in
 
 from ..criteria import SMALL, STANDSTILL
@@ -150,11 +152,11 @@ def find_dependences(
     ``resolved``, only orders are named of which there are two samples a cycle.
     """
     stretches = [_finite(stretch) for stretch in stretches]
-    residual = np.concatenate([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
-    if len(residual) < FEWEST_SAMPLES or not np.any(residual):
+    residual = joined([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
+    if len(residual) < FEWEST_SAMPLES or not any(np.any(residual[rows]) for rows in pieces(len(residual))):
         return []
-    speed = np.concatenate([stretch.speed for stretch in stretches])
-    direction = np.where(np.abs(speed) < standstill, 0.0, np.sign(speed))
+    speed = joined([stretch.speed for stretch in stretches])
+    direction = by_pieces(lambda part: np.where(np.abs(part) < standstill, 0.0, np.sign(part)), speed)
     variables = (
         ("direction", "", direction, np.array([-1.5, -0.5, 0.5, 1.5])),
         ("speed", unit_in("rad/s", motion), speed, _speed_edges(speed)),
@@ -175,23 +177,27 @@ def find_dependences(
 
 
 def _finite(stretch: Stretch) -> Stretch:
-    good = np.all([np.isfinite(getattr(stretch, name)) for name in Stretch.__dataclass_fields__], axis=0)
-    if good.all():
+    columns = [getattr(stretch, name) for name in Stretch.__dataclass_fields__]
+    if all(np.isfinite(column[rows]).all() for rows in pieces(len(stretch.residual)) for column in columns):
         return stretch
-    return Stretch(*(getattr(stretch, name)[good] for name in Stretch.__dataclass_fields__))
+    return Stretch(*(by_pieces(_where_all_finite, column, *columns) for column in columns))
+
+
+def _where_all_finite(values: np.ndarray, *columns: np.ndarray) -> np.ndarray:
+    return values[np.all(np.isfinite(columns), axis=0)]
 
 
 def _speed_edges(speed: np.ndarray) -> np.ndarray:
     """Bins that are narrow at low speed, where friction changes, and symmetric, so that directions compare."""
-    usual = float(np.quantile(np.abs(speed), 0.995)) or 1.0
+    usual = quantile(lambda: (np.abs(speed[rows]) for rows in pieces(len(speed))), 0.995) or 1.0
     edges = usual * np.array(_SPEED_SHARES)
-    edges[-1] = max(np.nextafter(float(np.abs(speed).max()), np.inf), edges[-1])
+    edges[-1] = max(np.nextafter(max(map(abs, extremes(speed))), np.inf), edges[-1])
     return np.concatenate([-edges[:0:-1], edges])
 
 
 def _even(parts: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    values = np.concatenate(parts)
-    lower, upper = float(values.min()), float(values.max())
+    values = joined(parts)
+    lower, upper = extremes(values)
     return values, np.linspace(lower, np.nextafter(upper, np.inf) if upper > lower else lower, _BINS + 1)
 
 
@@ -204,18 +210,21 @@ def _binned(
     values: np.ndarray,
     edges: np.ndarray,
 ) -> Dependence | None:
-    place = np.digitize(values, edges) - 1
-    count = np.bincount(place, minlength=len(edges) - 1).astype(float)
+    count, sums, square = np.zeros((3, len(edges) - 1))
+    for rows in pieces(len(residual)):
+        place = np.digitize(values[rows], edges) - 1
+        count += np.bincount(place, minlength=len(count))
+        sums += np.bincount(place, residual[rows], len(count))
+        square += np.bincount(place, residual[rows] ** 2, len(count))
     used = count >= FEWEST
     if used.sum() < 2:
         return None
-    mean = np.bincount(place, residual, len(count)) / np.maximum(count, 1.0)
-    square = np.bincount(place, residual**2, len(count))
+    mean = sums / np.maximum(count, 1.0)
     total = square.sum()
     inside = (square - count * mean**2)[used].sum() + square[~used].sum()
     samples = len(residual)
     # beyond what a constant explains, and adjusted for the number of bins
-    explained = total - samples * residual.mean() ** 2 - inside * samples / max(1.0, samples - used.sum())
+    explained = total - samples * mean_of(residual) ** 2 - inside * samples / max(1.0, samples - used.sum())
     share = explained / total
     profile = np.sqrt(square / np.maximum(count, 1.0))
     worst = int(np.argmax(np.where(used, profile, -1.0)))
@@ -246,9 +255,17 @@ def _times_per_revolution(order: float) -> str:
 
 
 def _constant(signal: str, unit: str, residual: np.ndarray) -> Dependence:
-    mean, rmse = float(residual.mean()), math.sqrt(float(np.mean(residual**2)))
+    mean, rmse = float(mean_of(residual)), math.sqrt(_mean_square(residual))
     place = ((mean, "everywhere"), (mean, "everywhere"))
     return Dependence(signal, unit, "constant", mean**2 / rmse**2, 0.0, 0.0, "", rmse, rmse, (), "everywhere", place)
+
+
+def _mean_square(values: np.ndarray) -> float:
+    return float(sum(np.sum(values[rows] ** 2) for rows in pieces(len(values))) / len(values))
+
+
+def _where_moving(standstill: float, values: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    return values[np.abs(speed) > standstill]
 
 
 def _periodic(
@@ -264,13 +281,16 @@ def _periodic(
     parts = []
     for stretch in stretches:
         # at standstill one angle would gather all samples, which looks like every order at once
-        moving = np.abs(stretch.speed) > standstill
-        parts.append((stretch.residual[moving], stretch.motor_angle[moving], np.sign(stretch.speed[moving])))
+        moves = partial(_where_moving, standstill)
+        residual_there, angle, speed = (
+            by_pieces(moves, values, stretch.speed) for values in (stretch.residual, stretch.motor_angle, stretch.speed)
+        )
+        parts.append((residual_there, angle, by_pieces(np.sign, speed)))
     found = find_order(parts, resolved=resolved)
     if found is None:
         return None
     power = found.amplitude**2 / 2.0
-    total = float(np.mean(residual**2))
+    total = _mean_square(residual)
     moving_share = sum(len(part[0]) for part in parts) / len(residual)
     return Dependence(
         signal, unit, "order", min(1.0, power * moving_share / total), found.order, found.order, "cycles/rev",

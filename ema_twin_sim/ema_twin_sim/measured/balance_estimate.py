@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import Recording, spread
 
 from ..criteria import CONTRADICTED, NEGLIGIBLE
 from ..model import Model
@@ -40,7 +40,7 @@ class BalanceEstimate:
 
 def estimate_balance(recordings: Sequence[Recording], model: Model, torque: float) -> BalanceEstimate | None:
     """The estimate from recordings of a motion; ``torque`` is the rms of the drive's. None where no inertia shows."""
-    moving = [r for r in recordings if r.has("current", "motor_position") and not r.of_points and len(r) > ROWS]
+    moving = [r for r in spread(recordings) if r.has("current", "motor_position") and not r.of_points and len(r) > ROWS]
     found: BalanceEstimate | None = None
     for _ in range(PASSES):
         own_time = None if found is None else math.sqrt(found.inertia / torque)

@@ -7,9 +7,13 @@ half way to its neighbours, and counts the largest power in there; where in the 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+
+from ema_bench_replay.long_columns import by_pieces, extremes, let_go, mean_of, pieces
 
 _ANGLE_BINS = 512  # per turn: orders up to 256
 _LARGEST = 1 << 22  # angle bins of one transform, which then takes some 0.4 GB
@@ -25,10 +29,9 @@ def largest_in_cells(
     What turns too far for one transform is cut into pieces by its angle, whose powers add.
     """
     power = np.zeros(len(orders))
-    residual = residual - residual.mean()  # or a constant error would leak into low orders
-    for rows, turns in _pieces(angle):
-        found = _in_cells(orders, residual[rows], angle[rows])
-        power += np.where(orders * turns >= fewest_cycles, found, 0.0)
+    mean = mean_of(residual)  # or a constant error would leak into low orders
+    for cut in _cuts(angle):
+        power += np.where(orders * cut.turns >= fewest_cycles, _in_cells(orders, residual, mean, angle, cut), 0.0)
     return power
 
 
@@ -42,50 +45,77 @@ def refined(order: float, step: float, parts: Sequence[tuple[np.ndarray, np.ndar
     near = 0.5 * step * np.arange(-half, half + 1) / half
     power = np.zeros(len(near))
     for residual, angle in parts:
-        residual = residual - residual.mean()
-        for rows, turns in _pieces(angle):
+        mean = mean_of(residual)
+        for cut in _cuts(angle):
             # what is within half a step of the order turns slowly beside it: sums over its boxes of angle tell that
-            boxes = math.ceil(_FINER * step * turns) + 1
-            from_start = angle[rows] - angle[rows].min()
-            box = np.minimum((from_start * (boxes / (2.0 * np.pi * turns))).astype(np.int64), boxes - 1)
-            wave = residual[rows] * np.exp(-1j * order * from_start)
-            sums = np.bincount(box, wave.real, boxes) + 1j * np.bincount(box, wave.imag, boxes)
-            centres = (np.arange(boxes) + 0.5) * (2.0 * np.pi * turns / boxes)
-            power += np.abs(np.exp(-1j * np.outer(near, centres)) @ sums) ** 2 / len(from_start)
+            boxes = math.ceil(_FINER * step * cut.turns) + 1
+            sums = np.zeros(boxes, complex)
+            for rows in cut.rows():
+                from_start = angle[rows] - cut.least
+                box = np.minimum((from_start * (boxes / (2.0 * np.pi * cut.turns))).astype(np.int64), boxes - 1)
+                wave = (residual[rows] - mean) * np.exp(-1j * order * from_start)
+                sums += np.bincount(box, wave.real, boxes) + 1j * np.bincount(box, wave.imag, boxes)
+            centres = (np.arange(boxes) + 0.5) * (2.0 * np.pi * cut.turns / boxes)
+            power += np.abs(np.exp(-1j * np.outer(near, centres)) @ sums) ** 2 / cut.count
     return order + float(near[int(np.argmax(power))])
 
 
 def line_turns(angles: Sequence[np.ndarray]) -> float:
     """Turns of the longest piece of the angles, each (n,) [rad], that one transform takes: a line is 1 / turns wide."""
-    return max(turns / count for turns, count in map(_turns, angles))
+    return max(turns / count for turns, count in (_turns(*extremes(angle)) for angle in angles))
 
 
-def _turns(angle: np.ndarray) -> tuple[float, int]:
-    """Turns of an angle, and the pieces into which it is cut."""
-    turns = float(np.ptp(angle)) / (2.0 * math.pi) + 1.0 / _ANGLE_BINS
+@dataclass(frozen=True)
+class _Cut:
+    """What of an angle one transform takes: all of it, or what lies between two angles."""
+
+    turns: float
+    count: int  # samples
+    least: float  # rad, of these
+    greatest: float
+    rows: Callable[[], Iterator[np.ndarray | slice]]  # which they are, piece by piece
+
+
+def _turns(least: float, greatest: float) -> tuple[float, int]:
+    """Turns from an angle to another [rad], and the cuts that they are taken in."""
+    turns = (greatest - least) / (2.0 * math.pi) + 1.0 / _ANGLE_BINS
     return turns, math.ceil(turns * _ANGLE_BINS / _LARGEST)
 
 
-def _pieces(angle: np.ndarray) -> Iterator[tuple[np.ndarray | slice, float]]:
-    """(rows, turns) of each piece of an angle that one transform takes; empty ones are left out."""
-    turns, count = _turns(angle)
+def _cuts(angle: np.ndarray) -> Iterator[_Cut]:
+    """The cuts of an angle (n,) [rad]; empty ones are left out."""
+    least, greatest = extremes(angle)
+    turns, count = _turns(least, greatest)
     if count == 1:
-        yield slice(None), turns
+        yield _Cut(turns, len(angle), least, greatest, partial(pieces, len(angle)))
         return
-    piece = ((angle - angle.min()) * (count / (2.0 * math.pi * turns))).astype(np.int64)
+    number = by_pieces(lambda part: ((part - least) * (count / (2.0 * math.pi * turns))).astype(np.int64), angle)
+    spans = [(rows, extremes(number[rows])) for rows in pieces(len(number))]
+
+    def rows_of(k: int) -> Iterator[np.ndarray]:
+        for rows, (first, last) in spans:
+            if first <= k <= last:
+                yield rows.start + np.flatnonzero(number[rows] == k)
+                let_go()
+
     for k in range(count):
-        rows = np.flatnonzero(piece == k)
-        if len(rows):
-            yield rows, turns / count
+        ends = [(len(rows), *extremes(angle[rows])) for rows in rows_of(k) if len(rows)]
+        if ends:
+            samples, lows, highs = zip(*ends, strict=True)
+            yield _Cut(turns / count, sum(samples), min(lows), max(highs), partial(rows_of, k))
 
 
-def _in_cells(orders: np.ndarray, residual: np.ndarray, angle: np.ndarray) -> np.ndarray:
+def _in_cells(orders: np.ndarray, residual: np.ndarray, mean: np.floating, angle: np.ndarray, cut: _Cut) -> np.ndarray:
     """The largest power in each cell, by one transform."""
-    place = np.floor(angle * (_ANGLE_BINS / (2.0 * math.pi))).astype(np.int64)
-    place -= place.min()
-    bins = int(place.max()) + 1
+    per_radian = _ANGLE_BINS / (2.0 * math.pi)
+    first, last = (math.floor(end * per_radian) for end in (cut.least, cut.greatest))
+    bins = last - first + 1
+    sums = np.zeros(bins)
+    for rows in cut.rows():
+        place = np.floor(angle[rows] * per_radian).astype(np.int64) - first
+        sums += np.bincount(place, residual[rows] - mean, bins)
     length = 1 << max(12, (4 * bins - 1).bit_length())
-    spectrum = np.abs(np.fft.rfft(np.bincount(place, residual, bins), length)) ** 2 * (2.0 / len(residual))
+    spectrum = np.abs(np.fft.rfft(sums, length)) ** 2 * (2.0 / cut.count)
     apart = _ANGLE_BINS / length
     at_centre = np.interp(orders, np.arange(len(spectrum)) * apart, spectrum)
     step = orders[1] - orders[0]

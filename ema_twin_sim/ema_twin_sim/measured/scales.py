@@ -8,11 +8,12 @@ unit of time from how long that torque takes to turn the inertia by a radian, sq
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ema_bench_replay.long_columns import at_once, overlapping, pieces, quantile
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SMALL, STANDSTILL
@@ -118,8 +119,7 @@ def _quick_enough(recordings: Sequence[Recording], time: float, radius: float | 
     would stand still much of the time, its speed tells how quick it is. A torsion test is such a motion, and so is that
     of a joint which is told at the joint.
     """
-    speeds = np.concatenate([np.zeros(0), *_speeds(recordings)]) / (radius or 1.0)
-    fastest = float(np.quantile(speeds, NEARLY_ALL)) if len(speeds) else 0.0
+    fastest = quantile(lambda: (speeds / (radius or 1.0) for speeds in _speeds(recordings)), NEARLY_ALL)
     return max(time, STANDSTILL / (SMALL * fastest)) if fastest > 0.0 else time
 
 
@@ -169,28 +169,36 @@ def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Record
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
     """The rms of the drive's torque [N m, N where the machine is linear] over all recordings; 0 where none has one."""
-    parts = [np.abs(recording.signals["current"]) for recording in recordings if recording.has("current")]
-    sizes = np.concatenate([part[np.isfinite(part)] for part in parts]) if parts else np.zeros(0)
-    if not len(sizes):
+    parts = at_once(
+        lambda: _sizes(recording.signals["current"] for recording in recordings if recording.has("current"))
+    )
+    count = sum(map(len, parts()))
+    if not count:
         return 0.0
-    sizes = np.minimum(sizes, np.quantile(sizes, ALL_BUT_SPIKES))
-    return float(model.value("machine.torque_constant") * np.sqrt(np.mean(sizes**2)))
+    largest = quantile(parts, ALL_BUT_SPIKES)
+    square = sum(np.sum(np.minimum(sizes, largest) ** 2) for sizes in parts()) / count
+    return float(model.value("machine.torque_constant") * np.sqrt(square))
 
 
 def drum_radius(recordings: Sequence[Recording]) -> float:
     """Radius [m] of a drum that turns at usual speeds beside a linear machine's recordings."""
-    known = np.concatenate([np.zeros(0), *_speeds(recordings)])
-    fastest = float(np.quantile(known, NEARLY_ALL)) if len(known) else 0.0
+    fastest = quantile(lambda: _speeds(recordings), NEARLY_ALL)
     return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
 
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:
-    """Sizes (m,) of each speed [m/s]: measured, or of the motor's position where samples follow each other in time."""
+    """Sizes (m,) of all speeds [m/s]: measured, or of the motor's position where samples follow each other in time."""
     for recording in recordings:
         if recording.has("speed"):
-            speed = np.abs(recording.signals["speed"])
+            yield from _sizes([recording.signals["speed"]])
         elif recording.has("motor_position") and not recording.of_points:
-            speed = np.abs(np.diff(recording.signals["motor_position"]) / np.diff(recording.time))
-        else:
-            continue
-        yield speed[np.isfinite(speed)]
+            for way, time in zip(*map(overlapping, (recording.signals["motor_position"], recording.time)), strict=True):
+                yield from _sizes([np.diff(way) / np.diff(time)])
+
+
+def _sizes(columns: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
+    """What is known of columns (n,) each without its sign, piece by piece."""
+    for column in columns:
+        for rows in pieces(len(column)):
+            sizes = np.abs(column[rows])
+            yield sizes[np.isfinite(sizes)]

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import Column, by_pieces, extremes, overlapping, pieces
 from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAY_BE_MAGNITUDES, Recording
 
 from .model import Model
@@ -46,11 +49,11 @@ def matched(recording: Recording, model: Model) -> Recording:
     for name in AT_EITHER_SHAFT:
         if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
             ratio = model.value("machine.gear_ratio")
-            signals[name] = signals[name] / ratio if name.endswith("torque") else signals[name] * ratio
+            signals[name] = _divided(signals[name], ratio) if name.endswith("torque") else _times(signals[name], ratio)
             origin *= ratio if name == "motor_position" else 1.0
     _refuse_impossible_speeds(recording, signals, model)
     if "current" not in signals and "motor_torque" in signals:
-        signals["current"] = signals["motor_torque"] / model.value("machine.torque_constant")
+        signals["current"] = _divided(signals["motor_torque"], model.value("machine.torque_constant"))
         metadata[BY_TORQUE] = "torque"
     if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
         signals["motor_position"] = _way(signals["speed"], recording.time)
@@ -69,11 +72,27 @@ def matched(recording: Recording, model: Model) -> Recording:
 
 def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
     """The way (n,) that a speed makes; where that is missing, as a straight line has it. NaN if it is nowhere known."""
-    known = np.isfinite(speed)
+    known = by_pieces(np.isfinite, speed)
     if not known.any():
-        return np.full(len(speed), np.nan)
-    whole = np.interp(time, time[known], speed[known])
-    return np.concatenate([[0.0], np.cumsum(0.5 * (whole[1:] + whole[:-1]) * np.diff(time))])
+        return by_pieces(partial(np.full_like, fill_value=np.nan), speed)
+    if not known.all():
+        speed = np.interp(time, time[known], speed[known])
+    way = Column(np.float64)
+    way.add(np.zeros(1))
+    came = 0.0
+    for speeds, times in zip(overlapping(speed), overlapping(time), strict=True):
+        went = came + np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))
+        way.add(went)
+        came = float(went[-1]) if len(went) else came
+    return way.finish()
+
+
+def _times(values: np.ndarray, factor: float) -> np.ndarray:
+    return by_pieces(lambda part: part * factor, values)
+
+
+def _divided(values: np.ndarray, divisor: float) -> np.ndarray:
+    return by_pieces(lambda part: part / divisor, values)
 
 
 def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:
@@ -84,12 +103,13 @@ def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:
     if not {"motor_position", "output_position", "current"} <= signals.keys():
         return ""
     motor, output = (signals[f"{side}_position"] for side in ("motor", "output"))
-    if not (np.isfinite(motor).any() and np.isfinite(output).any()):
+    travel, moved = (greatest - least for least, greatest in map(extremes, (motor, output)))
+    if math.isnan(travel) or math.isnan(moved):
         return ""
-    travel, unit = float(np.nanmax(motor) - np.nanmin(motor)), model.unit("drive.speed_limit").partition("/")[0]
+    unit = model.unit("drive.speed_limit").partition("/")[0]
     expected = travel / model.value("machine.gear_ratio")
     counts = model.value("sensors.output_encoder_counts")
-    seen = max(float(np.nanmax(output) - np.nanmin(output)), model.turn / counts if counts > 0.0 else 0.0)
+    seen = max(moved, model.turn / counts if counts > 0.0 else 0.0)
     if not expected > _STILL * seen:
         return ""
     return (
@@ -101,12 +121,17 @@ def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:
 def _refuse_impossible_speeds(recording: Recording, signals: Mapping[str, np.ndarray], model: Model) -> None:
     limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
     for name in ("speed_setpoint", "speed"):
-        values = np.abs(signals.get(name, np.zeros(1)))
-        worst = int(np.argmax(np.where(np.isfinite(values), values, 0.0)))
-        if values[worst] > _IMPOSSIBLE * limit:
+        fastest, worst = 0.0, 0
+        speed = signals.get(name, np.zeros(1))
+        for rows in pieces(len(speed)):
+            sizes = np.abs(speed[rows])
+            at = int(np.argmax(np.where(np.isfinite(sizes), sizes, 0.0)))
+            if sizes[at] > fastest:
+                fastest, worst = float(sizes[at]), rows.start + at
+        if fastest > _IMPOSSIBLE * limit:
             place = f"at {recording.time[worst]:.3f} s (sample {worst})"
             raise InputError(
-                f"{recording.name}: {name} is {values[worst]:.4g} {unit} {place}, "
+                f"{recording.name}: {name} is {fastest:.4g} {unit} {place}, "
                 f"and drive.speed_limit of model {model.name} is {limit:.4g} {unit}; correct the sample, or cut it off "
                 "(--from, --to)"
             )

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.recording import Recording
+from ema_bench_replay.recording import Recording, spread
 
 from ..effects import catalogue
 from ..effects.catalogue import is_own
@@ -62,7 +62,7 @@ def typical_units(recordings: Sequence[Recording], model: Model, radius: float |
     drum that a linear machine runs round.
     """
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
-    motors = [_even(recording) for recording in recordings]
+    motors = [_even(recording) for recording in spread(recordings)]
     square = float(np.mean([np.mean(np.gradient(position, time) ** 2) for time, position in motors]))
     if not (square > 0.0 and inertia > 0.0):
         return OwnUnits(radius=radius)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import pieces, quantile, slopes
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
@@ -54,15 +56,20 @@ def refuse_beyond_link(model: Model, speed: float, place: str) -> None:
 
 def refuse_recording_beyond_link(model: Model, recording: Recording, source: str) -> None:
     """The same for the speed of a recording's motor; under the input ``current`` no bridge drives the twin."""
-    if source == "current":
+    if source == "current" or model.kinds["drive"] != "switching":
         return
     if recording.has("speed"):
         speed = recording.signals["speed"]
     elif recording.has("motor_position"):
-        speed = np.gradient(recording.signals["motor_position"], recording.time)
+        speed = slopes(recording.signals["motor_position"], recording.time)
     else:
         speed = recording.signals.get("speed_setpoint", np.zeros(1))
-    refuse_beyond_link(model, float(np.nanquantile(np.abs(speed), _HELD)), recording.name)
+
+    def sizes() -> Iterator[np.ndarray]:
+        for rows in pieces(len(speed)):
+            yield np.abs(speed[rows][~np.isnan(speed[rows])])
+
+    refuse_beyond_link(model, quantile(sizes, _HELD), recording.name)
 
 
 def refuse_command_beyond_link(model: Model, command: Command, time: np.ndarray) -> None:

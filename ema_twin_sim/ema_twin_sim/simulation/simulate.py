@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Collection, Iterator
 
 import numpy as np
 
 from ema_bench_replay.errors import InputError
+from ema_bench_replay.long_columns import Column, is_long, pieces
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
@@ -79,20 +81,36 @@ def refuse_without_speed_controller(model: Model) -> None:
         )
 
 
-def simulate(model: Model, recording: Recording, source: str | None = None, *, step: float | None = None) -> Recording:
+def simulate(
+    model: Model,
+    recording: Recording,
+    source: str | None = None,
+    *,
+    step: float | None = None,
+    wanted: Collection[str] = TWIN,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
     """The twin's own recording beside a bench's: the same stamps, the signals that the twin has.
 
-    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step.
+    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step; of a long recording, no more than
+    the ``wanted`` signals are kept. ``progress`` is told the share that is done.
     """
     chosen = choose_input(recording, model, source)
     if chosen == POINTWISE:
         return twin_at_points(model, recording)
+    second = shown(model, 1.0, "s")[0]
     if chosen == BY_MOTOR:
-        _refuse_long_gap(recording, shown(model, 1.0, "s")[0])
+        _refuse_long_gap(recording, second)
         return twin_behind_motor(model, recording)
-    bench = bench_of(recording, shown(model, 1.0, "s")[0])
-    twin = started(model, recording, bench, chosen, step)
-    return seen(model, recording, followed(twin, recording, bench))
+    if not is_long(len(recording)):
+        bench = bench_of(recording, second)
+        return seen(model, recording, followed(started(model, recording, bench, chosen, step), recording, bench))
+    _refuse_long_gap(recording, second)
+    signals = _Signals(wanted)
+    for rows in _by_pieces(model, recording, chosen, step):
+        signals.add(rows)
+        progress(signals.size / len(recording))
+    return _of_twin(model, recording, signals.finish())
 
 
 def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
@@ -101,8 +119,54 @@ def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
     A ``second`` of the recording is so many s, where it is told in own units.
     """
     _refuse_long_gap(recording, second)
-    absent = np.full(len(recording), math.nan)
-    return np.column_stack([recording.signals.get(name, absent) for name in BENCH])
+    return _bench_rows(recording, slice(0, len(recording)))
+
+
+def _bench_rows(recording: Recording, rows: slice) -> np.ndarray:
+    absent = np.full(rows.stop - rows.start, math.nan)
+    return np.column_stack(
+        [recording.signals[name][rows] if recording.has(name) else absent for name in BENCH],
+    )
+
+
+def _by_pieces(model: Model, recording: Recording, chosen: str, step: float | None) -> Iterator[np.ndarray]:
+    """The rows (m, signals) of a twin beside a long recording, piece by piece; it goes on from each to the next."""
+    twin = None
+    bench = np.zeros((0, len(BENCH)))
+    held = [recording.has(name) for name in BENCH]
+    for rows in pieces(len(recording)):
+        before = bench[-1:, held]
+        rows = slice(max(rows.start - 1, 0), rows.stop)  # the last row of the piece before, from which it goes on
+        bench = _bench_rows(recording, rows)
+        bench[: len(before), held] = before  # what was held over values that are missing, is
+        twin = twin or started(model, recording, bench, chosen, step)
+        yield followed(twin, recording, bench, rows)[len(before) :]
+
+
+class _Signals:
+    """The signals of a twin, as its rows come; one that is never known takes no room."""
+
+    def __init__(self, wanted: Collection[str]) -> None:
+        self.size = 0
+        self._wanted = [(k, name) for k, name in enumerate(TWIN) if name in wanted]
+        self._columns: dict[str, Column] = {}
+
+    def add(self, rows: np.ndarray) -> None:
+        """Append rows (m, signals)."""
+        for k, name in self._wanted:
+            if name not in self._columns:
+                # the first row of all is the state's own
+                if np.isnan(rows[0 if self.size else 1 :, k]).all():
+                    continue
+                self._columns[name] = Column(np.float64)
+                for unknown in pieces(self.size):
+                    self._columns[name].add(np.full(unknown.stop - unknown.start, math.nan))
+            self._columns[name].add(rows[:, k])
+        self.size += len(rows)
+
+    def finish(self) -> dict[str, np.ndarray]:
+        """The signals (n,) by name."""
+        return {name: column.finish() for name, column in self._columns.items()}
 
 
 def _refuse_long_gap(recording: Recording, second: float) -> None:
@@ -133,10 +197,13 @@ def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, 
     return twin
 
 
-def followed(twin: Twin, recording: Recording, bench: np.ndarray) -> np.ndarray:
-    """Rows (n, signals) of a started twin beside a recording. Raises InputError where it diverges."""
+def followed(twin: Twin, recording: Recording, bench: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
+    """Rows (n, signals) of a started twin beside a recording, or beside some ``rows`` of it that follow each other.
+
+    Raises InputError where it diverges.
+    """
     try:
-        return twin.follow(recording.stamps, bench)
+        return twin.follow(recording.stamps[rows], bench)
     except InputError as error:
         raise InputError(f"{recording.name}: {error}") from None
 
@@ -144,6 +211,10 @@ def followed(twin: Twin, recording: Recording, bench: np.ndarray) -> np.ndarray:
 def seen(model: Model, recording: Recording, rows: np.ndarray) -> Recording:
     """A twin's rows (n, signals) beside a recording (``layout.TWIN``) as a recording of its own."""
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
+    return _of_twin(model, recording, signals)
+
+
+def _of_twin(model: Model, recording: Recording, signals: dict[str, np.ndarray]) -> Recording:
     return Recording(
         name=recording.name,
         stamps=recording.stamps,
