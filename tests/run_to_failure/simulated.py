@@ -158,7 +158,7 @@ def _told(health: dict, numbers: dict, found: dict) -> SimulatedUnit:
 def _watched() -> Model:
     """What is fitted test by test: friction, of which no day tells the next one's, and the effects that may wear.
 
-    The inertias of a unit are the same in all its tests, so they are held: a fit would trade a torque constant for them.
+    A unit's inertias are the same in all its tests, so they are held: a fit would trade a torque constant for them.
     """
     model = load_model("polito_bench")
     held = {path: replace(model.constants[path], tolerance=0.0) for path in INERTIAS}
