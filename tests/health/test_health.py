@@ -108,6 +108,21 @@ def test_a_machine_that_hunts_is_named_by_its_pits(baseline):
     assert named_together(loose)[0].family is Family.PLAY
 
 
+def test_levels_and_waves_need_no_more_tests_than_either(baseline):
+    """Waves of hardly any scatter, which differ from test to test, cost what is told of the friction no freedom."""
+    blocks = [block.features for block in baseline.blocks]
+    assert ("friction", "roughness", "rest_hunting", "settling") in blocks
+    assert sum(len(block) > 1 for block in blocks) == 2
+    rng = np.random.default_rng(16)
+
+    def four(friction, name):
+        return [run(rng, f"{name} {test}", friction=friction, wave=0.02 + 0.004 * rng.normal())
+                for test in range(4) for _ in range(5)]  # fmt: skip
+
+    few = learn(four(1.0, "healthy"), wavelength=LEAD)
+    assert all(judge(one, few).detected for one in four(1.15, "worn"))
+
+
 @pytest.mark.slow
 def test_false_alarms_stay_at_their_rate_where_tests_differ_more_than_runs():
     """A baseline that took runs for independent would call off most runs of another test."""
