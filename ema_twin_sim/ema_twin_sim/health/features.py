@@ -10,8 +10,8 @@ roughness           scatter in steady motion beside waves, of effort and positio
 fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
-wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction; of the
-                    effort that no error of the position explains (``disturbance``)
+wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction:
+                    what of it no error of the position explains (``disturbance``)
 wave_depth          size of that wave in both directions (root of the mean square)
 wave_both_ways      what of that wave both directions meet at the same place, helped one way and hindered the other
 bump                largest local excess of the effort over a stroke, in its own scatter
