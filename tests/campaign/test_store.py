@@ -195,6 +195,16 @@ class TestHistories:
         (look,) = outlooks(self.a_unit(values, std=10.0), {}, healthy=Healthy(12))
         assert (look.change.begin, look.change.alarm) == (15, 15)
 
+    def test_a_number_on_its_bound_is_as_sure_as_it_was_told(self):
+        """No play is found as 0 again and again; the first fit that gives a little more is no change, and play is."""
+        values = np.zeros(18)
+        values[[1, 9, 13]] = 2.6e-9, 8.4e-8, 3.6e-8
+        (look,) = outlooks(self.a_unit(values, std=2e-7), {}, healthy=Healthy(8))
+        assert look.change is None
+        values[11:] = 2.5e-4 * np.arange(1.0, 8.0)
+        (look,) = outlooks(self.a_unit(values, std=2e-7), {}, healthy=Healthy(8))
+        assert (look.change.begin, look.change.alarm) == (11, 11)
+
     def test_healthy_units_seldom_seem_to_change(self):
         drawn = np.random.default_rng(6)
         units = [self.a_unit(100.0 + drawn.normal(size=30), std=std) for std in (1.0, 10.0) for _ in range(40)]

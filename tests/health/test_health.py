@@ -97,14 +97,30 @@ def test_pits_are_met_both_ways_and_friction_of_a_place_is_not():
     assert abs(both(wave=0.0)) < 1e-4
 
 
-def test_a_test_of_a_machine_that_hunts_is_named_by_its_pits(baseline):
-    """Worn tracks loosen the preload, so that single runs look like play; what both directions meet is no play's."""
+def test_a_machine_that_hunts_is_named_by_its_pits(baseline):
+    """Worn tracks loosen the preload, which looks like play; what both directions meet at one place is no play's."""
     judged = [judge(one, baseline) for one in runs(np.random.default_rng(14), 1, wave=0.0, pits=0.03, hunting=2.0)]
-    assert [one.family for one in judged].count(Family.PLAY) >= 4
+    assert [one.family for one in judged] == [Family.LOCAL_DAMAGE] * len(judged)
+    assert "wave that both directions meet at the same place" in judged[0].words[-1]
     assert named_together(judged)[0].family is Family.LOCAL_DAMAGE
-    assert named_together(judged[:1])[0].family is judged[0].family
     loose = [judge(one, baseline) for one in runs(np.random.default_rng(15), 1, hunting=2.0)]
+    assert [one.family for one in loose] == [Family.PLAY] * len(loose)
     assert named_together(loose)[0].family is Family.PLAY
+
+
+def test_levels_and_waves_need_no_more_tests_than_either(baseline):
+    """Waves of hardly any scatter, which differ from test to test, cost what is told of the friction no freedom."""
+    blocks = [block.features for block in baseline.blocks]
+    assert ("friction", "roughness", "rest_hunting", "settling") in blocks
+    assert sum(len(block) > 1 for block in blocks) == 2
+    rng = np.random.default_rng(16)
+
+    def four(friction, name):
+        return [run(rng, f"{name} {test}", friction=friction, wave=0.02 + 0.004 * rng.normal())
+                for test in range(4) for _ in range(5)]  # fmt: skip
+
+    few = learn(four(1.0, "healthy"), wavelength=LEAD)
+    assert all(judge(one, few).detected for one in four(1.15, "worn"))
 
 
 @pytest.mark.slow
@@ -235,19 +251,19 @@ def test_faults_of_a_real_ball_screw_are_detected_and_named(real):
         alarms += [judge(one, learnt).detected for one in healthy if int(one.test) not in split]
         for condition, families in faults.items():
             judged = [judge(one, learnt) for one in worn[condition]]
-            seen[condition] += [one.detected for one in judged]
+            seen[condition].append(np.mean([one.detected for one in judged]))
             named[condition] += [one.family in families for one in judged if one.detected]
             together[condition].append(named_together(judged)[0].family in families)
             for test in {one.test for one in judged}:
                 tests[condition].append(named_together([j for j in judged if j.test == test])[0].family in families)
+    least = {c: min(found) for c, found in seen.items()}
     seen, named = ({c: float(np.mean(v)) for c, v in found.items()} for found in (seen, named))
-    print(
-        f"{len(splits)} splits, false alarms {np.mean(alarms):.2%}", *((c, seen[c], named[c]) for c in faults), sep="\n"
-    )
+    told = [(c, f"{seen[c]:.1%}", f"{least[c]:.0%}", f"{named[c]:.1%}") for c in faults]
+    print(f"{len(splits)} splits, false alarms {np.mean(alarms):.2%}", *told, sep="\n")
     assert np.mean(alarms) <= 0.02 + 1.0 / len(alarms)
-    assert seen["lack_of_lubrication_1"] >= 0.95 and seen["lack_of_lubrication_2"] == 1.0
-    assert seen["backlash_1"] >= 0.93 and seen["backlash_2"] == 1.0
+    assert least["lack_of_lubrication_1"] >= 0.95 and least["lack_of_lubrication_2"] == 1.0
+    assert least["backlash_1"] >= 0.95 and least["backlash_2"] == 1.0
     assert min(seen[f"spalling_{stage}"] for stage in (6, 7, 8)) >= 0.9
-    assert min(named[c] for c in ("lack_of_lubrication_1", "lack_of_lubrication_2", "backlash_1", "backlash_2")) >= 0.88
+    assert min(named.values()) >= 0.9
     assert all(np.mean(found) == 1.0 for found in together.values())
-    assert min(float(np.mean(found)) for found in tests.values()) >= 0.95
+    assert min(float(np.mean(found)) for found in tests.values()) >= 0.99

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ema_bench_replay.bags.bag_writer import write_mcap
+from ema_twin_sim.identification.hypothesis import INERTIAS
 from ema_twin_sim.model import Model, load_model, save_model
 from ema_twin_sim.simulation.command import parse_command
 from ema_twin_sim.simulation.virtual_bench import virtual_bench
@@ -155,8 +156,13 @@ def _told(health: dict, numbers: dict, found: dict) -> SimulatedUnit:
 
 
 def _watched() -> Model:
-    """What is fitted test by test: friction, of which no day tells the next one's, and the effects that may wear."""
+    """What is fitted test by test: friction, of which no day tells the next one's, and the effects that may wear.
+
+    A unit's inertias are the same in all its tests, so they are held: a fit would trade a torque constant for them.
+    """
     model = load_model("polito_bench")
+    held = {path: replace(model.constants[path], tolerance=0.0) for path in INERTIAS}
+    model = replace(model, constants={**model.constants, **held})
     effects = {name: replace(held, open=name in dict(FRICTIONS)) for name, held in model.effects.items()}
     model = replace(model, effects=effects)
     for effect, number, healthy, limit in filter(None, WEARS.values()):

@@ -11,6 +11,7 @@ import numpy as np
 from ema_bench_replay.checked_yaml import Checker, read_yaml
 from ema_bench_replay.errors import InputError
 
+from ..criteria import PART
 from ..health.change_point import ChangePoint, change_point
 from ..health.drift import Drift, drift
 from ..health.false_alarms import FALSE_ALARM_OF_HISTORY
@@ -23,6 +24,7 @@ FEWEST_HEALTHY = 4
 """Values that tell how much healthy ones scatter."""
 _DAY = 86400.0  # s
 _LEAST_OWN = 1e-4  # of the squared errors that were told: values that are all the same have errors, too
+_THE_SAME = 1e-4  # of the errors that were told: no two free fits come as near to each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +126,7 @@ def _history(
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
     flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
+    held = stands_still(values[flags], errors[flags])
     repeats = np.zeros(0)
     if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
         repeats = np.diff(values)[np.diff(np.floor(days)) == 0.0]
@@ -135,9 +138,20 @@ def _history(
         first = BY_DEFAULT if healthy.pattern else Healthy(FEWEST_HEALTHY)
         flags = np.array(first.of_history(names, FEWEST_HEALTHY))
     differ = (repeats if len(repeats) else np.diff(values[flags])) / np.sqrt(2.0)
-    shared = float(np.sqrt(max(0.0, float(np.mean(errors**2)) - float(np.mean(differ**2)))))
+    differing = float(np.mean(errors**2 if held else differ**2))
+    shared = float(np.sqrt(max(0.0, float(np.mean(errors**2)) - differing)))
     times = days - days[0] if dated else np.arange(len(its), dtype=float)
     return History(owner, name, unit, times, values, errors, dated, flags, as_asked, shared, tuple(names))
+
+
+def stands_still(values: np.ndarray, errors: np.ndarray) -> bool:
+    """Whether values (n,) with standard errors (n,) lie on one bound, as no play and no run-out do, or where the fit
+    began: a considerable share of them is the same. How a free one differs, such values do not tell.
+    """
+    if len(values) < 2:
+        return False
+    near = np.abs(values[:, None] - values[None, :]) <= _THE_SAME * np.sqrt(np.mean(errors**2))
+    return int(near.sum(axis=0).max()) > max(1.0, PART * len(values))
 
 
 def _by_day(

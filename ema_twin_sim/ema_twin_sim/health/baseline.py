@@ -20,11 +20,12 @@ from .motion_record import MotionRecord
 from .run_features import RunFeatures, run_features
 from .wave import found_wavelength
 
-RUNNING = (
-    *("friction", "roughness", "rest_hunting", "settling"),
-    *("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin"),
-)
-"""How the unit runs: judged together, with the degrees of freedom of tests and runs by their variances."""
+LEVELS = ("friction", "roughness", "rest_hunting", "settling")
+"""How much effort the unit takes and how it scatters: judged together, with the degrees of freedom of tests and runs by
+their variances."""
+WAVES = ("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin")
+"""Where it takes it: likewise. All eight together would need twice as many tests to be held against each other."""
+RUNNING = LEVELS + WAVES
 ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
 """What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
 of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
@@ -159,9 +160,7 @@ def _limits(
     Each healthy run is judged by the baseline of the other tests. Where more of them than chance allows are beyond a
     block's limit, runs of this unit are no normal distribution, and the limit goes to the farthest.
     """
-    together = [i for i, name in enumerate(names) if name in RUNNING]
-    freedom = predict(values, tests).part(together).degrees_of_freedom if len(values) > 2 * len(together) else 0.0
-    blocks = _blocks(names, freedom)
+    blocks = _blocks(names, predict(values, tests))
     rates = _rates(blocks, false_alarm)
     labels = np.asarray(tests)
     left_out = np.zeros((len(values), len(blocks)))
@@ -182,12 +181,15 @@ def _limits(
     return limits, beyond
 
 
-def _blocks(names: Sequence[str], freedom: float) -> list[tuple[str, ...]]:
-    """The features that are judged together; all by themselves where too few tests tell how they go together."""
-    together = tuple(name for name in RUNNING if name in names)
-    alone: list[tuple[str, ...]] = [(name,) for name in ALONE if name in names]
-    each: list[tuple[str, ...]] = [(name,) for name in together]
-    return (each if freedom < 2 * len(together) else [together]) + alone
+def _blocks(names: Sequence[str], prediction: Prediction) -> list[tuple[str, ...]]:
+    """The features that are judged together; by themselves where too few tests tell how they go together."""
+    found: list[tuple[str, ...]] = []
+    for group in (LEVELS, WAVES):
+        rows = [i for i, name in enumerate(names) if name in group]
+        block = tuple(names[i] for i in rows)
+        enough = prediction.runs > 2 * len(rows) > 0 and prediction.part(rows).degrees_of_freedom >= 2 * len(rows)
+        found += [block] if enough else [(name,) for name in block]
+    return found + [(name,) for name in ALONE if name in names]
 
 
 def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:

@@ -49,14 +49,12 @@ DIRECTIONS: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
         **{"fast_roughness": (1,), "slow_roughness": (1,), "rest_hunting": (1,)},
         **{"settling": (-1,), "friction": (-1,), "lost_motion": (1,)},
     },
-    Family.LOCAL_DAMAGE: {"wave_depth": (1,), "bump": (1,), "fast_roughness": (1,), "friction": (-1,)},
+    Family.LOCAL_DAMAGE: {
+        **{"wave_depth": (1,), "wave_both_ways": (1,), "bump": (1,)},
+        **{"fast_roughness": (1,), "friction": (-1,)},
+    },
     Family.LOAD: {"load": (1, -1)},
 }
-TOGETHER: Mapping[Family, Mapping[str, tuple[int, ...]]] = {
-    **DIRECTIONS,
-    Family.LOCAL_DAMAGE: {**DIRECTIONS[Family.LOCAL_DAMAGE], "wave_both_ways": (1,)},
-}
-"""The same of several runs together: what both directions meet at one place is a product, uncertain in one run."""
 _AKAIKE = 2.0
 
 
@@ -70,15 +68,13 @@ class Ranked:
     because: tuple[str, ...]  # features that speak for it, the strongest first
 
 
-def rank(
-    changes: Mapping[str, float], families: Mapping[Family, Mapping[str, tuple[int, ...]]] = DIRECTIONS
-) -> tuple[Ranked, ...]:
+def rank(changes: Mapping[str, float]) -> tuple[Ranked, ...]:
     """The families by what they explain, from each feature's change in standard deviations of healthy runs."""
-    naming = dict.fromkeys(name for directions in families.values() for name in directions)
+    naming = dict.fromkeys(name for directions in DIRECTIONS.values() for name in directions)
     names = [name for name in naming if np.isfinite(changes.get(name, np.nan))]
     values = np.array([changes[name] for name in names])
     found = []
-    for family, directions in families.items():
+    for family, directions in DIRECTIONS.items():
         axes = [(name, sign) for name, signs in directions.items() if name in names for sign in signs]
         if not axes:
             continue

@@ -10,7 +10,8 @@ roughness           scatter in steady motion beside waves, of effort and positio
 fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
-wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
+wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction:
+                    what of it no error of the position explains (``disturbance``)
 wave_depth          size of that wave in both directions (root of the mean square)
 wave_both_ways      what of that wave both directions meet at the same place, helped one way and hindered the other
 bump                largest local excess of the effort over a stroke, in its own scatter
@@ -31,9 +32,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .disturbance import disturbance
 from .motion_record import MotionRecord
 from .phases import Phases, Piece, phases_of
-from .wave import FEWEST_CYCLES, split_wave
+from .wave import FEWEST_CYCLES, beside_wave, split_wave
 
 _FEW = 5  # samples of the means that show what is slow
 _PEAK = 3  # samples that make a peak
@@ -125,8 +127,8 @@ def wave_both_ways(record: MotionRecord, phases: Phases, wavelength: float, unsi
     waves = []
     for size, pieces in sides:
         common = [(p, rows[(where[rows] >= low) & (where[rows] <= high)]) for p, rows in pieces]
-        phasors = [split_wave(_along(record.effort, p, unsigned)[rows], where[rows], wavelength)[0]
-                   for p, rows in common]  # fmt: skip
+        phasors = [split_wave(*disturbance(record, _along(record.effort, p, unsigned), rows, where, wavelength),
+                              wavelength)[0] for p, rows in common]  # fmt: skip
         waves.append(complex(np.mean(phasors)) / max(size, _TINY * float(np.abs(record.effort).max())))
     return -(waves[0] * waves[1].conjugate()).real
 
@@ -164,14 +166,15 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
         pieces = phases.strokes(direction)
         if not pieces:
             continue
-        efforts = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
-        errors = [_residual(error[p.steady], where[p.steady], wavelength)[1] for p in pieces]
+        left = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
+        errors = [_residual(error[p.steady], where[p.steady], wavelength) for p in pieces]
         if np.isfinite(wavelength):
             size = abs(level(record, phases, direction, unsigned))
-            phasor = complex(np.mean([wave for wave, _ in efforts])) / max(size, effort_floor)
+            asked = [disturbance(record, _along(record.effort, p, unsigned), np.r_[p.steady], where, wavelength)
+                     for p in pieces]  # fmt: skip
+            phasor = complex(np.mean([split_wave(*one, wavelength)[0] for one in asked])) / max(size, effort_floor)
             found[f"wave_{name}_cos"] = Feature(phasor.real, "1")
             found[f"wave_{name}_sin"] = Feature(phasor.imag, "1")
-        left = [rest for _, rest in efforts]
         whole += [float(np.concatenate(left).std()) + effort_floor, float(np.concatenate(errors).std()) + place_floor]
         fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
         slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
@@ -207,11 +210,11 @@ def _mean(values: np.ndarray, pieces: tuple[Piece, ...]) -> float:
     return float(np.concatenate([values[piece.steady] for piece in pieces]).mean())
 
 
-def _residual(values: np.ndarray, position: np.ndarray, wavelength: float) -> tuple[complex, np.ndarray]:
+def _residual(values: np.ndarray, position: np.ndarray, wavelength: float) -> np.ndarray:
     if np.isfinite(wavelength):
-        return split_wave(values, position, wavelength)
+        return beside_wave(values, position, wavelength)
     steps = np.linspace(-1.0, 1.0, len(values))
-    return 0j, values - np.polyval(np.polyfit(steps, values, 2), steps)
+    return np.asarray(values - np.polyval(np.polyfit(steps, values, 2), steps))
 
 
 def _fast(parts: list[np.ndarray]) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from ..criteria import CONTRADICTED, LIKELY, NEGLIGIBLE, PART, SIGNIFICANT
 from .acquisition import Acquisition
 from .baseline import Baseline, other_sign, tails
-from .families import DIRECTIONS, TOGETHER, Family, Ranked, rank
+from .families import Family, Ranked, rank
 from .features import Feature, Features
 from .motion_record import MotionRecord
 from .run_features import RunFeatures, alike, run_features
@@ -33,6 +33,8 @@ _WORDS = {
     "settling": "effort while settling after a stroke",
     "lost_motion": "lost motion between the encoders",
 }
+_REASONS = {**_WORDS, "wave_both_ways": "wave that both directions meet at the same place"}
+"""What names a family: of a square, no share is told."""
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
     Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
@@ -120,8 +122,7 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
     off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
     magnitude = any(one.acquisition.unsigned for one in judgements)
     names = sorted({name for changes in off for name in changes if not (magnitude and name == "load")})
-    families = TOGETHER if len(off) > 1 else DIRECTIONS
-    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names}, families)
+    return rank({name: float(np.mean([c[name] for c in off if name in c])) for name in names})
 
 
 def not_alike(run: RunFeatures, baseline: Baseline) -> str:
@@ -158,7 +159,7 @@ def _named(
             "The effort rises in one direction and falls in the other; a magnitude does not tell whether load or "
             "friction changed. Record a current with a sign.",
         )
-    reasons = " and ".join(_WORDS[name] for name in best.because[:2])
+    reasons = " and ".join(_REASONS[name] for name in best.because[:2])
     sentence = (
         f"This is {best.family.value} (probability {best.probability:.0%} among the known families), by {reasons}."
     )

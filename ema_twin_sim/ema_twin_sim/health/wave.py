@@ -17,12 +17,25 @@ def split_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> t
     The phasor is exp(i 2π position / wavelength)'s, so that the same wave has the same phasor in every run that counts
     its position from the same place. Units are those of the values.
     """
-    angle = 2.0 * np.pi * position / wavelength
-    place = 2.0 * (position - position.mean()) / max(float(np.ptp(position)), 1e-12)
-    waves = [function(order * angle) for order in (1, 2) for function in (np.cos, np.sin)]
-    columns = np.column_stack([np.ones_like(place), place, place**2, *waves])
+    columns = _columns(position, wavelength)
     found = np.linalg.lstsq(columns, values, rcond=None)[0]
     return complex(found[3], found[4]), values - columns @ found
+
+
+def beside_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> np.ndarray:
+    """What is left of values (n,) or (n, k) beside a wave as above; beside a parabola alone where it is infinite."""
+    columns = _columns(position, wavelength)
+    return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
+
+
+def _columns(position: np.ndarray, wavelength: float) -> np.ndarray:
+    place = 2.0 * (position - position.mean()) / max(float(np.ptp(position)), 1e-12)
+    parabola = [np.ones_like(place), place, place**2]
+    if np.isinf(wavelength):
+        return np.column_stack(parabola)
+    angle = 2.0 * np.pi * position / wavelength
+    waves = [function(order * angle) for order in (1, 2) for function in (np.cos, np.sin)]
+    return np.column_stack([*parabola, *waves])
 
 
 def found_wavelength(strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
