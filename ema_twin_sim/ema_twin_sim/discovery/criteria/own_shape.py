@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...criteria import APART, DEPENDS, INTERPOLATED, MOSTLY, NEARLY_ALL
+from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL
 from ...effects import catalogue
 from ...identification.comparable import by_chance, refuse_different_weightings
 from ...identification.equation import EquationErrorProblem
@@ -54,6 +54,17 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
         little = (1.0 - NEARLY_ALL) * parted
         return all(_of_these(f, part) <= little * (part.stop - part.start) for part in parts)
     return all(_of_these(f, part) <= _lines(part) for part in parts) and _mostly(problem, f, bare)
+
+
+def explains_the_torque(f: Fit, name: str) -> bool:
+    """Whether much is left of the torque without an effect, and next to nothing with it.
+
+    A gearbox that winds up draws such effects only so far as they resemble it: what they leave of it shows.
+    """
+    problem = f.problem
+    bare = fit(problem, f.hypothesis.without(name))
+    without, beside = (one.misfits[0] / max(problem.size, 1) for one in (bare, f))
+    return without > MISFIT_LEFT and beside <= MISFIT_DOUBTED
 
 
 def is_play(f: Fit, name: str) -> bool:

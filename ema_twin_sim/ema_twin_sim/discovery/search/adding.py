@@ -10,6 +10,7 @@ import numpy as np
 
 from ...criteria import (
     BESIDE_IMPACTS,
+    DEPENDS,
     MOST_EFFECTS,
     NEARLY_ALL,
 )
@@ -204,13 +205,14 @@ def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> 
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
-def prune(f: Fit, certain: float = math.inf) -> Fit:
+def prune(f: Fit) -> Fit:
     """Take out effects that are not, or no longer, worth their price, the last added included.
 
-    A generic basis fits anything: beside it, what every machine has and the model lacked stays. So does, however small
-    it is, an effect that gains more than ``certain``.
+    A generic basis fits anything: beside it, what every machine has and the model lacked stays. So does, beside
+    wandering that has taken some of it, an effect that still gains clearly, however small it became.
     """
     problem = f.problem
+    certain = math.inf if problem.weighting.wander is None else DEPENDS
     while f.hypothesis.added or f.hypothesis.generic_bases:
         h = f.hypothesis
         names = [n for n in h.added if not (h.generic_bases and is_lacked(h, h.added[n].effect))]

@@ -16,7 +16,7 @@ from ...identification.screening import screen_generic_bases
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
-from ..criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
+from ..criteria.own_shape import by_own_shape, explains_the_torque, is_play, only_teeth, parts_the_encoders
 from ..criteria.plausible import only_constants, strained
 from ..criteria.worth import BY_CONSTANTS, is_lacked
 from .adding import add_best
@@ -123,7 +123,7 @@ def _doubtful(found: Search) -> list[str]:
         stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
     # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
     like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
-    drawn = {name for name in stands if added[name].effect in like_lag}
+    drawn = {name for name in stands if added[name].effect in like_lag and not explains_the_torque(found.fit, name)}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}

@@ -51,7 +51,7 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
         return found
     progress(f"friction seems to wander by {wander.share:.1%}: asking what that explains as well")
     beside = _beside(found.fit, wander)
-    after = prune(beside, DEPENDS)
+    after = prune(beside)
     return found if after is beside else significant(found.ended(after, WANDERS))
 
 
