@@ -156,6 +156,8 @@ def made_uncertain(found: Search, name: str) -> list[Fit]:
             other = turn.before.hypothesis.instance(gone)
             if other.effect in best.hypothesis.effects or ENCODER_ONLY & {effect, other.effect}:
                 continue
+            if other.effect in COMPLIANT_EFFECTS:  # what it explains of the encoders says nothing of a torque
+                continue
             beside = bare.with_effect(other.effect, other.options, other.parameters)
             stands_in.append(fit(best.problem, beside, 8, known=best))
     return stands_in
