@@ -44,7 +44,7 @@ from .search.removing import less, significant
 from .search.rivals import Rivalry, judged_against_rivals
 from .search.search import search
 from .search.search_order import in_another_order, search_without_first
-from .search.trace import BEATEN, Round, Search, new_names
+from .search.trace import BEATEN, SURER, Round, Search, new_names
 from .search.unknown import beside_the_unknown, doubted
 from .search.wandering_end import (
     less_what_wandering_explains,
@@ -336,7 +336,7 @@ def _before_both(found: Search, k: int) -> int:
     a rival need not better what it stands in for.
     """
     turn = found.taken[k]
-    gone = {*turn.removed} if turn.reason == BEATEN else set()
+    gone = {*turn.removed} if turn.reason in {BEATEN, SURER} else set()
     return next((j for j, earlier in enumerate(found.taken[:k]) if not gone.isdisjoint(earlier.added)), k)
 
 

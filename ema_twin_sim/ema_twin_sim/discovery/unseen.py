@@ -248,7 +248,8 @@ def gain_where_unseen(f: Fit) -> float:
     for name in f.hypothesis.added:
         bare = bare.without(name)
     costs = []
-    for one in (fit(problem, bare, known=f), fit(problem, effects, known=f)):
+    beside = fit(problem, effects, known=f) if f.hypothesis.generic_bases else f
+    for one in (fit(problem, bare, known=f), beside):
         unseen = np.zeros(problem.rows)
         numbers = held_out(problem, one)
         for t, e, values in zip(problem.torque_parts, problem.encoder_parts, numbers, strict=True):

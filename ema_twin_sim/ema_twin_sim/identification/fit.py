@@ -17,7 +17,7 @@ from .hypothesis import Hypothesis
 from .jacobian import jacobian
 from .prediction import Prediction, Predictor
 
-DAMPED = 1e-4
+INITIAL_DAMPING = 1e-4
 """Of a slope's square, at which a fit begins: numbers that hardly differ in what they do are not thrown far apart."""
 
 
@@ -144,7 +144,7 @@ def fit(
     inflation = problem.weighting.variance_inflation
     pr, pj = prior_rows(h, inflation)
     cost = problem.misfit(raw) + float(pr @ pr)
-    damping = DAMPED
+    damping = INITIAL_DAMPING
     weights = problem.weights(raw)
     differentiate = cache(partial(jacobian, problem, h, predicted, weights, slopes, predictor))
     for _ in range(iterations):
@@ -165,8 +165,8 @@ def fit(
             if not np.isfinite(step).all():
                 break
             trial = h.at(np.clip(h.values + step, lower, upper))
-            moved = trial.values - h.values
-            if _try == 0 and float(moved @ (2.0 * g - a @ moved)) < tolerance + 1e-5 * cost:
+            whole = np.array_equal(trial.values, h.values + step)  # else a smaller step may gain what this one loses
+            if whole and float(step @ (2.0 * g - a @ step)) < tolerance + 1e-5 * cost:
                 break  # no more is to be gained than what ends a fit
             p = predictor.predict(trial, side_by_side=True)
             r = problem.residual(p)

@@ -37,6 +37,8 @@ def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
     # what the numbers of the fit can do themselves tells nothing
     every -= known @ (known.T @ every)
     squared_spreads, axes = np.linalg.eigh(every.T @ every)
+    if not squared_spreads[-1] > 0.0:  # no friction that could
+        return None
     squared_spreads = np.maximum(squared_spreads, HARDLY * squared_spreads[-1])
     spreads = np.sqrt(squared_spreads)
     square, rest = (axes.T @ (every.T @ residual) / spreads) ** 2, float(residual @ residual)

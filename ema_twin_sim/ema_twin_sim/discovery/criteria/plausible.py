@@ -8,7 +8,7 @@ has a cause of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -45,7 +45,12 @@ def strained(f: Fit) -> tuple[str, ...]:
 
 
 def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
-    """The added effect that is the least sure to be there, where that is not sure enough.
+    """The added effect that is the least sure to be there, where that is not sure enough; see ``uncertain``."""
+    return next(uncertain(problem, f), None)
+
+
+def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
+    """The added effects that are not sure enough to be there, the first to go first.
 
     A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
     free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
@@ -64,7 +69,8 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
         effect = catalogue()[instance.effect]
         size = effect.parameters[0]
         if f.hypothesis.base.is_open and (_shape_on_bound(problem, f, name) or shows_where_slowest(problem, f, name)):
-            return name
+            yield name
+            continue
         if f.hypothesis.generic_bases and is_lacked(f.hypothesis, effect.id):
             continue
         if effect.depends_on not in NOTHING_ELSE and f"effects.{name}.{size.name}" in paths:
@@ -79,12 +85,11 @@ def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
             # over a part of a turn, an amplitude and its angle take each other's place
             periodic = any(p.periodic for p in effect.parameters)
             needed = 1.0 if periodic else 0.0 if shape and math.isfinite(size.upper) else LIKELY
-            if abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0)):
-                return name
-            if not periodic and _sureness(f, spread, off, k, shape) < sure:
-                return name
-    least = min(away, key=lambda name: away[name], default=None)
-    return least if least is not None and away[least] < SIGNIFICANT else None
+            hardly_known = abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0))
+            if hardly_known or (not periodic and _sureness(f, spread, off, k, shape) < sure):
+                del away[name]
+                yield name
+    yield from (name for name in sorted(away, key=away.__getitem__) if away[name] < SIGNIFICANT)
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...criteria import DEPENDS, RIVAL_MARGIN
+from ...criteria import DEPENDS, RIVAL_MARGIN, SMALL
 from ...effects import catalogue
 from ...identification.fit import Fit, fit
-from ..criteria.plausible import insignificant
+from ..criteria.plausible import insignificant, uncertain
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .adding import add_effects, less_each, prune, settle, without_effect
 from .rivals import swapped
-from .trace import BEATEN, NEEDLESS, UNCERTAIN, WANDERS, Search
+from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Search
 
 
 def significant(found: Search) -> Search:
     """The search less what is not sure to be there; with what had made room for that.
 
-    An effect that explains much may be uncertain only beside another, of which less is lost: friction that thins from
-    standstill on takes the place of viscous friction, and explains next to nothing more. Then it is the other that
-    goes. Or by its own shape: play of hardly any width, whose teeth wind up as the shaft does that stands in its place.
+    An effect that explains much may be uncertain only beside another, without which little of that is lost: friction
+    that thins from standstill on takes the place of viscous friction. Then it is the other that goes. Or by its own
+    shape: play of hardly any width, whose teeth wind up as the shaft does that stands in its place.
     """
     while name := insignificant(found.problem, found.fit):
         names = [*found.fit.hypothesis.added]
@@ -28,8 +28,9 @@ def significant(found: Search) -> Search:
         if lost[name] > DEPENDS:
             if (instead := _sure_instead(found, name)) is not None:
                 return significant(instead)
-            others = [n for n in sorted(lost, key=lost.__getitem__) if lost[n] < lost[name]]
-            name = next((n for n in others if insignificant(found.problem, less_one[n]) != name), name)
+            little = max(DEPENDS, SMALL * lost[name])
+            others = [n for n in sorted(lost, key=lost.__getitem__) if lost[n] <= little]
+            name = next((n for n in others if name not in uncertain(found.problem, less_one[n])), name)
         found = with_what_made_room(less(found, [name], UNCERTAIN))
     return found
 
@@ -46,7 +47,7 @@ def _sure_instead(found: Search, name: str) -> Search | None:
         if other is None or other.effect in best.effects or trial.gain < gained[(name,)].gain - RIVAL_MARGIN:
             continue
         h = best.without(name).with_effect(other.effect, other.options, other.parameters)
-        instead = swapped(found, fit(found.problem, h))
+        instead = swapped(found, fit(found.problem, h), SURER)
         if other.effect in instead.fit.hypothesis.effects and not insignificant(instead.problem, instead.fit):
             return instead
     return None

@@ -196,7 +196,7 @@ def _farther(best: Fit, rival: Fit, times: float = 1.0) -> bool:
     return not best.problem.size and parting_where_unseen(rival) > times * parting_where_unseen(best)
 
 
-def swapped(found: Search, rival: Fit) -> Search:
+def swapped(found: Search, rival: Fit, reason: str = BEATEN) -> Search:
     """The search with one more round, in which a rival took the place of one effect, or of several."""
     best, problem = found.fit, found.problem
     added, removed = new_names(best, rival), new_names(rival, best)
@@ -210,5 +210,5 @@ def swapped(found: Search, rival: Fit) -> Search:
         if names  # a rival may hold all that was there, and more
     )
     after = prune(fit(problem, rival.hypothesis))
-    turn = Round(best, tried, after, added, removed, BEATEN)
+    turn = Round(best, tried, after, added, removed, reason)
     return found.further(after, [turn])

@@ -23,6 +23,7 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import beside_generic_bases, dependence
 from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.screening import screen_generic_bases
+from ...identification.wander import Wander
 from ...identification.wandering import wandering
 from ...identification.weighting import FAR
 from ...model.roles import FRICTION
@@ -138,10 +139,11 @@ def _gives_way(f: Fit) -> bool:
 def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
     """More effects after ``rounds``, until none is worth its price; or anew, by the torque, beside wandering friction.
 
-    Wandering stands in the same comparison as effects do: a round in which it explains more of the torque than the best
-    effect ends the search without it. It is asked for again where something is left in the end, or as soon as
-    suspiciously many effects leave nothing. More of them only make what they explain cheaper: what is refused beside
-    that many is refused beside more.
+    Wandering is asked for in each round, until it is refused once: where it gains more by the torque than the effect
+    that the round took, the search begins anew beside it. (Where much is left, an effect's gain counts more than the
+    same fall of the misfit does for wandering: effects come first.) It is asked for again where something is left in
+    the end, or as soon as suspiciously many effects leave nothing. More of them only make what they explain cheaper:
+    what is refused beside that many is refused beside more.
     """
     later = bool(rounds)  # what the torque alone leaves was asked before
     without = asked.without if later else asked.by_torque
@@ -154,8 +156,9 @@ def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_w
         after, turns = add_effects(current, without | added_and_removed(more), asked.progress, most=1)
         if not weaker and turns and turns[0].added:
             wander = wandering(begun.problem, current)
-            if wander is not None and wander.gain > turns[0].tried[0].gain:
-                beside = _beside_wander(asked, begun.problem, current, [*rounds, *more])
+            took = next(trial for trial in turns[0].tried if trial.names == turns[0].added)
+            if wander is not None and wander.gain > took.gain:
+                beside = _beside_wander(asked, begun.problem, current, [*rounds, *more], wander)
                 if beside is not None:
                     return beside
                 weaker = True
@@ -185,11 +188,15 @@ def _many(f: Fit) -> bool:
 
 
 def _beside_wander(
-    asked: _Asked, plain: EquationErrorProblem, current: Fit, rounds: list[Round]
+    asked: _Asked, plain: EquationErrorProblem, current: Fit, rounds: list[Round], wander: Wander | None = None
 ) -> tuple[Fit, list[Round]] | None:
-    """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque."""
-    taken = [turn.after for turn in rounds if turn.added]
-    wander = wandering(plain, taken[1] if _many(current) and len(taken) > 1 else current)  # before many hid it
+    """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque.
+
+    How it wanders is told by the end, or before many effects hid it, where it is not known yet (``wander``).
+    """
+    if wander is None:
+        taken = [turn.after for turn in rounds if turn.added]
+        wander = wandering(plain, taken[1] if _many(current) and len(taken) > 1 else current)
     if wander is None:
         return None
     cost_of_many = _torque_cost(current) if _many(current) else math.inf

@@ -17,6 +17,7 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
 
 NEEDLESS = "needless beside what was added"
 BEATEN = "others explain more in its place"
+SURER = "another explains as much in its place, and is sure"
 WANDERS_OVER_TIME = "friction that wanders over the recording explains as much"
 WANDERS = "friction that wanders explains as much"
 UNCERTAIN = "too uncertain to be named"
