@@ -76,8 +76,8 @@ TOLD = 0.02
 ASKED_AT_ONCE = 256
 """Samples that a reader may ask for at a time (DDS-RTPS 2.5, 9.4.2.6)."""
 WITH_HEADERS = 1.8
-"""Times the size of a sample, that it has on the way: 1.35 to 1.44, beside two busy processes as well; 2.2 to 2.8 where a
-sender tells with every sample."""
+"""Times the size of a sample, that it has on the way: 1.35 to 1.44, beside two busy processes as well; 2.2 to 2.8 where
+a sender tells with every sample."""
 FEW = 8
 """Tries of 0.1 s each that a sample may need; where Fast DDS asks once in 3 s, its default, it is 13 to 30."""
 
