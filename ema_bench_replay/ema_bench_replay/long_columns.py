@@ -2,9 +2,9 @@
 
 A recording of up to ``WHOLE`` samples lies in memory, and what is worked out of its columns is worked out at once. The
 columns of a longer one are files without names, in the folder for temporary files (``TMPDIR``), that are mapped into
-memory. They are arrays as any others; but what was looked at of them counts as the process's memory until ``let_go``.
-Whatever goes through them with ``pieces`` needs room for one piece. Sums over several pieces may differ in their last
-digits from sums over the whole.
+memory. They are arrays as any others; but what was looked at of them counts as the process's memory until
+``release_pages``. Whatever goes through them with ``pieces`` needs room for one piece. Sums over several pieces may
+differ in their last digits from sums over the whole.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def pieces(count: int, multiple: int = 1) -> Iterator[slice]:
     while first < count:
         last = first + length if count - first >= length + length // 2 else count
         yield slice(first, last)
-        let_go()
+        release_pages()
         first = last
 
 
@@ -64,7 +64,7 @@ def spread_pieces(count: int) -> list[slice]:
     return [every[k] for k in chosen.round().astype(int)]
 
 
-def let_go() -> None:
+def release_pages() -> None:
     """Give back the memory of what was looked at in columns on disk; they can be read as before."""
     with _lock:
         mappings = list(_mappings)
@@ -148,7 +148,7 @@ def joined(columns: Sequence[np.ndarray]) -> np.ndarray:
     return made.finish()
 
 
-def taken(column: np.ndarray, places: np.ndarray) -> np.ndarray:
+def values_at(column: np.ndarray, places: np.ndarray) -> np.ndarray:
     """The values (m,) of a column (n,) at some places (m,), in the order of these."""
     if not is_long(len(column)):
         return column[places]
@@ -212,16 +212,16 @@ def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return made.finish()
 
 
-def at_once(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
+def joined_if_short(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
     """The parts, which are asked for again and again: as a single one where they are not long together."""
-    held = [np.zeros(0)]
+    arrays = [np.zeros(0)]
     count = 0
     for part in parts():
         count += len(part)
         if is_long(count):
             return parts
-        held.append(part)
-    whole = [np.concatenate(held)] if len(held) != 2 else held[1:]
+        arrays.append(part)
+    whole = [np.concatenate(arrays)] if len(arrays) != 2 else arrays[1:]
     return lambda: whole
 
 
@@ -230,7 +230,7 @@ def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
 
     None of the values may be NaN.
     """
-    parts = at_once(parts)
+    parts = joined_if_short(parts)
     count = sum(map(len, parts()))
     if not is_long(count):
         (whole,) = parts()
@@ -244,7 +244,7 @@ def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
 
 def median(parts: Callable[[], Iterable[np.ndarray]]) -> float:
     """As ``np.median`` over all values of the parts together; see ``quantile``."""
-    parts = at_once(parts)
+    parts = joined_if_short(parts)
     count = sum(map(len, parts()))
     if not is_long(count):
         (whole,) = parts()

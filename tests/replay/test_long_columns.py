@@ -22,7 +22,7 @@ from ema_bench_replay.long_columns import (
     quantile,
     slopes,
     spread_pieces,
-    taken,
+    values_at,
 )
 from ema_bench_replay.recording import Recording
 
@@ -73,7 +73,7 @@ def test_a_column_holds_on_disk_what_it_would_in_memory(short):
         np.testing.assert_array_equal(column, values)
         with pytest.raises(ValueError, match="read-only"):
             column[0] = 1
-        long_columns.let_go()
+        long_columns.release_pages()
         np.testing.assert_array_equal(column[::-7], values[::-7])
     assert on_disk(VALUES[:1000]).flags.writeable  # no longer than what lies in memory
 
@@ -99,7 +99,7 @@ def test_what_is_worked_out_by_pieces_is_what_the_whole_gives(short):
     np.testing.assert_allclose(slopes(column, time), np.gradient(VALUES, time), rtol=1e-12)
     np.testing.assert_array_equal(np.concatenate([np.diff(part) for part in overlapping(column)]), np.diff(VALUES))
     places = RANDOM.permutation(len(VALUES))[:500]
-    np.testing.assert_array_equal(taken(column, places), VALUES[places])
+    np.testing.assert_array_equal(values_at(column, places), VALUES[places])
     assert mean_of(column) == pytest.approx(VALUES.mean(), rel=1e-12)
     assert extremes(column) == (VALUES.min(), VALUES.max())
     assert extremes(np.array([np.nan, 2.0, 1.0])) == (1.0, 2.0)
