@@ -2,16 +2,20 @@
 
 A recording of up to ``WHOLE`` samples lies in memory, and what is worked out of its columns is worked out at once. The
 columns of a longer one are files without names, in the folder for temporary files (``TMPDIR``), that are mapped into
-memory. They are arrays as any others; but what was looked at of them counts as the process's memory until ``let_go``.
-Whatever goes through them with ``pieces`` needs room for one piece. Sums over several pieces may differ in their last
-digits from sums over the whole.
+memory. They are arrays as any others; but what was looked at of them counts as the process's memory until
+``release_pages``. Whatever goes through them with ``pieces`` needs room for one piece. Sums over several pieces may
+differ in their last digits from sums over the whole.
 """
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import functools
 import math
 import mmap
 import os
+import resource
 import tempfile
 import threading
 import weakref
@@ -27,7 +31,7 @@ WHOLE = 1 << 21
 PIECE = 1 << 18
 """Samples of a longer one that are worked on at a time."""
 
-_DRAWN = 64  # samples of which one is drawn, to see about where a quantile lies
+_DRAWN = 64  # samples of which one is drawn by chance, to see about where a quantile lies
 _SURE = 4  # roots of the number drawn, within which it lies by its rank among them: eight standard deviations or more
 _WIDER = 4  # times, where it does not
 
@@ -53,7 +57,7 @@ def pieces(count: int, multiple: int = 1) -> Iterator[slice]:
     while first < count:
         last = first + length if count - first >= length + length // 2 else count
         yield slice(first, last)
-        let_go()
+        release_pages()
         first = last
 
 
@@ -64,7 +68,7 @@ def spread_pieces(count: int) -> list[slice]:
     return [every[k] for k in chosen.round().astype(int)]
 
 
-def let_go() -> None:
+def release_pages() -> None:
     """Give back the memory of what was looked at in columns on disk; they can be read as before."""
     with _lock:
         mappings = list(_mappings)
@@ -102,17 +106,18 @@ class Column:
         try:
             with self._file as file:
                 mapping = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-        except OSError as error:  # too many are open
-            raise _no_room(error) from None
+        except OSError as error:
+            raise _cannot_store(error) from None
         with _lock:
             _mappings.add(mapping)
         return np.frombuffer(mapping, self._kind)
 
     def _spill(self) -> None:
+        _allow_open_files()
         try:
             self._file = tempfile.TemporaryFile(buffering=0)  # noqa: SIM115 - closed once it is mapped
         except OSError as error:
-            raise _no_room(error) from None
+            raise _cannot_store(error) from None
         _write(self._file, self._values[: self.size])
         self._values = np.empty(0, self._kind)
 
@@ -148,7 +153,7 @@ def joined(columns: Sequence[np.ndarray]) -> np.ndarray:
     return made.finish()
 
 
-def taken(column: np.ndarray, places: np.ndarray) -> np.ndarray:
+def values_at(column: np.ndarray, places: np.ndarray) -> np.ndarray:
     """The values (m,) of a column (n,) at some places (m,), in the order of these."""
     if not is_long(len(column)):
         return column[places]
@@ -177,15 +182,15 @@ def differences(column: np.ndarray) -> np.ndarray:
 
 
 def mean_of(column: np.ndarray) -> np.floating:
-    """The mean of a column (n,)."""
+    """The mean of a column (n,); NaN where that is empty."""
     total: np.floating = sum((np.sum(column[rows]) for rows in pieces(len(column))), np.float64(0.0))
-    return total / len(column)
+    return total / len(column) if len(column) else np.float64(math.nan)
 
 
 def extremes(column: np.ndarray) -> tuple[float, float]:
     """The least and the greatest value of a column (n,) that is no NaN; NaN where there is none."""
     least = greatest = np.nan
-    for rows in pieces(len(column)):
+    for rows in pieces(len(column)) if len(column) else ():
         least = np.fmin(least, np.fmin.reduce(column[rows]))
         greatest = np.fmax(greatest, np.fmax.reduce(column[rows]))
     return float(least), float(greatest)
@@ -212,16 +217,16 @@ def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return made.finish()
 
 
-def at_once(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
+def joined_if_short(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
     """The parts, which are asked for again and again: as a single one where they are not long together."""
-    held = [np.zeros(0)]
+    arrays = [np.zeros(0)]
     count = 0
     for part in parts():
         count += len(part)
         if is_long(count):
             return parts
-        held.append(part)
-    whole = [np.concatenate(held)] if len(held) != 2 else held[1:]
+        arrays.append(part)
+    whole = [np.concatenate(arrays)] if len(arrays) != 2 else arrays[1:]
     return lambda: whole
 
 
@@ -230,7 +235,7 @@ def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
 
     None of the values may be NaN.
     """
-    parts = at_once(parts)
+    parts = joined_if_short(parts)
     count = sum(map(len, parts()))
     if not is_long(count):
         (whole,) = parts()
@@ -244,7 +249,7 @@ def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
 
 def median(parts: Callable[[], Iterable[np.ndarray]]) -> float:
     """As ``np.median`` over all values of the parts together; see ``quantile``."""
-    parts = at_once(parts)
+    parts = joined_if_short(parts)
     count = sum(map(len, parts()))
     if not is_long(count):
         (whole,) = parts()
@@ -258,7 +263,7 @@ def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int
 
     A draw tells between which two values they lie; what lies between these is few, and is sorted.
     """
-    drawn = np.sort(np.concatenate([part[::_DRAWN] for part in parts()]))
+    drawn = np.sort(_draw(parts()))
     place, margin = round(rank / count * len(drawn)), _SURE * math.isqrt(len(drawn))
     while True:
         low = drawn[place - margin] if place >= margin else -np.inf
@@ -267,7 +272,7 @@ def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int
         for part in parts():
             below += np.count_nonzero(part < low)
             lows += np.count_nonzero(part == low)
-            highs += np.count_nonzero(part == high)
+            highs += np.count_nonzero(part == high) if high > low else 0  # equal ones are counted already
             between.append(part[(part > low) & (part < high)])
         inside = np.sort(np.concatenate(between))
         found = [r - below for r in (rank, min(rank + 1, count - 1))]
@@ -283,6 +288,19 @@ def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int
     return value(found[0]), value(found[1])
 
 
+def _draw(parts: Iterable[np.ndarray]) -> np.ndarray:
+    """One value out of each block of the parts, at a place by chance: at every so manyth, what is periodic repeats.
+
+    The same parts give the same draw.
+    """
+    chance = np.random.default_rng(0)
+    drawn = []
+    for part in parts:
+        starts = np.arange(0, len(part), _DRAWN)
+        drawn.append(part[np.minimum(starts + chance.integers(0, _DRAWN, len(starts)), len(part) - 1)])
+    return np.concatenate(drawn)
+
+
 def _write(file: BinaryIO, values: np.ndarray) -> None:
     data = values.tobytes()
     try:
@@ -290,12 +308,28 @@ def _write(file: BinaryIO, values: np.ndarray) -> None:
         while written < len(data):
             written += os.write(file.fileno(), memoryview(data)[written:])
     except OSError as error:
-        raise _no_room(error) from None
+        raise _cannot_store(error) from None
 
 
-def _no_room(error: OSError) -> InputError:
-    folder = tempfile.tempdir or os.environ.get("TMPDIR", "/tmp")  # where it is not the first, none can be written to
+@functools.cache
+def _allow_open_files() -> None:
+    """Let this process have as many open files as it may: each column on disk is one, and a recording has some 20."""
+    _, highest = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with contextlib.suppress(OSError, ValueError):  # then the old limit holds
+        resource.setrlimit(resource.RLIMIT_NOFILE, (highest, highest))
+
+
+def _cannot_store(error: OSError) -> InputError:
+    """What to tell the user where a column cannot be written to disk, or mapped."""
+    if error.errno in (errno.EMFILE, errno.ENFILE):
+        limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+        return InputError(
+            f"long recordings need some 20 open files each, and this process may have {limit} ({error.strerror}); "
+            "give fewer recordings at a time, or raise the limit (ulimit -n)"
+        )
+    # not tempfile.gettempdir(), which raises where it finds no folder that it can write to: often the case here
+    folder = tempfile.tempdir or os.environ.get("TMPDIR", "/tmp")
     return InputError(
-        f"{folder}: a long recording cannot be laid down there ({error.strerror}); make room, or name another folder "
+        f"{folder}: cannot store a long recording there ({error.strerror}); free some space, or name another folder "
         "in TMPDIR"
     )

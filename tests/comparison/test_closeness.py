@@ -64,7 +64,9 @@ def test_neighbours_that_are_alike_are_worth_less():
     assert independent_rows(white) > 0.6 * SAMPLES
     alike = np.repeat(random.normal(0.0, FLOOR, SAMPLES // 25), 25)
     assert SAMPLES / 50 < independent_rows(alike) < SAMPLES / 12
-    assert independent_rows(np.zeros(SAMPLES)) == SAMPLES and independent_rows(white[:1]) == 1
+    for constant in (0.0, 0.1, 0.3333, -2.0, 1e-5):  # some of whose squares' means are rounded
+        assert independent_rows(np.full(SAMPLES, constant)) == SAMPLES
+    assert independent_rows(white[:1]) == 1
 
 
 def test_an_excess_within_the_scatter_of_correlated_noise_is_none():

@@ -60,6 +60,13 @@ def turned(bench):
     return with_signals(bench, bench.signals | {name: bench.signals[name] + more for name, more in ways.items()})
 
 
+def at_rest(bench):
+    """The recording of a machine that is not moved: its positions never change, its current and speed are noise."""
+    still, noise = np.zeros(len(bench)), np.random.default_rng(2).normal(size=(2, len(bench)))
+    at = dict.fromkeys(("motor_position", "output_position", "output_command", "speed_setpoint"), still)
+    return with_signals(bench, {**at, "current": 0.05 * noise[0], "speed": 0.01 * noise[1]})
+
+
 VARIANTS = {
     "as it came": lambda bench: bench,
     "without speed": lambda bench: less(bench, "speed"),
@@ -71,6 +78,8 @@ VARIANTS = {
     ),
     "samples missing": gapped,
     "many turns": turned,
+    "at rest": at_rest,
+    "at rest, output alone": lambda bench: less(at_rest(bench), "speed", "motor_position"),
 }
 
 

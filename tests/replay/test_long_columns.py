@@ -2,6 +2,8 @@
 
 import errno
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -22,7 +24,7 @@ from ema_bench_replay.long_columns import (
     quantile,
     slopes,
     spread_pieces,
-    taken,
+    values_at,
 )
 from ema_bench_replay.recording import Recording
 
@@ -36,6 +38,7 @@ DRAWS = {
     "rising": np.arange(5000.0),
     "two levels, half each": np.repeat([2e6, 2e6 + 1.0], 3000),
     "slow": np.sin(np.arange(40_000) / 5000.0),
+    "periodic": np.tile([1.0, 0.0, 2.0, 3.0], 5000),  # every 64th value is the same
     "infinite at its ends": np.concatenate([[-np.inf] * 9, VALUES, [np.inf] * 9]),
 }
 
@@ -73,7 +76,7 @@ def test_a_column_holds_on_disk_what_it_would_in_memory(short):
         np.testing.assert_array_equal(column, values)
         with pytest.raises(ValueError, match="read-only"):
             column[0] = 1
-        long_columns.let_go()
+        long_columns.release_pages()
         np.testing.assert_array_equal(column[::-7], values[::-7])
     assert on_disk(VALUES[:1000]).flags.writeable  # no longer than what lies in memory
 
@@ -91,6 +94,24 @@ def test_quantiles_are_those_of_the_whole(values, share, short):
     assert median(parts) == np.median(values)
 
 
+def test_a_draw_that_tells_nothing_does_no_harm(short, monkeypatch):
+    values = DRAWS["periodic"]
+    for level in (0.0, 1.0, 2.0, 3.0, 1.5, -7.0):
+        monkeypatch.setattr(long_columns, "_draw", lambda parts, level=level: np.full(300, level))
+        for share in (0.1, 0.25, 0.499, 0.5, 0.75, 0.9):
+            assert quantile(lambda: (values[rows] for rows in pieces(len(values))), share) == np.quantile(values, share)
+        assert median(lambda: (values[rows] for rows in pieces(len(values)))) == 1.5
+
+
+def test_the_draw_is_the_same_each_time_and_one_a_block(short):
+    parts = [np.arange(1000), np.arange(1000, 1030), np.arange(0)]
+    drawn = long_columns._draw(parts)
+    np.testing.assert_array_equal(long_columns._draw(parts), drawn)
+    assert (drawn[:15] // 64).tolist() == list(range(15))
+    assert len(drawn) == 17
+    assert len(set(drawn[:15] % 64)) > 7  # at no fixed place in the blocks
+
+
 def test_what_is_worked_out_by_pieces_is_what_the_whole_gives(short):
     column, time = on_disk(VALUES), np.cumsum(1.0 + RANDOM.random(len(VALUES)))
     np.testing.assert_array_equal(by_pieces(np.square, column), VALUES**2)
@@ -99,11 +120,14 @@ def test_what_is_worked_out_by_pieces_is_what_the_whole_gives(short):
     np.testing.assert_allclose(slopes(column, time), np.gradient(VALUES, time), rtol=1e-12)
     np.testing.assert_array_equal(np.concatenate([np.diff(part) for part in overlapping(column)]), np.diff(VALUES))
     places = RANDOM.permutation(len(VALUES))[:500]
-    np.testing.assert_array_equal(taken(column, places), VALUES[places])
+    np.testing.assert_array_equal(values_at(column, places), VALUES[places])
     assert mean_of(column) == pytest.approx(VALUES.mean(), rel=1e-12)
     assert extremes(column) == (VALUES.min(), VALUES.max())
     assert extremes(np.array([np.nan, 2.0, 1.0])) == (1.0, 2.0)
-    assert np.isnan(extremes(np.full(3, np.nan))).all()
+    for unknown in (np.full(3, np.nan), np.zeros(0), np.zeros(0, np.int64)):
+        assert np.isnan(extremes(unknown)).all()
+        with np.errstate(all="raise"):
+            assert np.isnan(mean_of(unknown))
     assert np.isnan(median(lambda: []))
 
 
@@ -114,6 +138,51 @@ def test_a_disk_without_room_is_told(short, monkeypatch):
     monkeypatch.setattr(os, "write", full)
     with pytest.raises(InputError, match=r"No space left on device.*TMPDIR"):
         on_disk(VALUES)
+
+
+@pytest.mark.parametrize("number", [errno.EMFILE, errno.ENFILE])
+@pytest.mark.parametrize("opens", ["tempfile.TemporaryFile", "mmap.mmap"])
+def test_too_many_open_files_are_told_with_what_helps(number, opens, short, monkeypatch):
+    def refuse(*_, **__):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(f"ema_bench_replay.long_columns.{opens}", refuse)
+    with pytest.raises(InputError, match=r"open files.*fewer recordings.*ulimit -n") as caught:
+        on_disk(VALUES)
+    assert "TMPDIR" not in str(caught.value)
+
+
+MANY_COLUMNS = """
+import resource, sys
+import numpy as np
+from ema_bench_replay import long_columns
+from ema_bench_replay.errors import InputError
+long_columns.WHOLE, long_columns.PIECE = 1000, 300
+resource.setrlimit(resource.RLIMIT_NOFILE, (40, int(sys.argv[1])))
+columns = []
+try:
+    for k in range(60):
+        column = long_columns.Column(float)
+        column.add(np.full(1001, float(k)))
+        columns.append(column.finish())
+except InputError as error:
+    print(error)
+else:
+    print(sum(column[-1] for column in columns))
+"""
+
+
+def test_as_many_files_are_opened_as_the_process_may():
+    """Each column on disk is an open file: the usual limit would be reached at some 50 long recordings."""
+
+    def told(limit):
+        run = subprocess.run(
+            [sys.executable, "-c", MANY_COLUMNS, str(limit)], capture_output=True, text=True, check=True
+        )
+        return run.stdout.strip()
+
+    assert told(200) == "1770.0"
+    assert "this process may have 40 (Too many open files)" in told(40)
 
 
 def test_a_long_recording_is_read_as_a_short_one(tmp_path, monkeypatch):

@@ -15,7 +15,7 @@ from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, steps_where, taken
+from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, steps_where, values_at
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -293,7 +293,7 @@ class _Samples:
 
     def _keep(self, places: np.ndarray) -> None:
         for name in self.columns:
-            self.columns[name] = by_pieces(partial(taken, self.columns[name]), places)
+            self.columns[name] = by_pieces(partial(values_at, self.columns[name]), places)
 
     def _warn(self, message: str) -> None:
         self.warnings.append(f"{self.file.name}: {self.topic}: {message}")

@@ -14,7 +14,7 @@ from ema_bench_replay.bags.cdr import layout_of, parse, serialise
 from ema_bench_replay.bags.definitions import message_definition
 from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, McapFile, Messages
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import let_go
+from ema_bench_replay.long_columns import release_pages
 from ema_bench_replay.outputs import new_file
 from ema_bench_replay.recording import Recording
 
@@ -73,7 +73,7 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
             blocks.append((encoders[1], encoders[1].encode(recording, some, _joint_columns(recording, joints, some))))
         for chunk in _chunks(blocks, recording.start):
             file.add_chunk(chunk)
-        let_go()
+        release_pages()
     file.finish()
     counts = file.counts
     topics = [Topic(e.topic, e.type_name, e.type_hash, e.qos, counts[e.channel]) for e in encoders]

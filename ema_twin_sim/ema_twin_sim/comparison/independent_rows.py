@@ -22,9 +22,9 @@ def independent_rows(residual: np.ndarray) -> float:
     whole = length * (count // length)
     means = [_squares(residual, rows).reshape(-1, length).mean(axis=1) for rows in pieces(whole, length)]
     of_means = float(np.var(np.concatenate(means), ddof=1))
-    if of_means == 0.0:
-        return float(count)
     mean = sum(np.sum(_squares(residual, rows)) for rows in pieces(whole)) / whole
+    if of_means <= (length * np.finfo(float).eps * mean) ** 2:  # a constant's means differ by what rounding leaves
+        return float(count)
     variance = sum(np.sum((_squares(residual, rows) - mean) ** 2) for rows in pieces(whole)) / whole
     return max(1.0, count * min(1.0, float(variance) / (length * of_means)))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces, joined, overlapping, quantile, taken
+from ema_bench_replay.long_columns import by_pieces, joined, overlapping, quantile, values_at
 
 from ..criteria import CLEARLY_MORE
 from ..measured.order_spectrum import largest_in_cells, line_turns, refined
@@ -66,7 +66,7 @@ def find_order(
     residual, angle = (joined([part[k] for part in used]) for k in (0, 1))
     if len(residual) > _ENOUGH:  # drawn: every so manyth would show other orders in the place of this one
         rows = np.random.default_rng(0).choice(len(residual), _ENOUGH, replace=False)
-        residual, angle = taken(residual, rows), taken(angle, rows)
+        residual, angle = values_at(residual, rows), values_at(angle, rows)
     near = best + _around(angle, line_turns([part[1] for part in used]))
     order, a, b, explained = max((_fit(order, residual, angle) for order in near), key=lambda fit: fit[-1])
     std = math.inf

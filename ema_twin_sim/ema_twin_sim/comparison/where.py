@@ -210,6 +210,8 @@ def _binned(
     values: np.ndarray,
     edges: np.ndarray,
 ) -> Dependence | None:
+    if not edges[0] < edges[-1]:
+        return None  # the variable never changes: nothing depends on it
     count, sums, square = np.zeros((3, len(edges) - 1))
     for rows in pieces(len(residual)):
         place = np.digitize(values[rows], edges) - 1

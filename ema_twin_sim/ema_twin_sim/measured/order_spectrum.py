@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces, extremes, let_go, mean_of, pieces
+from ema_bench_replay.long_columns import by_pieces, extremes, mean_of, pieces, release_pages
 
 _ANGLE_BINS = 512  # per turn: orders up to 256
 _LARGEST = 1 << 22  # angle bins of one transform, which then takes some 0.4 GB
@@ -96,7 +96,7 @@ def _cuts(angle: np.ndarray) -> Iterator[_Cut]:
         for rows, (first, last) in spans:
             if first <= k <= last:
                 yield rows.start + np.flatnonzero(number[rows] == k)
-                let_go()
+                release_pages()
 
     for k in range(count):
         ends = [(len(rows), *extremes(angle[rows])) for rows in rows_of(k) if len(rows)]

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ema_bench_replay.long_columns import at_once, overlapping, pieces, quantile
+from ema_bench_replay.long_columns import joined_if_short, overlapping, pieces, quantile
 from ema_bench_replay.recording import Recording
 
 from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SMALL, STANDSTILL
@@ -169,7 +169,7 @@ def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Record
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
     """The rms of the drive's torque [N m, N where the machine is linear] over all recordings; 0 where none has one."""
-    parts = at_once(
+    parts = joined_if_short(
         lambda: _sizes(recording.signals["current"] for recording in recordings if recording.has("current"))
     )
     count = sum(map(len, parts()))
