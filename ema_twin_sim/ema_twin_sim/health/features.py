@@ -124,6 +124,8 @@ def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bo
                 record, strokes, abs(level(record, phases, direction, unsigned)), wavelength, unsigned, freed
             )
             found |= {f"wave_{name}_cos": wave.real, f"wave_{name}_sin": wave.imag}
+    if not found:
+        return found
     found["wave_depth"] = float(np.sqrt(2.0 * np.mean(np.square(list(found.values())))))
     if (both := _wave_both_ways(record, phases, wavelength, unsigned, freed)) is not None:
         found["wave_both_ways"] = both
