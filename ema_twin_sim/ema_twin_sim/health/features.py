@@ -141,8 +141,10 @@ def _phasor(
     found = []
     for piece, rows in strokes:
         effort = _along(record.effort, piece, unsigned)
-        asked = disturbance(record, effort, rows, where, wavelength) if freed else (effort[rows], where[rows])
-        found.append(split_wave(*asked, wavelength)[0])
+        values, places = effort[rows], where[rows]
+        if freed:
+            values, places = disturbance(record, effort, rows, where, wavelength)
+        found.append(split_wave(values, places, wavelength)[0])
     return complex(np.mean(found)) / max(size, _TINY * float(np.abs(record.effort).max()))
 
 
