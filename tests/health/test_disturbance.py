@@ -113,6 +113,7 @@ def test_a_wave_that_only_the_control_tells_is_kept(monkeypatch, rate, bandwidth
         families = [judge_run(run, learnt).family for run in worn]
         return sum(family is not None for family in families), families.count(Family.LOCAL_DAMAGE)
 
+    assert not learn_from(healthy).freed
     found = named()
     monkeypatch.setattr(baseline, "tells_more", lambda *_: False)
     plain = named()
