@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from ema_bench_replay.errors import InputError
-from ema_twin_sim.campaign.healthy import Healthy
-from ema_twin_sim.campaign.histories import outlooks, read_limits
+from ema_twin_sim.campaign.healthy import BY_DEFAULT, Healthy
+from ema_twin_sim.campaign.histories import outlooks, read_limits, stands_still
 from ema_twin_sim.campaign.results import DONE, FAILED, REFUSED, SCHEMA
 from ema_twin_sim.campaign.store import Store, writer_host
 from ema_twin_sim.campaign.units import units_of
@@ -204,6 +204,21 @@ class TestHistories:
         values[11:] = 2.5e-4 * np.arange(1.0, 8.0)
         (look,) = outlooks(self.a_unit(values, std=2e-7), {}, healthy=Healthy(8))
         assert (look.change.begin, look.change.alarm) == (11, 11)
+
+    def test_which_values_lie_on_a_bound_is_asked_of_those_that_are_healthy_in_the_end(self):
+        """A pattern that finds one recording says nothing: the first ones are held against, as where none is given."""
+        values = np.zeros(18)
+        values[11] = 2e-7
+        by_default, by_one = (
+            outlooks(self.a_unit(values, std=2e-7), {}, healthy=healthy)[0]
+            for healthy in (BY_DEFAULT, Healthy.of("week 0$", 4))
+        )
+        assert by_one.history.healthy.tolist() == by_default.history.healthy.tolist()
+        assert by_one.history.shared == by_default.history.shared == 0.0
+
+    def test_free_values_that_lie_near_each_other_lie_on_no_bound(self):
+        values = 100.0 + 1e-5 * np.array([0.3, -0.4, 0.1, 0.2, -0.2, 0.4, -0.1, 0.0])
+        assert not stands_still(values) and stands_still(np.where(np.arange(8) < 3, 100.0, values))
 
     def test_healthy_units_seldom_seem_to_change(self):
         drawn = np.random.default_rng(6)

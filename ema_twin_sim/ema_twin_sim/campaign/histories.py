@@ -24,7 +24,6 @@ FEWEST_HEALTHY = 4
 """Values that tell how much healthy ones scatter."""
 _DAY = 86400.0  # s
 _LEAST_OWN = 1e-4  # of the squared errors that were told: values that are all the same have errors, too
-_THE_SAME = 1e-4  # of the errors that were told: no two free fits come as near to each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +125,6 @@ def _history(
     values, errors = (np.array([one[k] for one in its]) for k in (1, 2))
     dated = bool(np.isfinite(days).all() and (np.diff(days) > 0.0).all())
     flags = np.array(healthy.of_history(names, FEWEST_HEALTHY))
-    held = stands_still(values[flags], errors[flags])
     repeats = np.zeros(0)
     if dated and len(firsts := np.flatnonzero(np.diff(np.floor(days), prepend=-np.inf))) > FEWEST_HEALTHY:
         repeats = np.diff(values)[np.diff(np.floor(days)) == 0.0]
@@ -137,6 +135,7 @@ def _history(
     if int(flags.sum()) < FEWEST_HEALTHY:
         first = BY_DEFAULT if healthy.pattern else Healthy(FEWEST_HEALTHY)
         flags = np.array(first.of_history(names, FEWEST_HEALTHY))
+    held = stands_still(values[flags])
     differ = (repeats if len(repeats) else np.diff(values[flags])) / np.sqrt(2.0)
     differing = float(np.mean(errors**2 if held else differ**2))
     shared = float(np.sqrt(max(0.0, float(np.mean(errors**2)) - differing)))
@@ -144,14 +143,14 @@ def _history(
     return History(owner, name, unit, times, values, errors, dated, flags, as_asked, shared, tuple(names))
 
 
-def stands_still(values: np.ndarray, errors: np.ndarray) -> bool:
-    """Whether values (n,) with standard errors (n,) lie on one bound, as no play and no run-out do, or where the fit
-    began: a considerable share of them is the same. How a free one differs, such values do not tell.
+def stands_still(values: np.ndarray) -> bool:
+    """Whether values (n,) lie on one bound, as no play and no run-out do, or where the fit began: a considerable share
+    of them is the same but for rounding, as no two free fits are. How a free one differs, such values do not tell.
     """
     if len(values) < 2:
         return False
-    near = np.abs(values[:, None] - values[None, :]) <= _THE_SAME * np.sqrt(np.mean(errors**2))
-    return int(near.sum(axis=0).max()) > max(1.0, PART * len(values))
+    same = np.isclose(values[:, None], values[None, :], rtol=1e-12, atol=0.0)
+    return int(same.sum(axis=0).max()) > max(1.0, PART * len(values))
 
 
 def _by_day(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-SCHEMA_VERSION = "3"
+SCHEMA_VERSION = "4"
 """Another number for every change that a reader of older files would trip over."""
 
 DONE, REFUSED, FAILED = "done", "refused", "failed"

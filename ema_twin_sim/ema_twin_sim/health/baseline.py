@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,9 @@ from ema_bench_replay.errors import InputError
 from ..criteria import MOSTLY, NEARLY_ALL
 from .acquisition import judge_acquisition
 from .between_tests import Prediction, predict
+from .disturbance import tells_more
 from .false_alarms import FALSE_ALARM
-from .features import Features, stroke_efforts
+from .features import Feature, Features, stroke_efforts
 from .motion_record import MotionRecord
 from .run_features import RunFeatures, run_features
 from .wave import found_wavelength
@@ -58,12 +59,13 @@ class Baseline:
     tests: int
     runs: int
     unsigned: bool
+    freed: bool  # whether waves are those freed of what errors of the position explain
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
     warnings: tuple[str, ...]
 
     def vector(self, features: Features) -> np.ndarray:
         """The numbers of a run (p,), NaN where it has none."""
-        return _vector(features, self.features, self.scale)
+        return _vector(features.told(self.freed), self.features, self.scale)
 
 
 def learn(
@@ -105,12 +107,14 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     if not np.array_equal([run.wavelength for run in kept], [wavelength] * len(kept), equal_nan=True):
         raise InputError("healthy recordings were read with several wavelengths; read all of them with one")
     all_features = [run.features for run in kept if run.features is not None]
-    names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in features.values for features in all_features))
+    freed = _freed(all_features, tests)
+    told = [features.told(freed) for features in all_features]
+    names = tuple(name for name in RUNNING + ALONE + SHOWN if all(name in values for values in told))
     sides = tuple(float(np.nanmean([features.sides[i] for features in all_features])) for i in (0, 1))
     scale = float(np.nanmax(np.abs(sides)))
-    values = np.array([_vector(features, names, scale) for features in all_features])
+    values = np.array([_vector(values, names, scale) for values in told])
     motions = np.array([run.motion for run in kept])
-    sizes = _sizes(all_features[0], names, float(np.median(motions[:, 1])))
+    sizes = _sizes(told[0], names, float(np.median(motions[:, 1])))
     moving = [name for name, spread in zip(names, values.std(axis=0) / sizes, strict=True) if spread > _VANISHING]
     values = values[:, [names.index(name) for name in moving]]
     judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
@@ -128,6 +132,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
         tests=number,
         runs=len(kept),
         unsigned=unsigned,
+        freed=freed,
         motion=tuple(np.median(motions, axis=0)),
         warnings=tuple(warnings),
     )
@@ -202,18 +207,27 @@ def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
     ]
 
 
+def _freed(runs: Sequence[Features], tests: Sequence[str]) -> bool:
+    """Whether waves that are freed of errors of the position tell more, by what both are in healthy runs."""
+    plain, freed = ([features.told(flag) for features in runs] for flag in (False, True))
+    names = [name for name in WAVES if all(name in values for values in plain)]
+    if not names:
+        return False
+    waves, left = (np.array([[values[name].value for name in names] for values in told]) for told in (plain, freed))
+    return tells_more(waves, left, tests)
+
+
 def _mostly(flags: Sequence[bool]) -> bool:
     return sum(flags) > 0.5 * len(flags)
 
 
-def _sizes(features: Features, names: Sequence[str], travel: float) -> np.ndarray:
+def _sizes(values: Mapping[str, Feature], names: Sequence[str], travel: float) -> np.ndarray:
     """What scatters (p,) of numbers are small beside: the travel where they are lengths or angles, else one."""
-    lengths = [not features.values[name].of_effort and not features.values[name].logarithm for name in names]
+    lengths = [not values[name].of_effort and not values[name].logarithm for name in names]
     return np.where(lengths, travel, 1.0)
 
 
-def _vector(features: Features, names: Sequence[str], scale: float) -> np.ndarray:
-    values = features.values
+def _vector(values: Mapping[str, Feature], names: Sequence[str], scale: float) -> np.ndarray:
     return np.array(
         [
             np.nan if name not in values else values[name].value / (scale if values[name].scales else 1.0)

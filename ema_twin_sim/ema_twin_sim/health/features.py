@@ -10,8 +10,7 @@ roughness           scatter in steady motion beside waves, of effort and positio
 fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
-wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction:
-                    what of it no error of the position explains (``disturbance``)
+wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
 wave_depth          size of that wave in both directions (root of the mean square)
 wave_both_ways      what of that wave both directions meet at the same place, helped one way and hindered the other
 bump                largest local excess of the effort over a stroke, in its own scatter
@@ -19,6 +18,7 @@ lag                 error of the position while starting and settling
 breakaway           largest effort while starting, less the steady one
 settling            mean effort while the motion settles after a stroke
 lost_motion         how far two encoders are further apart in one direction than in the other
+freed_wave_*        the waves once more, less what errors of the position explain (``disturbance``)
 ==================  =================================================================================================
 
 Scatters and lags are logarithms of their size in the unit that is told: a ratio to the healthy unit is then a
@@ -40,6 +40,7 @@ from .wave import FEWEST_CYCLES, beside_wave, split_wave
 _FEW = 5  # samples of the means that show what is slow
 _PEAK = 3  # samples that make a peak
 _LOCAL = 3  # samples of a local excess
+_FREED = "freed_"
 _TINY = 1e-9  # of the travel or of the effort: no scatter is less
 
 
@@ -64,6 +65,13 @@ class Features:
     values: dict[str, Feature]
     sides: tuple[float, float]  # effort against the motion, forward and backward, in the effort's unit
 
+    def told(self, freed: bool) -> dict[str, Feature]:
+        """Each number once: the waves as they are, or freed of what errors of the position explain."""
+        plain = {name: value for name, value in self.values.items() if not name.startswith(_FREED)}
+        if not freed:
+            return plain
+        return {name: self.values.get(_FREED + name, value) for name, value in plain.items()}
+
 
 def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Features:
     """The features of a run. The wavelength, in the position's unit, may be NaN: then no wave is looked for."""
@@ -78,8 +86,10 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
     if phases.strokes(0):
         found["rest_effort"] = Feature(_mean(record.effort, phases.strokes(0)), unit)
     found |= _scatter(record, phases, wavelength, unsigned)
-    if (both := wave_both_ways(record, phases, wavelength, unsigned)) is not None:
-        found["wave_both_ways"] = Feature(both, "1")
+    if np.isfinite(wavelength):
+        for freed, prefix in ((False, ""), (True, _FREED)):
+            waves = _waves(record, phases, wavelength, unsigned, freed)
+            found |= {prefix + name: Feature(value, "1") for name, value in waves.items()}
     error = record.position if record.command is None else record.command - record.position
     strokes = phases.strokes(1) + phases.strokes(-1)
     if record.command is not None:
@@ -104,7 +114,43 @@ def level(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) 
     return _mean(_along(record.effort, pieces[0], unsigned), pieces) if pieces else np.nan
 
 
-def wave_both_ways(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> float | None:
+def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool) -> dict[str, float]:
+    """All that is told of the wave, freed of what errors of the position explain or as it is."""
+    found: dict[str, float] = {}
+    for direction, name in ((1, "forward"), (-1, "backward")):
+        strokes = [(p, np.r_[p.steady]) for p in phases.strokes(direction)]
+        if strokes:
+            wave = _phasor(
+                record, strokes, abs(level(record, phases, direction, unsigned)), wavelength, unsigned, freed
+            )
+            found |= {f"wave_{name}_cos": wave.real, f"wave_{name}_sin": wave.imag}
+    if not found:
+        return found
+    found["wave_depth"] = float(np.sqrt(2.0 * np.mean(np.square(list(found.values())))))
+    if (both := _wave_both_ways(record, phases, wavelength, unsigned, freed)) is not None:
+        found["wave_both_ways"] = both
+    return found
+
+
+def _phasor(
+    record: MotionRecord, strokes: list[tuple[Piece, np.ndarray]], size: float, wavelength: float, unsigned: bool,
+    freed: bool,
+) -> complex:  # fmt: skip
+    """Mean over the rows of strokes, as a share of an effort."""
+    where = _place(record)
+    found = []
+    for piece, rows in strokes:
+        effort = _along(record.effort, piece, unsigned)
+        values, places = effort[rows], where[rows]
+        if freed:
+            values, places = disturbance(record, effort, rows, where, wavelength)
+        found.append(split_wave(values, places, wavelength)[0])
+    return complex(np.mean(found)) / max(size, _TINY * float(np.abs(record.effort).max()))
+
+
+def _wave_both_ways(
+    record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool
+) -> float | None:
     """What of the wave is a torque of the place alone: its amplitude as a share of the effort, squared; None where
     nothing tells it.
 
@@ -119,7 +165,7 @@ def wave_both_ways(record: MotionRecord, phases: Phases, wavelength: float, unsi
                   phases.strokes(direction)]  # fmt: skip
         sides.append((abs(level(record, phases, direction, unsigned)), pieces))
     strokes = [where[rows] for _, pieces in sides for _, rows in pieces]
-    if not all(pieces for _, pieces in sides) or not np.isfinite(wavelength):
+    if not all(pieces for _, pieces in sides):
         return None
     low, high = max(float(stroke.min()) for stroke in strokes), min(float(stroke.max()) for stroke in strokes)
     if high - low < FEWEST_CYCLES * wavelength:
@@ -127,9 +173,7 @@ def wave_both_ways(record: MotionRecord, phases: Phases, wavelength: float, unsi
     waves = []
     for size, pieces in sides:
         common = [(p, rows[(where[rows] >= low) & (where[rows] <= high)]) for p, rows in pieces]
-        phasors = [split_wave(*disturbance(record, _along(record.effort, p, unsigned), rows, where, wavelength),
-                              wavelength)[0] for p, rows in common]  # fmt: skip
-        waves.append(complex(np.mean(phasors)) / max(size, _TINY * float(np.abs(record.effort).max())))
+        waves.append(_phasor(record, common, size, wavelength, unsigned, freed))
     return -(waves[0] * waves[1].conjugate()).real
 
 
@@ -156,33 +200,22 @@ def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarra
 
 
 def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> dict[str, Feature]:
-    """Roughness, waves and bumps of the steady strokes, and what hunts at rest."""
+    """Roughness and bumps of the steady strokes, and what hunts at rest."""
     found: dict[str, Feature] = {}
     where = _place(record)
     whole, fast, slow, bumps = [], [], [], []
     error = record.position if record.command is None else record.command - record.position
     effort_floor, place_floor = _TINY * float(np.abs(record.effort).max()), _TINY * phases.travel
-    for direction, name in ((1, "forward"), (-1, "backward")):
+    for direction in (1, -1):
         pieces = phases.strokes(direction)
         if not pieces:
             continue
         left = [_residual(_along(record.effort, p, unsigned)[p.steady], where[p.steady], wavelength) for p in pieces]
         errors = [_residual(error[p.steady], where[p.steady], wavelength) for p in pieces]
-        if np.isfinite(wavelength):
-            size = abs(level(record, phases, direction, unsigned))
-            asked = [disturbance(record, _along(record.effort, p, unsigned), np.r_[p.steady], where, wavelength)
-                     for p in pieces]  # fmt: skip
-            phasor = complex(np.mean([split_wave(*one, wavelength)[0] for one in asked])) / max(size, effort_floor)
-            found[f"wave_{name}_cos"] = Feature(phasor.real, "1")
-            found[f"wave_{name}_sin"] = Feature(phasor.imag, "1")
         whole += [float(np.concatenate(left).std()) + effort_floor, float(np.concatenate(errors).std()) + place_floor]
         fast += [_fast(left) + effort_floor, _fast(errors) + place_floor]
         slow += [_slow(left) + effort_floor, _slow(errors) + place_floor]
         bumps.append(np.mean([_bump(rest) for rest in left]))
-    waves = [found[f"wave_{name}_{part}"].value for name in ("forward", "backward") for part in ("cos", "sin")
-             if f"wave_{name}_{part}" in found]  # fmt: skip
-    if waves:
-        found["wave_depth"] = Feature(float(np.sqrt(2.0 * np.mean(np.square(waves)))), "1")
     unit = f"({record.effort_unit} {record.position_unit})^0.5"
     for name, scatters in (("roughness", whole), ("fast_roughness", fast), ("slow_roughness", slow)):
         found[name] = Feature(float(np.mean(np.log(scatters))), unit, logarithm=True)

@@ -87,9 +87,9 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
         return _not_judged(run, baseline, acquisition.findings)
     if other := not_alike(run, baseline):
         return _not_judged(run, baseline, (*acquisition.findings, other))
-    values = baseline.vector(features)
+    told, values = features.told(baseline.freed), baseline.vector(features)
     if not acquisition.effort_usable:
-        of_effort = [features.values[name].of_effort if name in features.values else True for name in baseline.features]
+        of_effort = [told[name].of_effort if name in told else True for name in baseline.features]
         values[of_effort] = np.nan
     limits = np.array([block.limit for block in baseline.blocks])
     found = np.array(tails(baseline.prediction, baseline.features, [b.features for b in baseline.blocks], values))
@@ -97,12 +97,12 @@ def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
         return _not_judged(run, baseline, acquisition.findings)
     detected = bool((found[np.isfinite(found)] < limits[np.isfinite(found)]).any())
     offs = (values - baseline.prediction.mean) / baseline.prediction.spread
-    changes = tuple(_change(name, features, baseline, off) for name, off in zip(baseline.features, offs, strict=True)
-                    if name in features.values and math.isfinite(off))  # fmt: skip
+    changes = tuple(_change(name, told[name], baseline, off) for name, off in zip(baseline.features, offs, strict=True)
+                    if name in told and math.isfinite(off))  # fmt: skip
     ranked = rank({c.name: c.standard_deviations for c in changes if not (acquisition.unsigned and c.name == "load")})
     family, why = _named(ranked, offs, features, baseline, acquisition) if detected else (None, ())
     return HealthJudgement(
-        run.name, run.test, acquisition, features.values, changes, detected, baseline.false_alarm,
+        run.name, run.test, acquisition, told, changes, detected, baseline.false_alarm,
         float(np.nanmax(found / limits)), family,
         ranked[0].probability if ranked and family not in (None, Family.UNKNOWN) else 0.0,
         ranked, (*acquisition.findings, *_words(changes, detected, baseline), *why),
@@ -189,8 +189,7 @@ def _by(change: Change) -> str:
     return f"is {abs(share):.0%} {'above' if share > 0.0 else 'below'} the healthy"
 
 
-def _change(name: str, features: Features, baseline: Baseline, off: float) -> Change:
-    feature = features.values[name]
+def _change(name: str, feature: Feature, baseline: Baseline, off: float) -> Change:
     mean = float(baseline.prediction.mean[baseline.features.index(name)])
     healthy = math.exp(mean) if feature.logarithm else mean * (baseline.scale if feature.scales else 1.0)
     value = math.exp(feature.value) if feature.logarithm else feature.value
