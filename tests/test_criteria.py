@@ -32,7 +32,7 @@ METHOD = {
     "identification/cramer_rao.py": "LAGS MOST_LAGS NOTHING",
     "identification/equation.py": "NOWHERE KEPT",
     "identification/excerpt.py": "EXCERPT EXCERPTS MOST_TURNS",
-    "identification/fit.py": "INITIAL_DAMPING",
+    "identification/fit.py": "INITIAL_DAMPING NO_GAIN",
     "identification/generic_bases.py": (
         "KNOTS LEAST_KNOTS KNOT MOST_KNOTS LONGEST_WAVE SHORTEST_WAVE WAVES ORDERS BASIS_STEPS"
     ),

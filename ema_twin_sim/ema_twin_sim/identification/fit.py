@@ -19,6 +19,8 @@ from .prediction import Prediction, Predictor
 
 INITIAL_DAMPING = 1e-4
 """Of a slope's square, at which a fit begins: numbers that hardly differ in what they do are not thrown far apart."""
+NO_GAIN = 0.1
+"""Times the fall that ends a fit: a step that promises less is not tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,8 +168,8 @@ def fit(
                 break
             trial = h.at(np.clip(h.values + step, lower, upper))
             whole = np.array_equal(trial.values, h.values + step)  # else a smaller step may gain what this one loses
-            if whole and float(step @ (2.0 * g - a @ step)) < tolerance + 1e-5 * cost:
-                break  # no more is to be gained than what ends a fit
+            if whole and float(step @ (2.0 * g - a @ step)) < NO_GAIN * tolerance:
+                break
             p = predictor.predict(trial, side_by_side=True)
             r = problem.residual(p)
             q, _ = prior_rows(trial, inflation)
