@@ -8,10 +8,12 @@ import time
 from contextlib import contextmanager
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
+from ema_bench_replay.nodes import qos
 from ema_bench_replay.nodes.spin import make_executor
 
 
@@ -48,6 +50,16 @@ class Graph:
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self.executor.spin_once(timeout_sec=0.01)
+
+    def diagnostics(self, node):
+        """The last status of each node by its name, as a node hears them: filled as the graph is served."""
+        told = {}
+
+        def keep(message):
+            told.update((status.name.partition(":")[0], status) for status in message.status)
+
+        node.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
+        return told
 
     def call(self, node, service_type, name, **request):
         """Call a service through a client of `node`."""

@@ -98,6 +98,11 @@ class Column:
             self._values[self.size : size] = values
         self.size = size
 
+    def add_same(self, value: float, count: int) -> None:
+        """Append so many times one value."""
+        for rows in pieces(count):
+            self.add(np.full(rows.stop - rows.start, value, self._kind))
+
     def finish(self) -> np.ndarray:
         """The column (n,); read-only where it lies on disk. Nothing is added after that."""
         if self._file is None:
@@ -169,6 +174,21 @@ def overlapping(column: np.ndarray) -> Iterator[np.ndarray]:
     """The pieces of a column (n,), each after the last value of the one before."""
     for rows in pieces(len(column)):
         yield column[max(rows.start - 1, 0) : rows.stop]
+
+
+def times(column: np.ndarray, factor: float) -> np.ndarray:
+    """A column (n,) times a number."""
+    return by_pieces(lambda part: part * factor, column)
+
+
+def divided(column: np.ndarray, divisor: float) -> np.ndarray:
+    """A column (n,) divided by a number."""
+    return by_pieces(lambda part: part / divisor, column)
+
+
+def shifted(column: np.ndarray, way: float) -> np.ndarray:
+    """A column (n,) and a number more."""
+    return by_pieces(lambda part: part + way, column)
 
 
 def slopes(values: np.ndarray, over: np.ndarray) -> np.ndarray:

@@ -12,7 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import by_pieces, is_long, median, overlapping, pieces, spread_pieces, steps_where
+from ema_bench_replay.long_columns import (
+    is_long,
+    median,
+    overlapping,
+    pieces,
+    shifted,
+    spread_pieces,
+    steps_where,
+    times,
+)
 from ema_bench_replay.units import MOTIONS
 
 #: The signals a recording may hold: the float64 fields of `ema_twin_msgs/EmaState`, in its order and in its units.
@@ -111,7 +120,7 @@ class Recording:
     @cached_property
     def time(self) -> np.ndarray:
         """Seconds since the first sample, float64 (n,)."""
-        return _frozen(by_pieces(lambda stamps: stamps * 1e-9, self.stamps), np.float64)
+        return _frozen(times(self.stamps, 1e-9), np.float64)
 
     @property
     def motion(self) -> str:
@@ -181,7 +190,7 @@ class Recording:
         """Samples from the first to before the last; stamps and positions begin at 0."""
         part = replace(
             self,
-            stamps=by_pieces(lambda stamps: stamps - self.stamps[first], self.stamps[first:last]),
+            stamps=shifted(self.stamps[first:last], -self.stamps[first]),
             signals={name: values[first:last] for name, values in self.signals.items()},
             start=self.start + int(self.stamps[first]),
         )
@@ -198,7 +207,7 @@ class Recording:
             return self
         for name, origin in (("motor_position",) * 2, ("output_position",) * 2, ("output_command", "output_position")):
             if name in signals and origin in shift:
-                signals[name] = _less(signals[name], shift[origin])
+                signals[name] = shifted(signals[name], -shift[origin])
         return replace(
             self,
             signals=signals,
@@ -223,10 +232,6 @@ def moved_origin(origin: float, shift: float) -> float:
 
 def _rise(stamps: np.ndarray) -> bool:
     return not any((part[1:] <= part[:-1]).any() for part in overlapping(stamps))
-
-
-def _less(values: np.ndarray, by: float) -> np.ndarray:
-    return by_pieces(lambda part: part - by, values)
 
 
 def _first(values: np.ndarray) -> float:

@@ -13,14 +13,19 @@ from ema_twin_sim.campaign.work import judged
 COMPARE = Task("compare", "polito_bench")
 
 
+def put(folder, *names):
+    """Recordings, as far as their names go."""
+    for name in names:
+        (folder / name).write_text("a\n")
+
+
 class TestJobs:
     def test_a_unit_is_a_folder(self, folder):
         jobs = find_jobs(Grouping.of(folder, None, "recording"), COMPARE)
         assert [(job.unit, Path(job.name).suffix) for job in jobs] == [("A", ".CSV")] * 2 + [("B", ".CSV")] * 2
 
     def test_a_pattern_tells_unit_and_time(self, tmp_path):
-        for name in ("EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv", "notes.csv"):
-            (tmp_path / name).write_text("a\n")
+        put(tmp_path, "EMA7_2026-03-01.csv", "EMA8_2026-03-02.csv", "notes.csv")
         told = []
         pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
         jobs = find_jobs(Grouping.of(tmp_path, pattern, "unit"), COMPARE, tell=told.append)
@@ -28,8 +33,7 @@ class TestJobs:
         assert "notes.csv" in told[0]
 
     def test_a_time_that_is_none_leaves_one_recording_out(self, tmp_path):
-        for name in ("EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv"):
-            (tmp_path / name).write_text("a\n")
+        put(tmp_path, "EMA7_2026-03-01.csv", "EMA7_2026-13-01.csv", "EMA8_2026-03-02.csv")
         told = []
         pattern = r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)"
         jobs = find_jobs(Grouping.of(tmp_path, pattern, "recording"), COMPARE, tell=told.append)
@@ -38,8 +42,7 @@ class TestJobs:
         assert "EMA7_2026-13-01.csv: 2026-13-01 is no time" in one and one.endswith("left out")
 
     def test_a_pattern_that_finds_no_time_at_all_is_refused(self, tmp_path):
-        for name in ("EMA7_2026-13-01.csv", "EMA8_2026-14-02.csv"):
-            (tmp_path / name).write_text("a\n")
+        put(tmp_path, "EMA7_2026-13-01.csv", "EMA8_2026-14-02.csv")
         told = []
         grouping = Grouping.of(tmp_path, r"(?P<unit>EMA\d+)_(?P<time>[\d-]+)", "recording")
         with pytest.raises(InputError, match="of all 2 recordings none has a time"):

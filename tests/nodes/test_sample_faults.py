@@ -23,16 +23,12 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     graph.add(TwinNode)
     graph.add(MonitorNode)
     tester = graph.plain_node()
-    answers, reports = [], {}
+    answers, told = [], graph.diagnostics(tester)
     tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
 
-    def keep(message):
-        for status in message.status:
-            reports[status.name.split(":")[0]] = {value.key: value.value for value in status.values} | {
-                "level": status.level
-            }
+    def figures(name):
+        return {value.key: value.value for value in told[name].values}
 
-    tester.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
     publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
     sequences = [*range(20), 22, 21, 22, *range(23, 40), *range(5), 5, 6]
     for sequence in sequences:
@@ -45,13 +41,13 @@ def test_lost_late_duplicate_and_backward_samples_are_counted_and_shown(graph):
     assert all(answer.run == 3 for answer in answers)
     assert all(answer.header.stamp.nanosec == answer.sequence * PERIOD for answer in answers)
     back = "samples that went back in time"
-    graph.spin_until(lambda: {"twin", "monitor"} <= reports.keys() and reports["twin"][back] == "1")
-    twin = reports["twin"]
+    graph.spin_until(lambda: {"twin", "monitor"} <= told.keys() and figures("twin")[back] == "1")
+    twin = figures("twin")
     counts = ("lost in this run", "that came late", "that came twice", "with a wrong stamp or number")
     assert [twin[f"samples {count}"] for count in counts] == [*"0111"]
     assert twin["runs begun"] == "2"
-    graph.spin_until(lambda: reports["monitor"][f"bench {back}"] == "1")
-    assert [reports["monitor"][f"bench samples that came {count}"] for count in ("late", "twice")] == ["1", "1"]
+    graph.spin_until(lambda: figures("monitor")[f"bench {back}"] == "1")
+    assert [figures("monitor")[f"bench samples that came {count}"] for count in ("late", "twice")] == ["1", "1"]
 
 
 def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
@@ -59,13 +55,8 @@ def test_no_message_ends_a_node_and_what_was_wrong_is_told(graph):
     twin = graph.add(TwinNode)
     monitor = graph.add(MonitorNode)
     tester = graph.plain_node()
-    answers, said = [], {}
+    answers, said = [], graph.diagnostics(tester)
     tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
-
-    def keep(message):
-        said.update((status.name.split(":")[0], status) for status in message.status)
-
-    tester.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
     publisher = tester.create_publisher(EmaState, "/bench/state", qos.STATE)
     spoilt = {
         5: {"speed_setpoint": math.inf},

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from ema_bench_replay.nodes import qos
 from ema_twin_msgs.msg import EmaState
@@ -43,13 +43,8 @@ def test_short_messages_are_counted_and_one_without_bytes_is_told_as_silence(gra
     twin = graph.add(TwinNode)
     monitor = graph.add(MonitorNode)
     tester = graph.plain_node()
-    answers, said = [], {}
+    answers, said = [], graph.diagnostics(tester)
     tester.create_subscription(EmaState, "/twin/state", answers.append, qos.STATE)
-
-    def keep(message):
-        said.update((status.name.split(":")[0], status) for status in message.status)
-
-    tester.create_subscription(DiagnosticArray, "/diagnostics", keep, qos.DIAGNOSTICS)
     bench = subprocess.Popen([sys.executable, "-c", BENCH], stdin=subprocess.PIPE)
     try:
         graph.spin_until(lambda: len(answers) == 40 and monitor.pairing.compared == 40)

@@ -15,7 +15,7 @@ from ema_bench_replay.bags.cdr import CdrError, Types, decode, parse
 from ema_bench_replay.bags.mcap_scan import Block, McapScan
 from ema_bench_replay.bags.packed_messages import unpacked
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, steps_where, values_at
+from ema_bench_replay.long_columns import Column, by_pieces, overlapping, pieces, shifted, steps_where, values_at
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
@@ -189,22 +189,22 @@ class _Columns:
             if name not in self._columns:
                 if name in SIGNALS and np.isnan(values).all():
                     continue
-                self._columns[name] = self._unknown_before(name, values.dtype)
+                self._columns[name] = Column(values.dtype)
+                self._columns[name].add_same(_unknown(name), self.size)
             self._columns[name].add(values)
         self.size += len(block["stamp"])
         for name, column in self._columns.items():
             if column.size < self.size:  # a field that this block's messages do not have
-                column.add(np.full(self.size - column.size, np.nan if name in SIGNALS else 0))
+                column.add_same(_unknown(name), self.size - column.size)
 
     def finish(self) -> dict[str, np.ndarray]:
         """The columns, each of the length that all have."""
         return {name: column.finish() for name, column in self._columns.items()}
 
-    def _unknown_before(self, name: str, kind: np.dtype) -> Column:
-        column = Column(kind)
-        for rows in pieces(self.size):
-            column.add(np.full(rows.stop - rows.start, np.nan if name in SIGNALS else 0, kind))
-        return column
+
+def _unknown(name: str) -> float:
+    """What stands in a column where nothing is known."""
+    return np.nan if name in SIGNALS else 0
 
 
 class _Samples:
@@ -269,7 +269,7 @@ class _Samples:
         warnings = list(dict.fromkeys([*warnings, *self.warnings]))
         return Recording(
             self.name,
-            by_pieces(lambda part: part - stamps[0], stamps),
+            shifted(stamps, -stamps[0]),
             signals,
             int(stamps[0]),
             **self.origins,

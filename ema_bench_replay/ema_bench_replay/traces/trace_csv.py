@@ -20,7 +20,9 @@ from ema_bench_replay.long_columns import (
     overlapping,
     pieces,
     places_where,
+    shifted,
     steps_where,
+    times,
 )
 from ema_bench_replay.recording import AT, KIND, MOTION, POINTS, Recording
 from ema_bench_replay.traces.counters import unwrap_counts
@@ -80,14 +82,14 @@ class _Trace:
                 f"{self.table.path}: header: none of the columns of the map {self.map.name!r} ({known}) is there; "
                 f"name the right map with --map, or let one be written: ema-twin init {self.table.path} -o NAME"
             )
-        time = by_pieces(lambda part: part * 1e-9, stamps)
+        time = times(stamps, 1e-9)
         signals = {name: self._values(maps[name], time) for name in self.columns}
         if "output_command" in signals:
             # Measured from the same zero as the output position where both show one scale, else from its own start.
             beside = "output_position" if "output_position" in signals else "motor_position"
             same_scale = beside in signals and not maps[beside].counts_per_revolution
             zero = self.origins[beside] if same_scale else signals["output_command"][0]
-            signals["output_command"] = by_pieces(lambda values: values - zero, signals["output_command"])
+            signals["output_command"] = shifted(signals["output_command"], -zero)
             self.origins["output_command"] = float(zero)
         return Recording(
             name=self.table.path.stem,
@@ -202,7 +204,7 @@ class _Trace:
         if signal.counts_per_revolution:
             values = self._counts(signal, signal.counts_per_revolution, place, values, time)
         if signal.signal not in ("motor_position", "output_position"):
-            return by_pieces(lambda part: part * signal.factor, values)
+            return times(values, signal.factor)
         first = values[0]
         self.origins[signal.signal] = float(first * signal.factor)
         return by_pieces(lambda part: (part - first) * signal.factor, values)
@@ -291,7 +293,7 @@ def _not_rising(stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:
     """Slope of the follower's regression on its leader, and its standard error (infinite where the leader rests)."""
     of_leader, of_follower = mean_of(leader), mean_of(follower)
-    x, y = by_pieces(lambda part: part - of_leader, leader), by_pieces(lambda part: part - of_follower, follower)
+    x, y = shifted(leader, -of_leader), shifted(follower, -of_follower)
     square = _product(x, x)
     if not square:
         return 0.0, np.inf

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces, slopes
+from ema_bench_replay.long_columns import divided, shifted, slopes, times
 from ema_bench_replay.recording import Recording
 
 from ..measured.consistency import inconsistencies
@@ -133,10 +133,7 @@ def compare(
     constant = model.value("machine.torque_constant")
     torques = {"current": constant, "motor_torque": 1.0, "unexplained_torque": 1.0}
     if _by_torque(recordings):
-        torque = partial(np.multiply, constant)
-        stretches["motor_torque"] = [
-            replace(s, residual=by_pieces(torque, s.residual)) for s in stretches.pop("current")
-        ]
+        stretches["motor_torque"] = [replace(s, residual=times(s.residual, constant)) for s in stretches.pop("current")]
     where = [
         dependence
         for name, parts in stretches.items()
@@ -290,7 +287,7 @@ def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
     """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
     residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
     factors = {"residual": residual, "speed": way, "motor_angle": way, "output_position": way}
-    scaled = {key: by_pieces(partial(np.multiply, by), getattr(stretch, key)) for key, by in factors.items()}
+    scaled = {key: times(getattr(stretch, key), by) for key, by in factors.items()}
     return replace(stretch, **scaled)
 
 
@@ -310,7 +307,7 @@ def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, rati
     origin, _ = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     output = recording.signals.get("output_position")
     if output is None and recording.has("motor_position"):
-        output = by_pieces(lambda part: part / ratio, position)
+        output = divided(position, ratio)
     elif output is None:
         output = twin.signals["output_position"]
-    return Stretch(residual, speed, by_pieces(lambda part: part + origin, position), output, recording.time)
+    return Stretch(residual, speed, shifted(position, origin), output, recording.time)

@@ -9,7 +9,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces, pieces
+from ema_bench_replay.long_columns import by_pieces, pieces, times
 
 from ..criteria import NOISY
 from ..model import Model
@@ -137,7 +137,7 @@ class RunningComparison:
             if name not in twin or (name not in bench and name != "unexplained_torque"):
                 continue
             if name == "unexplained_torque":
-                residual, measured = twin[name], by_pieces(self._torque, bench["current"])
+                residual, measured = twin[name], times(bench["current"], self._torque_constant)
             else:
                 residual, measured = by_pieces(np.subtract, bench[name], twin[name]), bench[name]
             residuals[name] = residual
@@ -154,9 +154,6 @@ class RunningComparison:
             self._has_speed = self._has_speed or (name == "speed" and len(residual) > 0)
         self.samples += count
         return residuals
-
-    def _torque(self, current: np.ndarray) -> np.ndarray:
-        return current * self._torque_constant
 
     def include(self, other: RunningComparison) -> None:
         """Pool the sums of another comparison into this one (its window is left alone).

@@ -35,7 +35,7 @@ import numpy as np
 from .disturbance import disturbance
 from .motion_record import MotionRecord
 from .phases import Phases, Piece, phases_of
-from .wave import FEWEST_CYCLES, beside_wave, split_wave
+from .wave import FEWEST_CYCLES, beside_wave, wave_phasor
 
 _FEW = 5  # samples of the means that show what is slow
 _PEAK = 3  # samples that make a peak
@@ -144,7 +144,7 @@ def _phasor(
         values, places = effort[rows], where[rows]
         if freed:
             values, places = disturbance(record, effort, rows, where, wavelength)
-        found.append(split_wave(values, places, wavelength)[0])
+        found.append(wave_phasor(values, places, wavelength))
     return complex(np.mean(found)) / max(size, _TINY * float(np.abs(record.effort).max()))
 
 

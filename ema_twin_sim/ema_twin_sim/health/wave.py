@@ -11,15 +11,14 @@ _FINER = 4  # wavelengths tried within the width of a line
 _NEIGHBOURS = 10.0  # line widths on either side against which a line must stand out
 
 
-def split_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> tuple[complex, np.ndarray]:
-    """Phasor of a wave over the position and what is left (n,) beside it, its second harmonic and a parabola.
+def wave_phasor(values: np.ndarray, position: np.ndarray, wavelength: float) -> complex:
+    """Phasor of a wave over the position, beside its second harmonic and a parabola.
 
     The phasor is exp(i 2π position / wavelength)'s, so that the same wave has the same phasor in every run that counts
     its position from the same place. Units are those of the values.
     """
-    columns = _columns(position, wavelength)
-    found = np.linalg.lstsq(columns, values, rcond=None)[0]
-    return complex(found[3], found[4]), values - columns @ found
+    found = np.linalg.lstsq(_columns(position, wavelength), values, rcond=None)[0]
+    return complex(found[3], found[4])
 
 
 def beside_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> np.ndarray:

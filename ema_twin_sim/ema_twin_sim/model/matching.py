@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from ema_bench_replay.errors import InputError
-from ema_bench_replay.long_columns import Column, by_pieces, extremes, overlapping, pieces
+from ema_bench_replay.long_columns import Column, by_pieces, divided, extremes, overlapping, pieces, times
 from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAY_BE_MAGNITUDES, Recording
 
 from .model import Model
@@ -49,11 +49,11 @@ def matched(recording: Recording, model: Model) -> Recording:
     for name in AT_EITHER_SHAFT:
         if metadata.pop(f"{name}{AT}", None) is not None and name in signals:
             ratio = model.value("machine.gear_ratio")
-            signals[name] = _divided(signals[name], ratio) if name.endswith("torque") else _times(signals[name], ratio)
+            signals[name] = divided(signals[name], ratio) if name.endswith("torque") else times(signals[name], ratio)
             origin *= ratio if name == "motor_position" else 1.0
     _refuse_impossible_speeds(recording, signals, model)
     if "current" not in signals and "motor_torque" in signals:
-        signals["current"] = _divided(signals["motor_torque"], model.value("machine.torque_constant"))
+        signals["current"] = divided(signals["motor_torque"], model.value("machine.torque_constant"))
         metadata[BY_TORQUE] = "torque"
     if not {"motor_position", "output_position"} & signals.keys() and "speed" in signals and not recording.of_points:
         signals["motor_position"] = _way(signals["speed"], recording.time)
@@ -80,19 +80,11 @@ def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
     way = Column(np.float64)
     way.add(np.zeros(1))
     came = 0.0
-    for speeds, times in zip(overlapping(speed), overlapping(time), strict=True):
-        went = came + np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(times))
+    for speeds, at in zip(overlapping(speed), overlapping(time), strict=True):
+        went = came + np.cumsum(0.5 * (speeds[1:] + speeds[:-1]) * np.diff(at))
         way.add(went)
         came = float(went[-1]) if len(went) else came
     return way.finish()
-
-
-def _times(values: np.ndarray, factor: float) -> np.ndarray:
-    return by_pieces(lambda part: part * factor, values)
-
-
-def _divided(values: np.ndarray, divisor: float) -> np.ndarray:
-    return by_pieces(lambda part: part / divisor, values)
 
 
 def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:

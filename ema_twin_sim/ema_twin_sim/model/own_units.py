@@ -13,12 +13,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from ema_bench_replay.long_columns import by_pieces
+from ema_bench_replay.long_columns import by_pieces, divided
 from ema_bench_replay.recording import MOTION, Recording
 from ema_bench_replay.units import signal_unit, unit_in
 
@@ -121,18 +121,11 @@ def recording_in(recording: Recording, units: OwnUnits) -> Recording:
     return replace(
         recording,
         stamps=by_pieces(lambda stamps: np.rint(stamps / units.time).astype(np.int64), recording.stamps),
-        signals={
-            name: by_pieces(partial(_divided, by=units.factor(signal_unit(name))), values)
-            for name, values in recording.signals.items()
-        },
+        signals={name: divided(values, units.factor(signal_unit(name))) for name, values in recording.signals.items()},
         motor_angle_origin=recording.motor_angle_origin / way,
         output_angle_origin=recording.output_angle_origin / way,
         metadata=metadata,
     )
-
-
-def _divided(values: np.ndarray, by: float) -> np.ndarray:
-    return values / by
 
 
 def shown(model: Model, value: float, unit: str) -> tuple[float, str]:

@@ -159,8 +159,7 @@ class _Signals:
                 if np.isnan(rows[0 if self.size else 1 :, k]).all():
                     continue
                 self._columns[name] = Column(np.float64)
-                for unknown in pieces(self.size):
-                    self._columns[name].add(np.full(unknown.stop - unknown.start, math.nan))
+                self._columns[name].add_same(math.nan, self.size)
             self._columns[name].add(rows[:, k])
         self.size += len(rows)
 

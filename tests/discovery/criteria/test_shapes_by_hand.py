@@ -11,13 +11,20 @@ from ema_twin_sim.criteria import (
     INTERPOLATED,
     LEAST_SIZE,
     MISFIT_DOUBTED,
+    MISFIT_LEFT,
     MOSTLY,
     NEARLY_ALL,
     SMALL,
 )
 from ema_twin_sim.discovery.criteria import likeness, own_shape
 from ema_twin_sim.discovery.criteria.likeness import likenesses
-from ema_twin_sim.discovery.criteria.own_shape import by_own_shape, is_play, only_teeth, parts_the_encoders
+from ema_twin_sim.discovery.criteria.own_shape import (
+    by_own_shape,
+    explains_the_torque,
+    is_play,
+    only_teeth,
+    parts_the_encoders,
+)
 from tests.fits_by_hand import a_fit, a_hypothesis, a_problem
 
 ROWS = 100
@@ -208,6 +215,27 @@ class TestPartsTheEncoders:
             assert only_teeth(a_problem(0, encoder_rows=(ROWS,)), f, "backlash") == alone
             assert asked[0].by_path["effects.backlash.width"] == 0.0
             assert [f.upper for f in asked[0].free if f.path == "effects.backlash.width"] == [0.0]
+
+
+class TestExplainsTheTorque:
+    """Misfits of a row of torque without an effect and with it."""
+
+    @pytest.mark.parametrize(
+        ("without", "beside", "explains"),
+        [
+            (1.01 * MISFIT_LEFT, 0.99 * MISFIT_DOUBTED, True),
+            (0.99 * MISFIT_LEFT, 0.99 * MISFIT_DOUBTED, False),  # it was hardly called for
+            (9.0 * MISFIT_LEFT, 1.01 * MISFIT_DOUBTED, False),  # something is left, whatever it took
+        ],
+    )
+    def test_where_much_is_left_without_it_and_nothing_with_it(self, without, beside, explains, stock, monkeypatch):
+        h = a_hypothesis(stock, "presliding_friction")
+        (name,) = h.added
+        bare = a_fit(h.without(name), np.ones(ROWS), misfits=(without * ROWS, 0.0))
+        f = a_fit(h, np.ones(ROWS), misfits=(beside * ROWS, 0.0))
+        f.problem = a_problem(ROWS)
+        monkeypatch.setattr(own_shape, "fit", lambda *_: bare)
+        assert explains_the_torque(f, name) == explains
 
 
 class TestLikeness:

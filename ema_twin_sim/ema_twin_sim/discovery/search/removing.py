@@ -10,7 +10,7 @@ from ...identification.fit import Fit, fit
 from ..criteria.plausible import insignificant, uncertain
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .adding import add_effects, less_each, prune, settle, without_effect
-from .rivals import swapped
+from .rivals import came_near, swapped
 from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Search
 
 
@@ -38,17 +38,12 @@ def significant(found: Search) -> Search:
 def _sure_instead(found: Search, name: str) -> Search | None:
     """The search with an uncertain effect's place taken by one that came as near in its round and is sure; or None."""
     turn = next((turn for turn in found.taken if name in turn.added), None)
-    best = found.fit.hypothesis
-    gained = {} if turn is None else {trial.names: trial for trial in turn.tried if len(trial.names) == 1}
-    if (name,) not in gained:
+    alone = None if turn is None else next((trial for trial in turn.tried if trial.names == (name,)), None)
+    if turn is None or alone is None:
         return None
-    for names, trial in gained.items():
-        other = trial.fit.hypothesis.added.get(names[0])
-        if other is None or other.effect in best.effects or trial.gain < gained[(name,)].gain - RIVAL_MARGIN:
-            continue
-        h = best.without(name).with_effect(other.effect, other.options, other.parameters)
+    for other, h in came_near(found.fit.hypothesis, name, turn, alone.gain - RIVAL_MARGIN):
         instead = swapped(found, fit(found.problem, h), SURER)
-        if other.effect in instead.fit.hypothesis.effects and not insignificant(instead.problem, instead.fit):
+        if other in instead.fit.hypothesis.effects and not insignificant(instead.problem, instead.fit):
             return instead
     return None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ...criteria import CLEARLY_MORE, RIVAL_MARGIN, SMALL
@@ -10,7 +11,7 @@ from ...identification.candidates import candidates
 from ...identification.comparable import as_compares, cheapest
 from ...identification.compliance import structural_fits
 from ...identification.fit import Fit, fit
-from ...identification.hypothesis import COMPLIANT_EFFECTS
+from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.local_minima import DAMPED, hopped, starting
 from ...identification.screening import screen
 from ...identification.unseen_encoders import parting_where_unseen
@@ -102,20 +103,26 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
     """The end of the search with an effect replaced by each that came near it in its round."""
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
-    bare = best.hypothesis.without(name)
     effect = best.hypothesis.added[name].effect
-    found = []
+    return [
+        fit(best.problem, h, 8, known=best)
+        for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
+        if not ENCODER_ONLY & {effect, other}  # what no torque shows stands in for no torque
+    ]
+
+
+def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterator[tuple[str, Hypothesis]]:
+    """The effects that alone gained ``least`` or more in a round, each with the hypothesis that has it in the place of
+    the one called ``name``; what is there besides is not among them.
+    """
+    bare = best.without(name)
     for trial in turn.tried:
-        if len(trial.names) != 1 or trial.gain < 0.5 * winner:
+        held = trial.fit.hypothesis.added.keys()
+        if len(trial.names) != 1 or trial.names[0] not in held or trial.gain < least:
             continue
-        other = trial.fit.hypothesis.added.get(trial.names[0])
-        if other is None or other.effect == effect or other.effect in best.hypothesis.effects:
-            continue
-        if ENCODER_ONLY & {effect, other.effect}:  # what no torque shows stands in for no torque
-            continue
-        start = trial.fit.hypothesis.instance(trial.names[0])
-        found.append(fit(best.problem, bare.with_effect(start.effect, start.options, start.parameters), 8, known=best))
-    return found
+        other = trial.fit.hypothesis.instance(trial.names[0])
+        if other.effect not in best.effects:
+            yield other.effect, bare.with_effect(other.effect, other.options, other.parameters)
 
 
 def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -> list[Fit]:

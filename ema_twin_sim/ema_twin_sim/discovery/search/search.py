@@ -154,17 +154,15 @@ def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_w
     weaker, refused = later, False  # whether wandering explains less than effects do, and than many of them do
     while len(more) < asked.most:
         after, turns = add_effects(current, without | added_and_removed(more), asked.progress, most=1)
-        if not weaker and turns and turns[0].added:
-            wander = wandering(begun.problem, current)
-            took = next(trial for trial in turns[0].tried if trial.names == turns[0].added)
-            if wander is not None and wander.gain > took.gain:
-                beside = _beside_wander(asked, begun.problem, current, [*rounds, *more], wander)
-                if beside is not None:
-                    return beside
-                weaker = True
-        current, more = after, [*more, *turns]
         if not turns or not turns[0].added:
+            more += turns
             break
+        if not weaker and (wander := _rather_wander(turns[0])) is not None:
+            beside = _beside_wander(asked, begun.problem, current, [*rounds, *more], wander)
+            if beside is not None:
+                return beside
+            weaker = True
+        current, more = after, [*more, *turns]
         if _many(current) and not refused:
             beside = _beside_wander(asked, _by_torque(current, later), current, [*rounds, *more])
             if beside is not None:
@@ -175,6 +173,13 @@ def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_w
     if (refused and many) or not (many or (torque_left(current) > MISFIT_LEFT and not later)):
         return current, rounds
     return _beside_wander(asked, _by_torque(current, later), current, rounds) or (current, rounds)
+
+
+def _rather_wander(turn: Round) -> Wander | None:
+    """How friction wanders, where that gains more by the torque than the effect that a round took; None where less."""
+    wander = wandering(turn.before.problem, turn.before)
+    took = next(trial for trial in turn.tried if trial.names == turn.added)
+    return wander if wander is not None and wander.gain > took.gain else None
 
 
 def _by_torque(f: Fit, later: bool) -> EquationErrorProblem:
