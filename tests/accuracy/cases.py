@@ -148,7 +148,8 @@ class Case:
         """Effects that the unkind bench truly has besides: right where they are named, no loss where they are not."""
         rings = ("shaft_compliance",) if self.unkind.gear_resonance else ()
         bends = ("presliding_friction",) if self.machine.elastic_share < 0.0 else ()
-        return tuple(id for id in (*rings, *bends) if id not in self.hidden)
+        warms = ("thermal_friction",) if self.unkind.warming else ()
+        return tuple(id for id in (*rings, *bends, *warms) if id not in self.hidden)
 
     @property
     def restless(self) -> bool:

@@ -336,3 +336,12 @@ def test_a_softish_gearbox_is_rightly_named_and_no_loss():
     ringing = drawn_case("r", "extreme", ["cogging"], (1, 8), unkind=Unkind(gear_resonance=60.0))
     assert judge(ringing, answer(["cogging"], "explained"), 1.0).found
     assert judge(ringing, answer(["cogging", "shaft_compliance"], "explained"), 1.0).found
+
+
+def test_friction_that_warms_up_by_itself_is_rightly_named_and_no_loss():
+    warming = drawn_case("w", "extreme", ["cogging"], (1, 9), unkind=Unkind(warming=0.04))
+    assert judge(warming, answer(["cogging"], "explained"), 1.0).found
+    assert judge(warming, answer(["cogging", "thermal_friction"], "explained"), 1.0).found
+    assert not judge(warming, answer(["thermal_friction"], "explained"), 1.0).found
+    steady = drawn_case("s", "extreme", ["cogging"], (1, 9))
+    assert judge(steady, answer(["cogging", "thermal_friction"], "explained"), 1.0).wrong == ("thermal_friction",)
