@@ -45,6 +45,10 @@ pytestmark = pytest.mark.slow
         (["stribeck_friction", "added_inertia"], (73, 5001, 51)),
         # warming is less beside wandering and a gearbox that rings, and gains clearly still
         (["sun_runout", "thermal_friction"], (73, 5001, 31)),
+        # each recording has a speed of its own: a curve over the speed took up what wanders between them, too
+        (["presliding_friction"], (77, 5001, 12)),
+        # a late encoder parts from the other by three times the play, by whose width play is looked for
+        (["backlash", "encoder_delay"], (77, 5001, 46)),
     ],
     ids=lambda value: "-".join(value) if isinstance(value, list) else "",
 )

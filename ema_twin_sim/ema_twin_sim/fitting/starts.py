@@ -20,6 +20,7 @@ from ..identification.fit import fit
 from ..identification.hypothesis import COMPLIANT_EFFECTS, null_hypothesis
 from ..identification.screening import screen
 from ..identification.weighting import FAR, Weighting
+from ..model import Model
 from .equation_misfit import EquationMisfit
 from .free_parameters import FreeParameters, split, waves
 from .solver import Solution, refine, solve
@@ -40,7 +41,7 @@ def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, p
     for k, number in enumerate(freedom.numbers):
         part, name, parameter = split(number.path)
         if part == "effects" and freedom.model.effects[name].effect in COMPLIANT_EFFECTS:
-            grid = {"stiffness": STIFFNESS, "damping": DAMPING, "width": _widths(equation)}[parameter]
+            grid = {"stiffness": STIFFNESS, "damping": DAMPING, "width": _widths(equation, freedom.model)}[parameter]
             choices[k] = (float(freedom.start[k]), *grid)
     if not choices or not any(len(o.encoder_rows) for o in equation.observations):
         return [freedom.start]
@@ -154,7 +155,10 @@ def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
     return better if misfit.cost(misfit.residual(better)) < misfit.cost(misfit.residual(start)) else start
 
 
-def _widths(equation: EquationErrorProblem) -> tuple[float, ...]:
-    """Widths of play [rad] that the encoders' parting at reversals suggests."""
-    spread = encoder_spread(equation)
+def _widths(equation: EquationErrorProblem, model: Model) -> tuple[float, ...]:
+    """Widths of play [rad] that the encoders' parting at reversals suggests, beside the model's own encoder errors."""
+    for name, instance in model.active.items():
+        if instance.effect in COMPLIANT_EFFECTS:
+            model = model.without_effect(name)
+    spread = encoder_spread(equation, null_hypothesis(model))
     return tuple(spread * share for share in WIDTHS) if spread > 0.0 else ()

@@ -46,7 +46,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
         h = h.put({"scale.inertia": 1.0})
     h = _on_both_sides(h)
     held = h.held | without
-    spread = encoder_spread(problem)
+    spread = encoder_spread(problem, h)
     part = excerpt(problem)
     springs = _springs(h)
     back_and_forth = 0.0 if h.by_torque else hysteresis(problem, current)
@@ -156,11 +156,17 @@ def _sides(h: Hypothesis) -> list[dict[str, float]]:
     ]
 
 
-def encoder_spread(problem: EquationErrorProblem) -> float:
-    """How far the encoders part over a reversal [rad, slow shaft]: the widest of all recordings."""
+def encoder_spread(problem: EquationErrorProblem, h: Hypothesis) -> float:
+    """How far the encoders part over a reversal [rad, slow shaft], less what their errors do: the widest recording.
+
+    A hypothesis of stiff gears has these errors: an encoder that is late parts from the other by its delay at each
+    speed, which may be far more than the play beside it.
+    """
+    errors = 0.0 if h.parted else problem.predict(h).rows[problem.size :] * problem.encoder_noise
+    apart = problem.encoder - errors
     return max(
         (
-            float(np.ptp(np.quantile(problem.encoder[p.start - problem.size : p.stop - problem.size], (0.02, 0.98))))
+            float(np.ptp(np.quantile(apart[p.start - problem.size : p.stop - problem.size], (0.02, 0.98))))
             for p in problem.encoder_parts
             if p.stop > p.start
         ),

@@ -11,6 +11,8 @@ by what it explains beside the torque that does so.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ...criteria import APART, DEPENDS, INTERPOLATED, MISFIT_DOUBTED, MISFIT_LEFT, MOSTLY, NEARLY_ALL
@@ -28,9 +30,12 @@ TEETH_STEPS = 8
 """Iterations of a fit: the teeth begin where play had them."""
 
 
-def by_own_shape(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """The added effects that explain what they do by their own shape; also those over what there is no basis for."""
-    return tuple(name for name in f.hypothesis.added if _own(problem, f, name))
+def by_own_shape(problem: EquationErrorProblem, f: Fit, names: Iterable[str] | None = None) -> tuple[str, ...]:
+    """Of the added effects, or of these, those that explain what they do by their own shape.
+
+    Also those that act over a quantity for which there is no basis.
+    """
+    return tuple(name for name in (f.hypothesis.added if names is None else names) if _own(problem, f, name))
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:

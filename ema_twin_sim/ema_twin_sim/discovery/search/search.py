@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...criteria import (
+    BESIDE_IMPACTS,
     CLEARLY_MORE,
     CORRELATION,
     COST_OF_BASIS_COLUMN,
@@ -109,11 +110,41 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
         asked.progress("looking at the gearbox")
         current, by_gearbox = add_structure(current, asked.without)
         rounds = [*rounds, *by_gearbox]
-    may_wander = may_wander and not current.parted
+    if current.parted:
+        return _beside_gearbox(asked, current, rounds, may_wander)
     current, rounds = _add_effects_or_wander(asked, current, rounds, may_wander)
     if may_wander and current.problem.weighting.wander is not None:
         return _beside_encoders(asked, current, rounds, False)
     return current, rounds
+
+
+def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
+    """More effects beside play or a spring, until none is worth its price.
+
+    Where friction that wanders gains more than the first of them, they are looked for beside that, if it leaves nothing
+    of the torque: one after another, friction curves would take its place.
+    """
+    after, first = add_effects(current, asked.without, asked.progress, most=1)
+    if may_wander and first and first[0].added and (wander := _rather_wander(first[0])) is not None:
+        asked.progress(f"friction seems to wander by {wander.share:.1%}: looking for more beside that")
+        plain = current.problem
+        problem = plain.under(replace(plain.weighting.begun_anew(BESIDE_IMPACTS), wander=wander))
+        begun = settle(fit(problem, current.hypothesis))
+        beside, more = add_effects(begun, asked.without, asked.progress, most=asked.most)
+        if _explains_the_torque(plain, beside, wander):
+            return beside, [*rounds, *more]
+    if not first or not first[0].added:
+        return current, [*rounds, *first]
+    excluded = asked.without | added_and_removed(first)
+    after, more = add_effects(after, excluded, asked.progress, most=asked.most - 1)
+    return after, [*rounds, *first, *more]
+
+
+def _explains_the_torque(plain: EquationErrorProblem, beside: Fit, wander: Wander) -> bool:
+    """Whether friction that wanders leaves nothing of the torque, and no dependence on anything else does as well."""
+    left = torque_left(beside)
+    paid = left + CORRELATION * wander.complexity_penalty / plain.size
+    return left <= MISFIT_LEFT and not depends_on_more(plain, beside.hypothesis, paid)
 
 
 def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int) -> Search:
@@ -208,12 +239,8 @@ def _beside_wander(
     asked.progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
     anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
     beside, rounds_beside = add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
-    left = torque_left(beside)
     too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many
-    paid = left + CORRELATION * wander.complexity_penalty / plain.size
-    if left > MISFIT_LEFT or too_dear or depends_on_more(plain, beside.hypothesis, paid):
-        return None
-    return beside, rounds_beside
+    return None if too_dear or not _explains_the_torque(plain, beside, wander) else (beside, rounds_beside)
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:

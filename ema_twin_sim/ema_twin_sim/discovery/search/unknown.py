@@ -23,6 +23,7 @@ from .adding import add_best
 from .removing import less, significant, with_what_made_room
 from .rivals import substitutes, swapped
 from .trace import Round, Search, new_names
+from .wandering_end import beside_wandering
 
 MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
 LIKENESS = "may be nothing but the likeness of what is unknown"
@@ -51,7 +52,10 @@ def beside_the_unknown(
         name: columns for name, columns in every.items() if dependence(name) not in known
     }
     after, rounds, bases = _add_dependences(found.fit, bases, progress)
+    held = {*found.fit.hypothesis.added}
     found = significant(found.further(after, rounds))
+    # what comes back in the place of something too uncertain was not doubted yet
+    found = less(found, [name for name in _doubtful(found) if name not in held], LIKENESS)
     problem = found.problem.with_generic_bases(bases)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
@@ -115,15 +119,21 @@ def _doubtful(found: Search) -> list[str]:
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
     strange = strained(found.fit)
     lags = apart(problem, found.fit, found.rounds[0].before)
-    stands = set(by_own_shape(problem, found.fit)) - set(only_constants(problem, found.fit))
+    own = set(by_own_shape(problem, found.fit))
+    # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
+    like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
+    drawn = {n for n in added if added[n].effect in like_lag and not explains_the_torque(found.fit, n)}
+    if (own != {*added} or drawn) and (beside := beside_wandering(found)) is not None:
+        # where each recording has a speed of its own, a basis over the speed takes up what wanders between them, too:
+        # that, and what it leaves, is no reason to doubt what stands beside wandering
+        own |= set(by_own_shape(beside_generic_bases(beside.problem, beside), beside, {*added} - own))
+        drawn = {n for n in drawn if not explains_the_torque(beside, n)}
+    stands = own - set(only_constants(problem, found.fit))
     stands -= set(likenesses(problem, found.fit))
     if strange:
         by_constants = {name for name in added if over[name] in BY_CONSTANTS}
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
         stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
-    # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
-    like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
-    drawn = {name for name in stands if added[name].effect in like_lag and not explains_the_torque(found.fit, name)}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}

@@ -82,6 +82,12 @@ def _wander(found: Search) -> Wander | None:
     return None if found.problem.weighting.wander is not None else wandering(found.problem, found.fit)
 
 
+def beside_wandering(found: Search) -> Fit | None:
+    """The end of a search, fitted with friction that wanders as part of the noise; None if it does not wander."""
+    wander = _wander(found)
+    return None if wander is None else _beside(found.fit, wander)
+
+
 def _beside(f: Fit, wander: Wander) -> Fit:
     """The same effects, fitted beside friction that wanders."""
     begun = f.problem.weighting.begun_anew(BESIDE_IMPACTS if f.parted else FAR)
