@@ -1,4 +1,4 @@
-"""Unknown: what is left depends on something, though no effect of the catalogue explains it."""
+"""Unknown: the residual depends on something, but no effect of the catalogue explains it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .removing import less, significant, with_what_made_room
 from .rivals import substitutes, swapped
 from .trace import Round, Search, new_names
 
-MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
+MOST_ROUNDS = 4  # an unknown cause shows in the first rounds
 LIKENESS = "may be nothing but the likeness of what is unknown"
 TRIED = 2  # bases that are fitted in a round
 
@@ -33,15 +33,14 @@ def beside_the_unknown(
     found: Search,
     progress: Callable[[str], None],
 ) -> tuple[Search, tuple[str, ...]]:
-    """What of a search stands beside what is in no catalogue, and what that depends on.
+    """Which effects of a search hold up next to an unknown cause, and what that cause depends on.
 
-    An effect stands that explains by its own shape what any shape over its quantity would, and in whose place nothing
-    else explains more. The others may be nothing but the likeness of the unknown, as is what made constants
-    implausible.
+    An effect holds up if its own shape explains what any shape over its quantity would, and if nothing in its place
+    explains more. The others may only imitate the unknown cause, and so may what made constants implausible.
     """
     if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
-    if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
+    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants: what was found stays
         return found, _most_likely(beside_generic_bases(found.problem, found.fit), found.fit)
     start = found.rounds[0].before
     found = doubted(found)
@@ -55,7 +54,7 @@ def beside_the_unknown(
     problem = found.problem.with_generic_bases(bases)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
-    # what comes and goes is an outlier to a fit, and no lasting dependence
+    # to a fit, something that comes and goes is an outlier and no lasting dependence
     passing = ("time",) if not suspect and episodes(problem, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
 
@@ -63,9 +62,9 @@ def beside_the_unknown(
 def _add_dependences(
     current: Fit, bases: Mapping[str, np.ndarray], progress: Callable[[str], None]
 ) -> tuple[Fit, list[Round], Mapping[str, np.ndarray]]:
-    """One generic basis a round, until none is worth its price: the end, the rounds, and all bases that were tried.
+    """Add one generic basis a round until none is worth its penalty; return the end, the rounds and all bases tried.
 
-    With each round go the orders that its residual shows most.
+    Each round also tries the orders that are strongest in its residual.
     """
     tried = dict(bases)
 
@@ -81,10 +80,10 @@ def _add_dependences(
 
 
 def doubted(found: Search) -> Search:
-    """A search less the effects that may be nothing but the likeness of something unknown.
+    """The search without the effects that may only imitate an unknown cause.
 
-    What had made room for these comes back, and is doubted in turn. In the place of one goes first what every machine
-    has and this model lacks, where that stands.
+    What had been removed for their sake is tried again, and doubted in turn. An effect that every machine has and this
+    model lacks is tried first in place of a doubtful one.
     """
     while names := _doubtful(found):
         usual = next((other for name in names if (other := _usual_instead(found, name)) is not None), None)
@@ -93,10 +92,10 @@ def doubted(found: Search) -> Search:
 
 
 def _usual_instead(found: Search, name: str) -> Search | None:
-    """The search with a doubtful effect's place taken by what every machine has and this model lacks; None without.
+    """Replace a doubtful effect by one that every machine has and this model lacks; None if that does not hold up.
 
-    It came near in the effect's round, and stands where that does not: friction that warms up is a little more like
-    Stribeck's than like dry friction alone.
+    The substitute was close in the effect's round, and holds up where the effect does not: friction that warms up looks
+    a little more like Stribeck friction than like dry friction alone.
     """
     turn = next((turn for turn in found.taken if name in turn.added), None)
     for other in () if turn is None else substitutes(found.fit, name, turn):
@@ -109,7 +108,7 @@ def _usual_instead(found: Search, name: str) -> Search | None:
 
 
 def _doubtful(found: Search) -> list[str]:
-    """The added effects that do not stand beside something unknown."""
+    """The added effects that do not hold up next to an unknown cause."""
     problem = beside_generic_bases(found.problem, found.fit)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
@@ -120,8 +119,8 @@ def _doubtful(found: Search) -> list[str]:
     if strange:
         by_constants = {name for name in added if over[name] in BY_CONSTANTS}
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
-        stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
-    # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
+        stands -= by_constants - usual or by_constants  # usual effects are judged once the others are gone
+    # An output that lags affects inertia and friction, as it does in a search by torque alone.
     like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
     drawn = {name for name in stands if added[name].effect in like_lag and not explains_the_torque(found.fit, name)}
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
@@ -130,11 +129,12 @@ def _doubtful(found: Search) -> list[str]:
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
         return [name for name in added if name in doubtful or name in drawn]
-    # once a doubtful play or spring is gone, the encoders may part by no more than lines do: what is drawn by them is
-    # judged without it, and so is a late encoder, of which it took a part
+    # Once a doubtful backlash or compliance is removed, the remaining encoder difference may be interpolation error.
+    # Effects that it drew in are judged after its removal, and so is a late encoder, which shared the difference with
+    # it.
     return [name for name in doubtful if not catalogue()[added[name].effect].delays]
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """What the residual depends on the most, however little that explains."""
+    """The quantity that the residual depends on most, however little that explains."""
     return tuple(dependence(name) for _, name in screen_generic_bases(problem, f)[:1])
