@@ -110,7 +110,7 @@ ALL_BUT_SPIKES = 0.999
 SUREST = 0.98
 """Upper limit of any stated probability. Of 152 unseen cases of other benches 149 were right (docs/accuracy.md)."""
 
-# How far numbers may go
+# Limits of parameters
 
 LARGEST_EFFECT = 2.0
 """Factor on the largest measured torque, and on the fastest driven motion. Loads that cancel each other may be as
@@ -124,7 +124,7 @@ ANY_SIZE = 1e3
 STIFFEST = 9.0
 """Factor on the contact stiffness that samples resolve: no encoder shows the deflection of a stiffer one."""
 
-# What is known before
+# Prior knowledge
 
 TOLERANCE = 0.05
 """Relative tolerance of a constant in a model file that gives none. Data sheets of motors and gearboxes are off by as

@@ -99,7 +99,7 @@ class Discovery:
     rivalries: tuple[Rivalry, ...]
     recordings: tuple[Recording, ...]  # as judged on unseen data: resampled, in SI
     noise: NoiseFloor  # of the recordings, SI; the reference for every statement about them
-    input: str  # of the twins
+    input: str  # input of the twins
     left: Signals  # errors of the model that was found, as ``compare`` reports them
     left_over: str = ""  # how large, and where along the first of ``depends_on``
 
@@ -309,9 +309,11 @@ def _told_by_rows(f: Fit) -> bool:
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
-    """Backlash or compliance that the encoders suggest but that removes little of the error on held-out recordings.
+    """Effects at the end of the search that simulation of held-out recordings does not support.
 
-    Also a bristle that removes nothing there: it acts only in the first moments of a motion.
+    * Backlash or compliance that the encoders suggest but that removes little of the error there.
+    * A bristle that removes nothing there, since it acts only in the first moments of a motion.
+    * With open constants: any effect on the torque that removes nothing there.
     """
     added = found.fit.hypothesis.added
     real = found.fit.hypothesis.base.is_open

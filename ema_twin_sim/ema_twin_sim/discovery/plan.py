@@ -29,7 +29,7 @@ class InDoubt:
     """Explanations between which the recordings do not decide."""
 
     rivals: tuple[str, ...]  # the leading one first
-    behind: tuple[float, ...]  # gain each is behind by (penalised, in noise units); SIGNIFICANT² needed
+    behind: tuple[float, ...]  # how far each is behind, in noise units; SIGNIFICANT² decides
     reason: str
 
 

@@ -55,7 +55,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     families = []
     if SPRING not in held:
         wound = [h.with_effect(SPRING, {}, s) for s in springs]
-        if not h.by_torque:  # nor is it known how much friction winds it up
+        if not h.by_torque:  # the friction that winds it up is unknown as well
             held_back = [_wound_by(spring, back_and_forth) for spring in wound]
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
             wound += [spring for spring in held_back if spring is not None]

@@ -169,7 +169,7 @@ class Hypothesis:
         """
         effect = catalogue()[id]
         size, angle = effect.parameters[0], effect.wave_angle
-        assert angle is not None  # only a wave has a quarter
+        assert angle is not None  # only waves have a ``quarter`` parameter
         for name, instance in self.base.effects.items():
             if instance.effect == id:
                 turned = instance.parameters[angle.name] + math.atan2(ahead, along)

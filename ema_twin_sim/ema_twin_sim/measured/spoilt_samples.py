@@ -30,11 +30,11 @@ def despiked(values: np.ndarray) -> np.ndarray:
 def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:
     """Permanent jumps (n,) [rad] of the encoder difference at each sample; mostly zero.
 
-    A counter lost counts there, or its repair took a transmission error for a loss. Not counted as jumps: a step up to
-    ``travel`` (n,) [rad], the motion within a sample, by which the encoders may separate where an output is hit; and a
-    step up to ``counted`` [rad], the counting resolution. An output in flight through its backlash is faster than a
-    motor that reverses: it may return from its teeth as fast as it separated a sample before, or a sample after. It
-    flies for three samples or more, while counts may be lost over two.
+    A counter lost counts there, or its repair took a transmission error for a loss. A step counts as a jump if it
+    exceeds the noise plus ``travel`` (n,) [rad] (the motion within a sample, by which the encoders may separate where
+    an output is hit) plus ``counted`` [rad] (the counting resolution) plus twice the rate of an output in flight. Such
+    an output is faster than a motor that reverses: it may return from its teeth as fast as it separated a sample
+    before, or a sample after. It flies for three samples or more, while counts may be lost over two.
     """
     step = np.diff(difference, prepend=difference[:1])
     out = step - moving_median(step, NEIGHBOURS)

@@ -75,10 +75,10 @@ def is_play(f: Fit, name: str) -> bool:
 
 
 def only_teeth(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the teeth alone, with zero backlash width, leave a large part of the encoder difference.
+    """Whether the teeth alone, with zero backlash width, explain much of the encoder difference that backlash explains.
 
-    The teeth wind up as a shaft does. With a width as well, they absorb what remains of a compliance next to such
-    errors.
+    That is, the width removes less than ``MOSTLY`` of what the teeth leave. The teeth wind up as a shaft does. Together
+    with a width they absorb what a compliance leaves in the presence of encoder errors.
     """
     width = catalogue()[f.hypothesis.instance(name).effect].parameters[0]
     teeth = fit(problem, f.hypothesis.holding({f"effects.{name}.{width.name}": 0.0}), TEETH_STEPS)

@@ -121,10 +121,10 @@ def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST
     """Limits for a bench that can do more than it has done: up to twice the current.
 
     The current is what loads drive, motor and gears. A slow recording says nothing about how fast a bench may turn: the
-    speed is limited by the current that friction then takes, and to ``faster`` times the driven speed. Travel ends
-    before the model's end stops, with a margin to the drive's own limits. A bench may have stops that its model lacks.
-    So without stops in the model, travel either way is at most the total travel so far, or the distance that twice the
-    speed so far covers in the usual time, however fast it turns.
+    speed is limited by the current that friction then takes, and to ``faster`` times the driven speed. Speed and
+    current stay well below the drive's own limits, and travel ends before the model's end stops. A bench may have stops
+    that its model lacks. So without stops in the model, travel either way is at most the larger of two: the total
+    travel so far, and the distance that up to twice the speed so far covers in the usual time.
 
     ``origin`` [rad] is the output's angle at the start, relative to which the model's end stops are placed.
     """

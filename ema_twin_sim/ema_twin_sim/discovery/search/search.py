@@ -198,8 +198,8 @@ def _beside_wander(
 ) -> tuple[Fit, list[Round]] | None:
     """End and rounds of a search restarted with wandering friction; None if that does not explain the torque.
 
-    How friction wanders is given (``wander``), or estimated from the end of the search. If many effects were added, it
-    is estimated from the second of the fits, before they hid the wandering.
+    How friction wanders is given (``wander``), or estimated from the end of the search. If that end holds many effects,
+    the fit after the second one is used instead: later effects hide the wandering.
     """
     if wander is None:
         taken = [turn.after for turn in rounds if turn.added]
