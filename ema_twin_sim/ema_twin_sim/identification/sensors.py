@@ -20,7 +20,7 @@ from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
 
-GEARBOX_COLUMNS = 3  # the contacting tooth flank, the torque, the direction
+GEARBOX_COLUMNS = 3  # the tooth touched, the torque, the direction
 STEPS = 20
 
 
@@ -139,7 +139,7 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
 
 
 def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float]:
-    """(coefficients (c,), Cauchy misfit) of a least-squares regression with outliers down-weighted."""
+    """(coefficients (c,), Cauchy's misfit): least squares, rows that are far off weighted down."""
     weights = np.ones(len(wanted))
     for _ in range(STEPS):
         coefficients = np.linalg.lstsq(columns * weights[:, None], wanted * weights, rcond=1e-10)[0]
