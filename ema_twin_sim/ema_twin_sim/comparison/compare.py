@@ -294,9 +294,7 @@ def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
 
 
 def explained_signals(source: str) -> tuple[str, ...]:
-    """Signals whose errors are traced to a place: the main signal of the input; with a setpoint also the output
-    position.
-    """
+    """Signals whose errors are traced to a place: the input's main signal, with a setpoint also the output position."""
     if source == BY_MOTOR:
         return ("output_position",)
     return ("unexplained_torque",) if source == "current" else ("current", "output_position")

@@ -97,9 +97,7 @@ class RunningComparison:
         self._floors: dict[bool, dict[str, float]] = {}
 
     def add(self, bench: Mapping[str, float], twin: Mapping[str, float], time: float | None = None) -> dict[str, float]:
-        """Add one pair of samples, at an increasing ``time`` [s], and return its residuals; NaN where a value is
-        missing.
-        """
+        """Add a pair of samples, at an increasing ``time`` [s]; return its residuals, NaN if a value is missing."""
         self.samples += 1
         residuals = {}
         for name in UNITS:
@@ -132,9 +130,7 @@ class RunningComparison:
         return measured - twin.get(name, math.nan), measured
 
     def add_rows(self, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Add whole recordings, signals float64 (n,) by name, and return the residuals (n,) of the signals both
-        have.
-        """
+        """Add whole recordings, signals float64 (n,) by name, and return the residuals (n,) of those that both have."""
         residuals = {}
         count = 0
         for name in UNITS:

@@ -1,6 +1,4 @@
-"""A constant error of the output position, caused by the unknown position of the output in its backlash at the
-start.
-"""
+"""A constant error of the output position, from the unknown position of the output in its backlash at the start."""
 
 from __future__ import annotations
 

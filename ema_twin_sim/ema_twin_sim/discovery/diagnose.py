@@ -208,9 +208,7 @@ def _new(contender: _Contender) -> tuple[str, ...]:
 def _chances(
     problem: EquationErrorProblem, contest: Sequence[_Contender], held: bool
 ) -> list[tuple[_Contender | None, float]]:
-    """How often (0 to 1) each contender gains most, and how often none gains anything, over bootstrap draws of
-    blocks.
-    """
+    """How often (0 to 1) each contender gains most, and how often none gains anything, over draws of blocks."""
     # The search holds the first contender together with all others: its effect size was checked there.
     entries = [c for k, c in enumerate(contest) if (k == 0 and held) or has_effect_size(problem, c.before, c.after)]
     if not entries:

@@ -252,9 +252,7 @@ def discover(
 
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:
-    """Effects that are not searched for: those in ``without``, and those that such recordings or such a machine never
-    show.
-    """
+    """Effects not searched for: those in ``without``, and those that the recordings or the machine cannot show."""
     return frozenset(without) | _impossible(model) | not_shown(recordings)
 
 
@@ -295,9 +293,7 @@ def _searched(
 
 
 def _explained_without_wander(f: Fit, start: Fit) -> bool:
-    """Whether the end of a search also explains the recordings with the sensors' noise alone, without wandering
-    friction.
-    """
+    """Whether the end of a search also explains the recordings without wandering friction, by sensor noise alone."""
     plain = f.problem.under(replace(f.problem.weighting, wander=None))
     f = settle(fit(plain, f.hypothesis))
     return explained(f.problem, f, start)

@@ -117,9 +117,7 @@ def _shown(solution: Solution, k: int) -> float:
 
 
 def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> str | None:
-    """Why these recordings do not show a parameter, and what would; ``shown`` is in standard deviations per unit of
-    it.
-    """
+    """Why these recordings do not show a parameter, and what would; ``shown`` is in std deviations per unit of it."""
     change = 1.0 if number.periodic else (math.log(2.0) if number.log else number.scale)
     if shown * change >= LIKELY:
         return None

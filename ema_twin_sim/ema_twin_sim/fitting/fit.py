@@ -251,8 +251,9 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
 
 
 def _tells(signal: str, error: SignalError, errors: Errors) -> bool:
-    """Whether a signal's error says something about the model: not the input, nor what drifts if the current drives
-    it.
+    """Whether a signal's error says something about the model: it is no input and does not drift.
+
+    With the current as input, everything but the unexplained torque drifts.
     """
     by_current = errors.get("current", {"driven": False})["driven"]
     return not error["driven"] and (signal == "unexplained_torque" or not by_current)

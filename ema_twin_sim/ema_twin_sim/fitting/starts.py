@@ -32,8 +32,7 @@ Progress = Callable[[str], None]
 
 
 def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, progress: Progress) -> list[np.ndarray]:
-    """Start values (k,), best first; for backlash and compliance the best of a grid, on the seconds with most
-    reversals.
+    """Start values (k,), best first; for backlash and compliance from a grid, on the seconds with most reversals.
 
     Both ring and bounce, so a fit from a distant start ends anywhere. The given values are in the grid.
     """

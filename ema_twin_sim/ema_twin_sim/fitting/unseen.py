@@ -70,9 +70,7 @@ def _errors(
     first: Sequence[int],
     noise: Mapping[str, float],
 ) -> Errors:
-    """Errors of models, from sample ``first`` of each recording on; a model that cannot run is replaced by the given
-    one.
-    """
+    """Errors of models, from sample ``first`` of each recording on; the given model replaces one that cannot run."""
 
     def twin_of(recording: Recording, source: str, model: Model, instead: Model) -> Recording:
         try:

@@ -27,9 +27,7 @@ def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
 
 
 def at_rows(problem: EquationErrorProblem, columns: Sequence[np.ndarray]) -> np.ndarray:
-    """Torques at full rate, one array (n, k) per recording [N m], converted to all rows (m, k) in units of total
-    noise.
-    """
+    """Torques at full rate, one array (n, k) per recording [N m], at all rows (m, k) in units of the total noise."""
     out = np.zeros((problem.rows, columns[0].shape[1]))
     for o, part, c in zip(problem.observations, problem.torque_parts, columns, strict=True):
         out[part] = at_rows_of(o, c)

@@ -43,9 +43,7 @@ class EquationErrorProblem(WeightedRows):
         vars(self).update(generic_bases={}, kept_rows={}, kept_bases={})
 
     def under(self, weighting: Weighting) -> EquationErrorProblem:
-        """The same recordings under another weighting; generic bases are dropped if they are in units of another
-        noise.
-        """
+        """The same recordings under another weighting; generic bases in units of another noise are dropped."""
         other = super().under(weighting)
         return other if weighting.wander is self.weighting.wander else other.with_generic_bases({})
 
@@ -110,9 +108,7 @@ class EquationErrorProblem(WeightedRows):
         return Prediction(rows, assembly.plant, tuple(every), by_load)
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) in units of noise, from the torque that a motion requires [N m] and the encoder difference
-        [rad].
-        """
+        """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
         inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
         torque = (rows[: self.size] + inertia * self.acceleration) / torque_scale(plant) + h.lag() * self.rate
         rows[: self.size] = torque / self.noise

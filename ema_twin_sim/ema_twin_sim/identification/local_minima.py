@@ -78,8 +78,7 @@ def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
 
 
 def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
-    """Factors, by path, that make everything behind backlash or compliance heavier, or lighter; the motor side
-    inversely.
+    """Factors, by path, that make all behind backlash or compliance heavier, or lighter; the motor side inversely.
 
     The encoder difference determines the ratios of inertia, friction and contact behind it, not their absolute size.
     The torque determines that, but the encoder rows are so steep that a fit does not get there. Only if these are open;

@@ -36,9 +36,7 @@ class Predictor(Protocol):
     """Anything that predicts the rows of hypotheses."""
 
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
-        """Predict the rows of a hypothesis; for ``beside`` and ``side_by_side`` see
-        ``EquationErrorProblem.predict``.
-        """
+        """Predict the rows of a hypothesis; for the arguments see ``EquationErrorProblem.predict``."""
         ...
 
     def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
@@ -57,9 +55,7 @@ def seen_output(o: Observation, plant: np.void) -> np.ndarray:
 
 
 def follows_measured_motion(effect: Effect, place: int) -> bool:
-    """Whether an effect has the same torque in every model of one machine, because it depends only on measured
-    values.
-    """
+    """Whether an effect has the same torque in every model of a machine: it depends on measured values only."""
     if effect.act is None or is_own(effect) or place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
         return False
     return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects request values by name

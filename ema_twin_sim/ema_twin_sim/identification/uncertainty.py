@@ -30,8 +30,7 @@ def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
 
 
 def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
-    """Covariance (k, k) of the free parameters: from curvature and priors, plus the disagreement between blocks of
-    rows.
+    """Covariance (k, k) of the free parameters: curvature and priors, plus the disagreement between blocks of rows.
 
     White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
     parameters shows how uncertain they are.
@@ -66,8 +65,7 @@ def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
 
 
 def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Covariance (k, k) from the disagreement of blocks ``which`` (m,) of rows, valid for any correlation within a
-    block.
+    """Covariance (k, k) from the disagreement of blocks ``which`` (m,) of rows, for any correlation within a block.
 
     ``jacobian`` (m, k) and ``residual`` (m,) are weighted, ``priors`` (p, k) are the slopes of prior rows. A block
     pulls the fit towards itself, so its residuals are smaller than its noise. They are scaled by the inverse root of

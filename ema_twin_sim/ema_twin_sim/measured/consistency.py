@@ -367,9 +367,7 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
-    """Least squared residual of a torque (m,), with columns of any sign (m, k) and columns that must not be
-    negative.
-    """
+    """Least squared residual of a torque (m,), with columns (m, k) of any sign and others that must not be negative."""
     columns = np.hstack([positive, free])
     size = np.linalg.norm(columns, axis=0)
     columns = columns / np.where(size > 0.0, size, 1.0)

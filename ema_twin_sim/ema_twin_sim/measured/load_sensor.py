@@ -103,7 +103,7 @@ def _width(recording: Recording) -> float:
 
 
 def _rows(recording: Recording) -> np.ndarray | None:
-    """Rows (n, ``_MOTION`` + 2) of a recording, one per kernel width, load and drive torque last; None without
+    """Rows (n, ``_MOTION`` + 2) of a recording, a kernel width apart; load and drive torque last. None without
     motion.
     """
     drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)

@@ -23,8 +23,7 @@ _FINER = 8  # orders tried within the width of a line
 def largest_in_cells(
     orders: np.ndarray, residual: np.ndarray, angle: np.ndarray, fewest_cycles: float = 0.0
 ) -> np.ndarray:
-    """Largest power (m,) of a residual (n,) over an angle (n,) [rad] in the cell of each of the evenly spaced orders
-    (m,).
+    """Largest power (m,) of a residual (n,) over an angle (n,) [rad], in the cells of evenly spaced orders (m,).
 
     The power of a wave is its mean square times n. It is zero for an order with fewer than ``fewest_cycles``. An angle
     too long for one transform is cut into pieces, whose powers add.

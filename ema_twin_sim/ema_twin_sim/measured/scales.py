@@ -32,8 +32,7 @@ INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_
 
 
 def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
-    """Recordings and model as a twin needs them: matched, and in SI; a linear machine is converted to an equivalent
-    drum.
+    """Recordings and model as a twin needs them: matched and in SI; a linear machine as an equivalent drum.
 
     Raises InputError if they do not belong together.
     """

@@ -89,9 +89,7 @@ def smoothed_motion(
 
 
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
-    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, smoothed as little as
-    possible.
-    """
+    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, with minimal smoothing."""
     if missing := [name for name in ("current", *NEEDED) if not recording.has(name)]:
         raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
     period, time, signals, _ = even(recording)

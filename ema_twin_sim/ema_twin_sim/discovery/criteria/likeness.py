@@ -29,11 +29,10 @@ def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the best-fitting basis in an effect's place leaves nothing, gains more than chance, and makes it
-    needless.
+    """Whether another basis in an effect's place leaves nothing, gains more than chance, and makes the effect needless.
 
-    What the effect leaves must be more than a small part of what it does: on a real machine, whose friction follows no
-    law exactly, a model of the right cause has such an error as well.
+    It is the best-fitting basis. What the effect leaves must be more than a small part of what it does: on a real
+    machine, whose friction follows no law exactly, a model of the right cause has such an error as well.
     """
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     beside = problem.with_generic_bases({**problem.generic_bases, **load_bases(problem, bare)})

@@ -195,9 +195,7 @@ class RivalField:
         return (math.sqrt(best) if math.isfinite(best) else 0.0), rows
 
     def why(self, e: Evaluated, shows: Mapping[str, tuple[float, float]]) -> str:
-        """A sentence: which pair would separate, by how much, and where in the recording; else which effects would
-        show.
-        """
+        """A sentence: which pair separates, by how much, and where in the recording; else which effects would show."""
         pair = next((p for p, value in e.separation.items() if value >= DECIDED), None)
         if pair is None:
             least = min(then for _, then in shows.values())
