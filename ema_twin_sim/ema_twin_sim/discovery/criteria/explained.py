@@ -104,9 +104,7 @@ def _worth_a_name(problem: EquationErrorProblem, f: Fit, basis: str) -> bool:
 
 
 def coarse(problem: EquationErrorProblem) -> bool:
-    """Whether current steps are wide relative to the noise: in slow motion rounding errors persist and are not
-    random.
-    """
+    """Whether current steps are wide relative to the noise; in slow motion the rounding is then not random."""
     return any(o.coarse for o in problem.observations if len(o.rows))
 
 
