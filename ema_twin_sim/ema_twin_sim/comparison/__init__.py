@@ -1,1 +1,1 @@
-"""Comparison: residuals, RMSE beside the sensors' noise, and where a model fails."""
+"""Comparison: residuals, RMSE relative to the sensors' noise, and where a model fails."""

@@ -1,4 +1,4 @@
-"""Which signals of a comparison tell something, which stand out of the sensors' noise, and shares: told alike."""
+"""Which signals of a comparison are meaningful, and which exceed the sensors' noise; shares between 0 and 1."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ if TYPE_CHECKING:
     from .running_comparison import SignalError
 
 OPEN_LOOP = ("speed", "motor_position", "output_position")
-"""Signals that drift under the input ``current``, where nothing holds the twin's motion to the bench's."""
+"""Signals that drift with the input ``current``, since nothing holds the twin's motion to the bench's."""
 
 
 def shown_signals(source: str, signals: Mapping[str, SignalError]) -> list[str]:
-    """Of signals that were compared, those whose errors tell something under an input."""
+    """The compared signals whose errors are meaningful with a given input."""
     left_out = OPEN_LOOP if source == "current" else ()
     return [name for name, signal in signals.items() if not signal["driven"] and name not in left_out]
 
 
 def times_noise(error: SignalError) -> float:
-    """An RMSE over its noise floor; infinite where the sensor has none."""
+    """RMSE over noise floor; infinite if the floor is zero."""
     return error["rmse"] / error["noise_floor"] if error["noise_floor"] > 0.0 else math.inf
 
 
 def is_noise(error: SignalError) -> bool:
-    """Whether an RMSE is the sensors' noise, to a tenth of it."""
+    """Whether an RMSE is only the sensors' noise, within 10 %."""
     return error["rmse"] <= (1.0 + SMALL) * error["noise_floor"]
 
 
 def beyond_noise(source: str, signals: Mapping[str, SignalError]) -> dict[str, float]:
-    """By signal that stands out of its noise, its RMSE over its noise floor, the worst first.
+    """Ratio of RMSE to noise floor for each signal that exceeds its noise, worst first.
 
-    Where a setpoint drives the twin, the current tells of torques what the unexplained torque would.
+    If a setpoint drives the twin, the current contains the information of the unexplained torque, which is left out.
     """
     judged = [name for name in shown_signals(source, signals) if source == "current" or name != "unexplained_torque"]
     over = {name: times_noise(signals[name]) for name in judged if times_noise(signals[name]) > NOISY}
@@ -42,11 +42,11 @@ def beyond_noise(source: str, signals: Mapping[str, SignalError]) -> dict[str, f
 
 
 def times_words(times: float) -> str:
-    """``5.0 times``, ``42 times``."""
+    """Format a ratio: ``5.0 times``, ``42 times``."""
     digits = max(0, 1 - int(math.log10(max(times, 1.0))))
     return f"{times:.{digits}f} times"
 
 
 def told_share(share: float) -> float:
-    """A share as it is told, from 0 to 1: what makes an error grow takes none of it away."""
+    """Limit a share to 0 to 1 for display: a change that increases an error removes none of it."""
     return min(max(share, 0.0), 1.0)

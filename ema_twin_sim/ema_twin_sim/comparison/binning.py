@@ -1,4 +1,4 @@
-"""Bins of a quantity, in which a residual is summed up."""
+"""Bins of a quantity, for summarising a residual."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def bin_edges(x: np.ndarray, bins: int, *, narrow: bool) -> np.ndarray:
-    """Edges (bins + 1,) over the values ``x`` (n,); ``narrow`` ones about zero, where much happens there."""
+    """Edges (bins + 1,) over the values ``x`` (n,); ``narrow`` bins near zero for quantities with detail there."""
     if len(x) == 0:
         return np.linspace(0.0, 1.0, bins + 1)
     if not narrow:
@@ -16,7 +16,7 @@ def bin_edges(x: np.ndarray, bins: int, *, narrow: bool) -> np.ndarray:
 
 
 def rows_by_bin(x: np.ndarray, edges: np.ndarray, fewest: int) -> list[np.ndarray]:
-    """The indices into ``x`` (n,) of each bin that holds ``fewest`` or more."""
+    """Indices into ``x`` (n,) for each bin that has at least ``fewest``."""
     place = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(edges) - 2)
     rows = (np.flatnonzero(place == k) for k in range(len(edges) - 1))
     return [found for found in rows if len(found) >= fewest]

@@ -18,21 +18,21 @@ AT_LEAST, EXACTLY, AT_MOST = "at_least", "", "at_most"
 
 @dataclass(frozen=True)
 class Closeness:
-    """The excess of one model over that of another; ``bound`` where the smaller of them is lost in the noise."""
+    """The excess of one model over that of another; ``bound`` is set if the smaller excess is lost in the noise."""
 
     times: float
     bound: str = EXACTLY
 
     def as_json(self) -> dict[str, object]:
-        """``{"times"}``, and ``bound`` where the number is one."""
+        """``{"times"}``, and ``bound`` if the number is only a bound."""
         return {"times": self.times, **({"bound": self.bound} if self.bound else {})}
 
 
 def times_closer(before: SignalError, after: SignalError, independent: float) -> Closeness | None:
-    """The ratio of the excesses, the roots of RMSE^2 - noise floor^2; None where neither model has one.
+    """Ratio of the excesses, roots of RMSE^2 - noise floor^2; None if neither model has one.
 
-    The mean square of so many ``independent`` values of noise scatters by root(2/independent) of itself: an excess
-    below two of these is taken for them, and the ratio for a bound.
+    The mean square of this many ``independent`` values of noise scatters by root(2/independent) of itself. An excess
+    below two of these is replaced by that limit, and the ratio is then a bound.
     """
     floor = after["noise_floor"]
     least = floor**2 * LIKELY * math.sqrt(2.0 / independent)
@@ -48,14 +48,14 @@ def times_closer(before: SignalError, after: SignalError, independent: float) ->
 
 @dataclass(frozen=True)
 class CloserModel:
-    """A model beside the first of a comparison: per recording and overall, how many times closer in each signal."""
+    """A model compared with the first: how many times closer it is in each signal, per recording and overall."""
 
     than: str
     recordings: tuple[tuple[str, Mapping[str, Closeness]], ...]
     overall: Mapping[str, Closeness]
 
     def as_json(self) -> dict[str, object]:
-        """For ``compare --json``; signals in which neither model is beyond the noise are left out."""
+        """For ``compare --json``; signals in which neither model exceeds the noise are left out."""
         return {
             "than": self.than,
             "recordings": [{"name": name, "signals": _as_json(signals)} for name, signals in self.recordings],
@@ -64,7 +64,7 @@ class CloserModel:
 
 
 def closer(first: Comparison, other: Comparison) -> CloserModel:
-    """How many times closer ``other`` is than ``first``; both compared with the same recordings."""
+    """How many times closer ``other`` is than ``first``; both were compared with the same recordings."""
     pairs = zip(first.recordings, other.recordings, strict=True)
     return CloserModel(
         first.model,
@@ -80,11 +80,11 @@ def _of_signals(
     before: tuple[Mapping[str, SignalError], Mapping[str, float]],
     after: tuple[Mapping[str, SignalError], Mapping[str, float]],
 ) -> dict[str, Closeness]:
-    """By signal, from the errors of both models and the independent values that these are worth."""
+    """By signal, from the errors of both models and their numbers of independent values."""
     found = {}
     for name in before[0]:
         if name in after[0] and not before[0][name]["driven"]:
-            # the residual that is nearer to the noise tells how that scatters; a drive's torque is its current's
+            # the residual closer to the noise determines its scatter; the drive's torque uses the current's
             _, rows = min(before, after, key=lambda side: side[0][name]["rmse"])
             of = "current" if name == "motor_torque" else name
             found[name] = times_closer(before[0][name], after[0][name], rows[of])

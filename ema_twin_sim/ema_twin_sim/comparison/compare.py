@@ -1,4 +1,4 @@
-"""Compare models with recordings: RMSE per signal beside the sensors' noise floor, and where a model fails."""
+"""Compare models with recordings: RMSE per signal relative to the sensors' noise floor, and where a model fails."""
 
 from __future__ import annotations
 
@@ -30,18 +30,20 @@ if TYPE_CHECKING:
     from .torque_error import TorqueError
 
 MIXED = "mixed"
-"""The input of a comparison whose recordings are driven by different signals."""
+"""Input of a comparison whose recordings are driven by different signals."""
 
 Signals = dict[str, SignalError]
 
 _UNITS = UNITS | {"motor_torque": "N m"}
-"""Of what is traced to a place: the signals, and the drive's torque in the current's stead."""
+"""Signals traced to a place, including the drive's torque if there is no current."""
 
 
 @dataclass(frozen=True)
 class RecordingComparison:
-    """One recording beside the twin: per signal ``{rmse, relative, noise_floor, unit, driven}`` in SI units, and how
-    many ``independent`` values its residual is worth.
+    """Comparison of one recording with the twin.
+
+    ``signals`` has ``{rmse, relative, noise_floor, unit, driven}`` per signal in SI units, ``independent`` the
+    effective number of independent values in its residual.
     """
 
     name: str
@@ -64,7 +66,7 @@ class RecordingComparison:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A model beside recordings; ``overall`` pools all samples, ``where`` tells what the errors depend on."""
+    """A model compared with recordings; ``overall`` pools all samples, ``where`` is what the errors depend on."""
 
     model: str
     input: str
@@ -97,12 +99,12 @@ def compare(
     progress: Callable[[str], None] = lambda name: None,
     within: Callable[[str, float], None] = lambda name, share: None,
 ) -> Comparison:
-    """Simulate the model beside each recording and compare; nothing is estimated.
+    """Simulate the model for each recording and compare; nothing is estimated.
 
-    ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows); ``noise`` the
-    noise floor, by default that of these recordings beside this model: several models beside the same recordings share
-    one. ``progress`` is called with each recording's name when it is done, ``within`` with the name of a long one and
-    the share of it that was simulated. Raises InputError where a recording lacks the input's signal.
+    ``source`` is the input for all (``setpoint`` or ``current``; by default what each recording allows). ``noise`` is
+    the noise floor, by default that of these recordings with this model; several models on the same recordings share
+    one. ``progress`` is called with the name of each finished recording, ``within`` with the name of a long one and the
+    share of it that was simulated. Raises InputError if a recording lacks the input's signal.
     """
     given, asked = recordings, model
     noise = noise_of(recordings, model) if noise is None else noise
@@ -158,7 +160,7 @@ def compare(
 
 
 def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
-    """What of the recordings does not fit, by the rule of ``fit`` and ``discover``: in the machine's own units."""
+    """Inconsistencies of the recordings, by the same rules as ``fit`` and ``discover``, in the machine's own units."""
     parts = [recording.spread() for recording in recordings]
     own, its_model = to_own_units([part for group in parts for part in group], model)
     rest = iter(own)
@@ -166,7 +168,7 @@ def _inconsistent(recordings: Sequence[Recording], model: Model) -> list[str]:
     for group in parts:
         its = list(islice(rest, len(group)))
         told = ([str(one) for one in inconsistencies(part, its_model, own)] for part in its)
-        found += next(filter(None, told), [])  # what one part of a long recording tells, others would tell again
+        found += next(filter(None, told), [])  # other parts of a long recording would repeat what the first one reports
     return found
 
 
@@ -179,10 +181,10 @@ def compare_all(
     progress: Callable[[str, str], None] = lambda model, name: None,
     within: Callable[[str, str, float], None] = lambda model, name, share: None,
 ) -> list[Comparison]:
-    """Compare several models with the same recordings, beside one noise floor: that of the first.
+    """Compare several models with the same recordings, using one noise floor: that of the first.
 
-    ``progress`` is called with the model's and the recording's name, ``within`` with these and the share of a long
-    recording that was simulated.
+    ``progress`` is called with the model's and the recording's name, ``within`` also with the share of a long recording
+    that was simulated.
     """
     noise = noise_of(recordings, models[0])
     return [
@@ -200,7 +202,7 @@ def compare_all(
 
 
 def overall_errors(recordings: Sequence[Recording], model: Model, noise: Mapping[str, float]) -> tuple[str, Signals]:
-    """(input, errors pooled over all recordings), as ``compare`` tells them."""
+    """(input, errors pooled over all recordings), as ``compare`` reports them."""
     matched, twin = to_rotary_equivalent(recordings, model)
     inputs = [choose_input(recording, twin) for recording in matched]
     together = inputs[0] if len(set(inputs)) == 1 else MIXED
@@ -224,18 +226,18 @@ def _beside(
     noise: Mapping[str, float],
     progress: Callable[[float], None],
 ) -> tuple[RunningComparison, dict[str, Stretch]]:
-    """The errors of a twin beside a recording, and those that are traced to a place; the twin itself is let go of."""
+    """Errors of a twin for one recording, and the residuals that are traced to a place; the twin itself is not kept."""
     twin = simulate(model, recording, source, step=step, wanted=UNITS, progress=progress)
     running = RunningComparison(model, source, period=recording.sample_period, noise=noise)
     residuals = running.add_rows(recording.signals, twin.signals)
     ratio = model.value("machine.gear_ratio")
     traced = [name for name in explained_signals(source) if name in residuals]
-    own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # no view that keeps all rows
+    own = {name: np.ascontiguousarray(residuals[name]) for name in traced}  # a view would keep all rows
     return running, {name: stretch_of(recording, twin, values, ratio) for name, values in own.items()}
 
 
 def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
-    from .torque_error import torque_error  # whose filters take a second to import: most comparisons need none
+    from .torque_error import torque_error  # its filters take a second to import, and most comparisons need none
 
     return torque_error(recording, model)
 
@@ -243,9 +245,9 @@ def _torque_error(recording: Recording, model: Model) -> TorqueError | None:
 def _dependences(
     model: Model, name: str, parts: Sequence[Stretch], torque: float | None, slow: float, resolved: bool
 ) -> list[Dependence]:
-    """Where a signal's residual is large, in the units of the machine's file; below ``slow`` [rad/s], no direction.
+    """What a signal's residual depends on, in the units of the machine's file.
 
-    Where ``resolved``, no order is named that the samples do not resolve.
+    Below ``slow`` [rad/s] there is no direction. With ``resolved``, no order is named that the samples do not resolve.
     """
     if model.units is None:
         return find_dependences(name, _UNITS[name], parts, torque, standstill=slow, resolved=resolved)
@@ -255,12 +257,12 @@ def _dependences(
 
 
 def _by_torque(recordings: Sequence[Recording]) -> bool:
-    """Whether no recording has a current: the errors are those of the drive's torque."""
+    """Whether no recording has a current: then errors are those of the drive's torque."""
     return all(BY_TORQUE in recording.metadata for recording in recordings)
 
 
 def _of_the_drive(model: Model, signals: Signals, recordings: Sequence[Recording]) -> Signals:
-    """The errors; the current's as the drive's torque where no recording has a current."""
+    """The errors, with the current's given as the drive's torque if no recording has a current."""
     if not _by_torque(recordings):
         return signals
     constant = model.value("machine.torque_constant")
@@ -284,7 +286,7 @@ def shown_errors(model: Model, signals: Signals) -> Signals:
 
 
 def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
-    """A stretch of a drum, whose residual is that of the signal ``name``, in the units of its carriage."""
+    """Convert a stretch of a drum, with the residual of signal ``name``, to the units of its carriage."""
     residual, way = shown(model, 1.0, _UNITS[name])[0], shown(model, 1.0, "rad")[0]
     factors = {"residual": residual, "speed": way, "motor_angle": way, "output_position": way}
     scaled = {key: times(getattr(stretch, key), by) for key, by in factors.items()}
@@ -292,14 +294,14 @@ def in_native_units(model: Model, name: str, stretch: Stretch) -> Stretch:
 
 
 def explained_signals(source: str) -> tuple[str, ...]:
-    """The signals whose errors are traced to a place: the headline of the input, and the encoders' difference."""
+    """Signals whose errors are traced to a place: the input's main signal, with a setpoint also the output position."""
     if source == BY_MOTOR:
         return ("output_position",)
     return ("unexplained_torque",) if source == "current" else ("current", "output_position")
 
 
 def stretch_of(recording: Recording, twin: Recording, residual: np.ndarray, ratio: float) -> Stretch:
-    """A residual (n,) with what it may depend on; ``ratio`` is the gearbox's."""
+    """A residual (n,) with the variables it may depend on; ``ratio`` is the gear ratio."""
     position = recording.signals.get("motor_position", twin.signals["motor_position"])
     speed = twin.signals["speed"] if recording.of_points else recording.signals.get("speed")
     if speed is None:

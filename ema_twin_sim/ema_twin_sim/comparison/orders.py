@@ -1,4 +1,4 @@
-"""The order of a residual: how often per motor revolution it repeats, how large it is there, and its phase."""
+"""Order of a residual: how often it repeats per motor revolution, with amplitude and phase."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..measured.order_spectrum import largest_in_cells, line_turns, refined
 
 _STEP = 0.02
 ORDERS = np.arange(0.2, 160.0, _STEP)
-"""The orders of a ``Periodicity``'s spectrum; each stands for what is within half a step of it."""
+"""The orders of a ``Periodicity``'s spectrum; each represents the range within half a step."""
 _REFINED = 10  # orders tried within the width of a line
 _MOST_REFINED = 201
-_POLISHED = 3  # steps from the best of these, between which an order lies
-_FEWEST_CYCLES = 3.0  # an order needs that many cycles in a recording to be one
+_POLISHED = 3  # Newton steps from the best of these
+_FEWEST_CYCLES = 3.0  # cycles in a recording that an order needs
 _FEWEST_SAMPLES = 160
-_ENOUGH = 50_000  # samples that settle amplitude and phase
+_ENOUGH = 50_000  # samples that are enough for amplitude and phase
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Periodicity:
     amplitude: float
     phase: float  # rad at the motor counter's zero
     share: float
-    dissipative: bool | None  # None where the recordings do not tell
+    dissipative: bool | None  # None if the recordings do not decide
     spectrum: np.ndarray
-    order_std: float  # standard error of the order, were what is left white
+    order_std: float  # standard error of the order, for a white residual
 
 
 def find_order(
@@ -45,9 +45,8 @@ def find_order(
 ) -> Periodicity | None:
     """The strongest order in parts of (residual, motor angle [rad], direction -1 or 1), each (n,) and moving.
 
-    Where only what is ``resolved`` counts, orders of which a part has fewer than two samples a cycle at its usual top
-    speed are left out of it: a lower one, of the output's turns, looks like any of them. None where no part turns far
-    enough.
+    With ``resolved``, a part does not count for orders of which it has fewer than two samples a cycle at its usual top
+    speed: a lower order, of the output's turns, looks like any of them. None if no part turns far enough.
     """
     plain, flipped = np.zeros_like(ORDERS), np.zeros_like(ORDERS)
     used = [part for part in parts if len(part[0]) >= _FEWEST_SAMPLES]
@@ -64,7 +63,7 @@ def find_order(
         used = [(by_pieces(np.multiply, residual, direction), angle, direction) for residual, angle, direction in used]
     best = refined(float(ORDERS[int(np.argmax(power))]), _STEP, [part[:2] for part in used])
     residual, angle = (joined([part[k] for part in used]) for k in (0, 1))
-    if len(residual) > _ENOUGH:  # drawn: every so manyth would show other orders in the place of this one
+    if len(residual) > _ENOUGH:  # random, since every n-th sample would alias orders
         rows = np.random.default_rng(0).choice(len(residual), _ENOUGH, replace=False)
         residual, angle = values_at(residual, rows), values_at(angle, rows)
     near = best + _around(angle, line_turns([part[1] for part in used]))
@@ -88,14 +87,15 @@ def find_order(
 
 
 def highest_resolved(angle: np.ndarray) -> float:
-    """The order of which an angle (n,) [rad] has two samples a cycle at its usual top speed; infinite at rest."""
+    """Order for which an angle (n,) [rad] has two samples a cycle at its usual top speed; infinite at rest."""
     step = quantile(lambda: (np.abs(np.diff(part)) for part in overlapping(angle)), 0.95)
     return math.pi / step if step > 0.0 else math.inf
 
 
 def _around(angle: np.ndarray, turns: float) -> np.ndarray:
-    """Where to look around an order for that of one wave through all parts, whose angles may lie farther apart than
-    the ``turns`` by which the order is known.
+    """Offsets at which to search near an order for that of a single wave through all parts.
+
+    The angles of the parts may lie farther apart than the ``turns`` by which the order is known.
     """
     within = min(_STEP, 1.0 / turns)
     half = math.ceil(_REFINED * within * max(turns, float(np.ptp(angle)) / (2.0 * math.pi)))
@@ -104,7 +104,7 @@ def _around(angle: np.ndarray, turns: float) -> np.ndarray:
 
 
 def _newton_step(order: float, a: float, b: float, residual: np.ndarray, angle: np.ndarray) -> tuple[float, float]:
-    """(step to a better order, its standard error) beside a wave a * sin + b * cos of one order."""
+    """(step to a better order, its standard error) for a wave a * sin + b * cos of one order."""
     sine, cosine = np.sin(order * angle), np.cos(order * angle)
     slopes = np.column_stack([sine, cosine, angle * (a * cosine - b * sine)])
     size = np.maximum(np.linalg.norm(slopes, axis=0), 1e-300)

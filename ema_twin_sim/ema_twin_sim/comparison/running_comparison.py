@@ -1,4 +1,4 @@
-"""Residuals of a twin beside its bench and their running statistics: the same for a live monitor and offline."""
+"""Residuals of a twin against its bench, with running statistics; used by the live monitor and offline."""
 
 from __future__ import annotations
 
@@ -32,29 +32,29 @@ DRIVEN: dict[str, tuple[str, ...]] = {
     POINTWISE: ("speed", "motor_position", "output_position"),
     BY_MOTOR: ("speed", "motor_position"),
 }
-"""The compared signals that drive the twin under an input: their residuals say nothing."""
+"""Compared signals that drive the twin with a given input: their residuals mean nothing."""
 
 
 class SignalError(TypedDict):
-    """How far a twin is from its bench in one signal, SI; as ``compare --json`` writes it."""
+    """Error of a twin in one signal, SI; as ``compare --json`` writes it."""
 
     rmse: float
     relative: float  # norm of the residual over norm of the measured signal
     noise_floor: float
     unit: str
-    driven: bool  # the signal drives the twin, its residual says nothing
+    driven: bool  # the signal is the twin's input, so its residual means nothing
 
 
 def excess_removed(before: SignalError, after: SignalError) -> float | None:
-    """Share (0 to 1) of the excess (power above the noise floor) that a model removes; None where there is none."""
+    """Share (0 to 1) of the excess (power above the noise floor) that a model removes; None if there is none."""
     share = share_removed(before["rmse"], after["rmse"], before["noise_floor"])
     return None if share is None else told_share(share)
 
 
 def share_removed(before: float, after: float, noise_floor: float) -> float | None:
-    """Share of an RMSE's power above its noise floor that is gone: all of it where the floor is reached, never more.
+    """Share of an RMSE's power above its noise floor that is removed; all of it if the floor is reached, never more.
 
-    None where there was nothing above the floor.
+    None if there was nothing above the floor.
     """
     excess = before**2 - noise_floor**2
     return (before**2 - max(after, noise_floor) ** 2) / excess if excess > 0.0 else None
@@ -63,11 +63,11 @@ def share_removed(before: float, after: float, noise_floor: float) -> float | No
 class RunningComparison:
     """Root-mean-square residuals of the five compared signals, over the run and over the last ``window`` seconds.
 
-    Samples come one by one (``add``) or by whole arrays (``add_rows``); a sample whose value is NaN on either side does
-    not count for that signal. The window is counted in samples of ``period`` [s], by default the model's; of samples
-    that come with their times, by these.
+    Samples come one by one (``add``) or as arrays (``add_rows``); a sample that is NaN on either side does not count
+    for that signal. The window is counted in samples of ``period`` [s], by default the model's; if samples come with
+    times, these are used.
 
-    ``noise`` is the noise floor where it is known of the recordings (``measured.noise.noise_of``), else the model's.
+    ``noise`` is the noise floor if it is known for the recordings (``measured.noise.noise_of``), else the model's.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class RunningComparison:
         self._floors: dict[bool, dict[str, float]] = {}
 
     def add(self, bench: Mapping[str, float], twin: Mapping[str, float], time: float | None = None) -> dict[str, float]:
-        """Take one pair of samples, at a ``time`` [s] that rises, and return its residuals, NaN where it lacks one."""
+        """Add a pair of samples, at an increasing ``time`` [s]; return its residuals, NaN if a value is missing."""
         self.samples += 1
         residuals = {}
         for name in UNITS:
@@ -114,7 +114,7 @@ class RunningComparison:
         return residuals
 
     def _forget(self, name: str, time: float) -> None:
-        """Take the time of the newest sample; samples older than the window go."""
+        """Store the time of the newest sample and drop samples older than the window."""
         squares, times = self._window[name], self._times[name]
         if squares.maxlen is not None:
             squares = self._window[name] = deque(squares)
@@ -130,7 +130,7 @@ class RunningComparison:
         return measured - twin.get(name, math.nan), measured
 
     def add_rows(self, bench: Mapping[str, np.ndarray], twin: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Take whole recordings, signals float64 (n,) by name, and return the residuals (n,) of what both have."""
+        """Add whole recordings, signals float64 (n,) by name, and return the residuals (n,) of those that both have."""
         residuals = {}
         count = 0
         for name in UNITS:
@@ -156,9 +156,9 @@ class RunningComparison:
         return residuals
 
     def include(self, other: RunningComparison) -> None:
-        """Pool the sums of another comparison into this one (its window is left alone).
+        """Pool the sums of another comparison into this one (its window is not changed).
 
-        A signal that drives the other's twin, but not this one's, stays out: its residual of zero says nothing.
+        A signal that is an input of the other twin but not of this one is left out: its residual of zero means nothing.
         """
         self.samples += other.samples
         self._has_speed = self._has_speed or other._has_speed
@@ -172,17 +172,17 @@ class RunningComparison:
 
     @property
     def independent(self) -> dict[str, float]:
-        """By signal, how many independent values the residuals are worth that came by whole arrays."""
+        """By signal: effective number of independent values in the residuals that came as arrays."""
         return dict(self._independent)
 
     @property
     def rmse(self) -> dict[str, float]:
-        """RMSE over the run per signal, NaN where nothing was compared."""
+        """RMSE over the run per signal, NaN if nothing was compared."""
         return {n: math.sqrt(self._square[n] / self._count[n]) if self._count[n] else math.nan for n in UNITS}
 
     @property
     def rmse_window(self) -> dict[str, float]:
-        """RMSE over the last window per signal, NaN where nothing was compared."""
+        """RMSE over the last window per signal, NaN if nothing was compared."""
         return {n: math.sqrt(math.fsum(w) / len(w)) if w else math.nan for n, w in self._window.items()}
 
     @property
@@ -196,9 +196,9 @@ class RunningComparison:
 
     @property
     def beyond_noise(self) -> dict[str, float]:
-        """By signal that stands out of the sensors' noise in the last window, by how many times; the worst first."""
+        """Ratio of error to sensor noise in the last window for each signal that exceeds its noise, worst first."""
         floor, left_out = self.noise_floor, set(DRIVEN.get(self.source, ()))
-        if self.source != "current":  # the current tells of torques what the unexplained torque would
+        if self.source != "current":  # the current contains the information of the unexplained torque
             left_out.add("unexplained_torque")
         times = {n: rmse / floor[n] for n, rmse in self.rmse_window.items() if n not in left_out and floor[n] > 0.0}
         over = {name: value for name, value in times.items() if value > NOISY}
@@ -230,5 +230,5 @@ def _both_known(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def _first_known(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The values (m,) of one where both are known."""
+    """The values (m,) of ``one`` where both are known."""
     return one[_both_known(one, other)]

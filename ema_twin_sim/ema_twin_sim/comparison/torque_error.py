@@ -1,7 +1,7 @@
-"""The relative torque error: what the measured motion needs by the model, against what the drive gave, without phase.
+"""Relative torque error: torque that the model needs for the measured motion, against the drive's, zero-phase filtered.
 
-The unexplained torque of a twin is filtered as a live one must be, sample by sample. This is the offline figure that
-papers on identification give (force error of Janot, Gautier, Brunot 2019): both sides low-passed alike, without phase.
+The unexplained torque of a twin is filtered sample by sample, as a live one must be. This is the offline figure used in
+papers on identification (force error of Janot, Gautier, Brunot 2019): both sides with the same zero-phase low-pass.
 """
 
 from __future__ import annotations
@@ -21,16 +21,15 @@ from ..simulation.assembly import Assembly, assemble
 from ..simulation.required import required_torque
 
 BAND = 50.0
-"""Hz, SI on every machine: it is part of what the figure means, beside which others publish theirs. Of EMPS 4.08 % are
-published, and ``docs/tutorial_emps.md`` comes to 3.89 % (guarded by ``tests/discovery/test_real_machines.py``).
-"""
-ENDS = 2.5  # periods of that band at either end, where smoothing and filter know no acceleration
-ORDER = 4  # of the Butterworth filter, which runs both ways
+"""Hz, in SI for every machine, because it is part of the definition that published figures use. For EMPS 4.08 % is
+published, and ``docs/tutorial_emps.md`` gets 3.89 % (guarded by ``tests/discovery/test_real_machines.py``)."""
+ENDS = 2.5  # periods of that band at each end, where the acceleration is unknown
+ORDER = 4  # of the Butterworth filter, applied forward and backward
 
 
 @dataclass(frozen=True)
 class TorqueError:
-    """Norm of measured minus needed torque over norm of the measured one: below ``BAND``, and with no filter."""
+    """Norm of measured minus needed torque over norm of the measured torque: below ``BAND``, and unfiltered."""
 
     filtered: float
     unfiltered: float
@@ -42,7 +41,7 @@ class TorqueError:
 
 
 def torque_error(recording: Recording, model: Model) -> TorqueError | None:
-    """The relative torque error of a recording; None where it lacks what that takes, or its gearbox parts."""
+    """The relative torque error of a recording; None if signals are missing, or with backlash or compliance."""
     assembly = assemble(model)
     if assembly.plant[0]["two_inertia"] != 0.0:
         return None
@@ -55,9 +54,9 @@ def torque_error(recording: Recording, model: Model) -> TorqueError | None:
 
 
 def _norms(recording: Recording, model: Model, assembly: Assembly) -> np.ndarray | None:
-    """Norms (2, 2) of measured minus needed torque, and of the measured one; each without a filter, and below ``BAND``.
+    """Norms (2, 2) of measured minus needed torque, and of the measured torque; each unfiltered, and below ``BAND``.
 
-    None of a recording, or a piece of one, that lacks what that takes.
+    None if the recording, or piece of one, lacks the required signals.
     """
     plant = assembly.plant[0]
     try:
@@ -74,6 +73,6 @@ def _norms(recording: Recording, model: Model, assembly: Assembly) -> np.ndarray
     pairs = [(measured, needed)] * 2
     if 0.5 / period > BAND:
         low = butter(ORDER, BAND, fs=1.0 / period, output="sos")
-        every = max(1, round(1.0 / (BAND * period)))  # below the band, what lies between says nothing new
+        every = max(1, round(1.0 / (BAND * period)))  # below the band, samples in between add nothing
         pairs[1] = sosfiltfilt(low, measured)[::every], sosfiltfilt(low, needed)[::every]
     return np.array([[np.linalg.norm(m - n) for m, n in pairs], [np.linalg.norm(m) for m, _ in pairs]])

@@ -1,4 +1,4 @@
-"""A constant error of the output's position: where in its play the output stood at the first sample was not known."""
+"""A constant error of the output position, from the unknown position of the output in its backlash at the start."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .where import Stretch
 
 
 def unknown_start(name: str, model: Model, stretch: Stretch, noise: float, standstill: float) -> Sequence[str]:
-    """One sentence where a recording's output is off by the same both ways, by no more than the play; else none.
+    """One sentence if the output is off by the same amount in both directions, within the backlash; else none.
 
-    ``stretch`` holds the output position's residual, ``noise`` [rad] is that of its sensors; below ``standstill``, in
-    rad/s, a motor's direction means little. A wrong width of the play errs by one way more than by the other, as
-    positions count from one flank.
+    ``stretch`` holds the residual of the output position, ``noise`` [rad] is that of its sensors. Below ``standstill``
+    [rad/s] the motor's direction means little. A wrong backlash width causes different errors in the two directions,
+    because positions count from one flank.
     """
     plant = assemble(model).plant[0]
     width = 2.0 * float(plant["gap"] / plant["gear_ratio"])

@@ -1,7 +1,8 @@
 """Where a model fails: the residual against speed, direction, output position, time and order, the worst in words.
 
-For each variable the residual is averaged within bins. What the bins' means explain of its power, beyond a constant and
-adjusted for their number, is the variable's share: 0 for noise, 1 for an error that is a function of that alone.
+For each variable the residual is averaged within bins. The variable's share is the part of the residual's power that
+the bin means explain, beyond a constant and adjusted for their number: 0 for noise, 1 for an error that is a function
+of this variable alone.
 """
 
 from __future__ import annotations
@@ -21,20 +22,20 @@ from ..quantities import quantity
 from .orders import Periodicity, find_order
 
 _BINS = 16
-FEWEST = 10  # samples of a bin
+FEWEST = 10  # samples that a bin needs
 _SPEED_SHARES = (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.55, 0.8, 1.0)  # of the usual top speed
 
 FEWEST_SAMPLES = FEWEST * _BINS
-"""With fewer samples there is no telling where a model fails."""
+"""With fewer samples it cannot be determined where a model fails."""
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """What one recording gives to the search, float64 (n,) each: residual, and the variables it may depend on."""
+    """Data of one recording, float64 (n,) each: the residual, and the variables it may depend on."""
 
     residual: np.ndarray  # in the signal's SI unit
     speed: np.ndarray  # rad/s, fast shaft
-    motor_angle: np.ndarray  # rad, fast shaft, the counter's own
+    motor_angle: np.ndarray  # rad, fast shaft, counter angle
     output_position: np.ndarray  # rad, slow shaft
     time: np.ndarray  # s
 
@@ -44,10 +45,10 @@ class Dependence:
     """How a signal's residual depends on one variable, with the place where it is largest.
 
     ``share`` is the part of its power that a function of that variable alone explains. ``profile`` is the RMSE per bin,
-    from the variable's lowest value to its highest; ``means`` the lowest and the highest mean of a bin and where they
-    are; ``periodicity`` stands in their place for an order. ``torque`` [N m per unit of the signal] turns an amplitude
-    into what an effect takes, where that means anything. Of an order, ``rmse_there`` is what repeats so, and
-    ``rmse_elsewhere`` the rest; of a constant, both are the whole.
+    from the variable's lowest value to its highest. ``means`` are the lowest and highest bin mean with their places; an
+    order has ``periodicity`` instead. ``torque`` [N m per unit of the signal] converts an amplitude to torque, where
+    applicable. For an order, ``rmse_there`` is the periodic part and ``rmse_elsewhere`` the rest; for a constant, both
+    are the total.
     """
 
     signal: str
@@ -72,7 +73,7 @@ class Dependence:
 
     @property
     def where(self) -> str:
-        """The place where the error is largest; of an order or a constant, how much of it is that."""
+        """The place where the error is largest; for an order or a constant, how much of the error it is."""
         there = quantity(self.rmse_there, self.unit)
         if self.variable == "order":
             return f"{there} of it repeat {self.place}"
@@ -144,12 +145,12 @@ def find_dependences(
     standstill: float = STANDSTILL,
     resolved: bool = False,
 ) -> list[Dependence]:
-    """The residual of ``signal`` against each variable, what it depends on first; empty where there is too little.
+    """The residual of ``signal`` against each variable, the main dependence first; empty if there is too little data.
 
-    Of variables that explain nearly alike, the simplest comes first: an error that a direction explains is also a
-    function of speed. ``torque`` is the N m that one unit of the signal stands for, if it does. Of a linear machine,
-    ``motion`` says so; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. Where
-    ``resolved``, only orders are named of which there are two samples a cycle.
+    If several variables explain nearly the same, the simplest comes first: an error that depends on direction is also a
+    function of speed. ``torque`` is the N m per unit of the signal, if applicable. ``motion`` is ``linear`` for a
+    linear machine; ``standstill`` [rad/s or m/s] is the speed below which a direction means little. With ``resolved``,
+    only orders with at least two samples a cycle are named.
     """
     stretches = [_finite(stretch) for stretch in stretches]
     residual = joined([stretch.residual for stretch in stretches]) if stretches else np.zeros(0)
@@ -211,7 +212,7 @@ def _binned(
     edges: np.ndarray,
 ) -> Dependence | None:
     if not edges[0] < edges[-1]:
-        return None  # the variable never changes: nothing depends on it
+        return None  # the variable never changes
     count, sums, square = np.zeros((3, len(edges) - 1))
     for rows in pieces(len(residual)):
         place = np.digitize(values[rows], edges) - 1
@@ -279,10 +280,10 @@ def _periodic(
     standstill: float,
     resolved: bool,
 ) -> Dependence | None:
-    """The order (cycles per motor revolution) that carries most of the residual's power."""
+    """The order (cycles per motor revolution) that contains most of the residual's power."""
     parts = []
     for stretch in stretches:
-        # at standstill one angle would gather all samples, which looks like every order at once
+        # at standstill one angle would collect all samples, which looks like every order at once
         moves = partial(_where_moving, standstill)
         residual_there, angle, speed = (
             by_pieces(moves, values, stretch.speed) for values in (stretch.residual, stretch.motor_angle, stretch.speed)

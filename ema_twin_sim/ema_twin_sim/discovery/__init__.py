@@ -1,5 +1,5 @@
-"""Discovery: which physical effect a model lacks, how sure that is, and what the data cannot tell.
+"""Discovery: which physical effect a model lacks, how certain that is, and what the data cannot decide.
 
-Behind ``measured.scales`` a machine is told in its own units: what is called s, rad/s, N m or A in this package is that
-of the reference bench, so that a number here is a share of each machine's own.
+After ``measured.scales`` a machine is expressed in its own units: s, rad/s, N m and A in this package refer to a
+machine scaled to the reference bench. A threshold here is therefore a fraction of each machine's own size and speed.
 """

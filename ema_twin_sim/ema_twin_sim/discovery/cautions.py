@@ -1,10 +1,10 @@
-"""Cautions that come with a finding, in words."""
+"""Warnings that accompany a finding."""
 
 from ..criteria import SMALL
 
 
 def of_open_constants() -> str:
-    """What is asked of an effect in a model whose constants are open, and why."""
+    """Warning for a model with open constants: what an effect must achieve to be named, and why."""
     return (
         "your model leaves constants open, and free numbers can hide what is missing: an effect is named only where "
         f"less than {100.0 * SMALL:.0f} % of the drive's torque (rms) is left without a cause, which may still be "
@@ -21,4 +21,4 @@ WITHOUT_TORQUE = (
     "no current and no torque was recorded: play, delays and angles are told as they are; torques, stiffnesses and "
     "dampings hold beside the inertia that the model file has, and are as far off as that is",
 )
-"""What to say where both encoders were recorded, and nothing else."""
+"""Warning for recordings with both encoders but no torque or current."""

@@ -1,9 +1,9 @@
-"""Diagnose: how likely each effect is the one that a model lacks, and how much of the error it takes away.
+"""Diagnose: how likely each effect is the one that a model lacks, and how much of the error it removes.
 
-The probability of an effect is the marginal one that it is missing: several effects may be missing at once, and each is
-then as probable as it is by itself. It comes from a bootstrap over blocks of time, because what is left over is
-correlated: how often the effect would have won against its rivals and against nothing in its place, had the recordings
-been made of other stretches of the same kind.
+The probability of an effect is the marginal probability that it is missing. Several effects may be missing at once;
+each is then as probable as it is on its own. It comes from a block bootstrap over time, because the residual is
+correlated: how often the effect would have won against its rivals and against no effect at all, had the recordings
+consisted of other stretches of the same kind.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from .discover import Discovery, discover
 from .search.rivals import substitutes
 from .search.trace import Round, Trial, new_names
 
-BLOCK = 2.0  # own s: stretches further apart than this are taken to be independent
+BLOCK = 2.0  # own s: stretches further apart than this count as independent
 DRAWS = 400
-RANKED = 8  # entries of a ranking, at most
-SIMULATED = 4  # of them, whose error on unseen data is worked out
+RANKED = 8  # most entries of a ranking
+SIMULATED = 4  # of these, entries whose error on unseen data is computed
 
 Key = tuple[str, tuple[tuple[str, str], ...]]
 
@@ -46,9 +46,9 @@ Key = tuple[str, tuple[tuple[str, str], ...]]
 class Ranked:
     """One effect of a ranking.
 
-    ``error_removed`` is the share of the excess error, above the sensors' noise, that it removes on data that it was
-    not fitted to: of the driving current (or unexplained torque) or of the output's position, whichever it explains
-    better; None where it was not worked out. ``found`` tells whether the complete search holds it.
+    ``error_removed`` is the share of the excess error (above the sensors' noise) that it removes on data it was not
+    fitted to. It is computed for the driving current (or unexplained torque) and for the output position, and the
+    better of the two is given; None if it was not computed. ``found`` is whether the complete search holds the effect.
     """
 
     effect: str
@@ -64,17 +64,17 @@ class Diagnosis:
     """Which effects a model lacks; ``as_json`` is what ``diagnose --json`` writes."""
 
     verdict: str  # an effect's id, none or unknown
-    ranking: tuple[Ranked, ...]  # what was found first, in discover's order; then the others, the likeliest first
+    ranking: tuple[Ranked, ...]  # found effects first, in discover's order; then the others, likeliest first
     none: float  # probability that no effect is missing
-    unknown: float  # probability that something is missing that is not in the ranking
+    unknown: float  # probability that something outside the ranking is missing
     groups: tuple[tuple[str, ...], ...]
     depends_on: tuple[str, ...]
     next_recording: str
     warnings: tuple[str, ...]
-    beyond_noise: Mapping[str, float]  # of what stands out of the noise beside all that was found, by how many times
+    beyond_noise: Mapping[str, float]  # by signal still above the noise at the end: how many times
 
     def as_json(self) -> dict[str, object]:
-        """SI units; absent numbers are null."""
+        """SI units; missing numbers are null."""
         return {
             "verdict": self.verdict,
             "ranking": [
@@ -105,10 +105,10 @@ def diagnose(
     without: Sequence[str] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Diagnosis:
-    """Rank the effects that a model may lack beside recordings of its machine.
+    """Rank the effects that a model may lack, given recordings of its machine.
 
-    ``without`` takes effects out of the catalogue; ``progress`` is called with what is being done. Raises InputError
-    where the recordings cannot be judged.
+    ``without`` excludes effects of the catalogue; ``progress`` is called with a description of each stage. Raises
+    InputError if the recordings cannot be judged.
     """
     found = discover(recordings, model, without=without, progress=progress)
     progress("weighing what was found")
@@ -133,7 +133,7 @@ class _Contender:
 
 
 def weigh(found: Discovery) -> Diagnosis:
-    """The diagnosis that a discovery comes to."""
+    """The diagnosis that follows from a discovery."""
     problem = found.equation
     tried = [contender for turn in found.search.rounds for trial in turn.tried for contender in _added(turn, trial)]
     contests = _contests(problem, found)
@@ -155,7 +155,7 @@ def weigh(found: Discovery) -> Diagnosis:
             absent[key] = absent.get(key, 1.0) * (1.0 - chance)
     present = {key: SUREST * (1.0 - chance) for key, chance in absent.items()}
     contenders = {contender.key: contender for contender in reversed([c for each in contests for c in each] + tried)}
-    # what is held is told with the numbers that the model got
+    # an effect that the search holds is reported with the numbers of the final model
     contenders |= {cause.key: replace(cause, after=found.search.fit) for cause, *_ in contests if cause.key in held}
     likeliest = sorted(present, key=lambda key: (-present[key], -held.get(key, 0.0)))
     order = [key for place, key in enumerate(likeliest) if place < RANKED or key in held]
@@ -177,12 +177,12 @@ def weigh(found: Discovery) -> Diagnosis:
 
 
 def _place(found: Discovery, key: Key, held: Container[Key]) -> int:
-    """What was found comes first, in the order that discover tells it in; the rest stays as it is."""
+    """Sort key: found effects first, in discover's order; the others keep their order."""
     return found.added.index(key[0]) if key in held and key[0] in found.added else len(found.added)
 
 
 def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Contender]]:
-    """For each effect that the complete search holds: itself, and what could stand in its place."""
+    """For each effect that the complete search holds: the effect, and what could replace it."""
     best = found.search.free_fit
     contests: dict[Key, list[_Contender]] = {}
     for name, instance in best.hypothesis.added.items():
@@ -197,7 +197,7 @@ def _contests(problem: EquationErrorProblem, found: Discovery) -> list[list[_Con
 
 
 def _added(turn: Round, trial: Trial) -> list[_Contender]:
-    """The effects that a trial adds; none where it adds a generic basis."""
+    """The effects that a trial adds; empty if it adds a generic basis."""
     return [_Contender(n, turn.before, trial.fit) for n in trial.names if n in trial.fit.hypothesis.added]
 
 
@@ -208,8 +208,8 @@ def _new(contender: _Contender) -> tuple[str, ...]:
 def _chances(
     problem: EquationErrorProblem, contest: Sequence[_Contender], held: bool
 ) -> list[tuple[_Contender | None, float]]:
-    """How often (0 to 1) each contender gains most, and none gains anything, over draws of blocks."""
-    # the search holds the first of a contest with all others beside it: that it matters was settled there
+    """How often (0 to 1) each contender gains most, and how often none gains anything, over draws of blocks."""
+    # The search holds the first contender together with all others: its effect size was checked there.
     entries = [c for k, c in enumerate(contest) if (k == 0 and held) or has_effect_size(problem, c.before, c.after)]
     if not entries:
         return [(None, 1.0)]
@@ -227,7 +227,7 @@ def _chances(
 
 
 def _blocks(problem: EquationErrorProblem) -> np.ndarray:
-    """The block (m,) of time that each row belongs to; torque and encoder rows of a moment share one."""
+    """Block index (m,) in time of each row; torque and encoder rows at the same time share a block."""
     found = np.zeros(problem.rows, int)
     first = 0
     for o, torque, encoder in zip(problem.observations, problem.torque_parts, problem.encoder_parts, strict=True):
@@ -257,7 +257,7 @@ def _ranked(
 
 
 def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequence[_Contender]) -> dict[Key, float]:
-    """The share of the excess error that each contender removes where it was not fitted to."""
+    """Share of the excess error that each contender removes on recordings it was not fitted to."""
     fits = {id(f): f for contender in contenders for f in (contender.before, contender.after)}
     if not contenders:
         return {}
@@ -274,7 +274,7 @@ def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequen
         compared = RunningComparison(model, source, period=recording.sample_period, noise=found.noise)
         try:
             compared.add_rows(recording.signals, simulate(model, recording, source).signals)
-        except InputError:  # such numbers make no motion: this contender is not worked out
+        except InputError:  # the loop cannot be simulated with these numbers: not computed for this contender
             return None
         return compared
 
@@ -295,7 +295,7 @@ def _removed(problem: EquationErrorProblem, found: Discovery, contenders: Sequen
 
 
 def _share(before: Mapping[str, SignalError], after: Mapping[str, SignalError], source: str) -> float:
-    """The largest share of a signal's excess error that went away, from 0 to 1; 0 where no error is above the noise."""
+    """Largest share (0 to 1) of a signal's excess error that was removed; 0 if no error is above the noise."""
     telling = ("unexplained_torque",) if source == "current" else ("current", "output_position")
     shares = [
         excess_removed(before[name], after[name])

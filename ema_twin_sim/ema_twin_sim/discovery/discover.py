@@ -1,4 +1,4 @@
-"""Discover: which effects a model lacks, how sure that is, and the model that has them."""
+"""Discover: which effects a model lacks, how certain that is, and the model that has them."""
 
 from __future__ import annotations
 
@@ -59,9 +59,10 @@ from .unseen import Unseen, gain_where_unseen, judge_unseen
 
 @dataclass(frozen=True)
 class Step:
-    """One step: an effect added (or removed again), and the error before and after, on data not fitted to.
+    """One step: an effect added (or removed again), with the error before and after on data that was not fitted to.
 
-    The first begins with the given model's own constants fitted: ``error_removed`` is the step's own, from 0 to 1.
+    The first step starts from the given model with its own constants fitted. ``error_removed`` (0 to 1) counts this
+    step only.
     """
 
     effect: str
@@ -70,7 +71,7 @@ class Step:
     rmse_before: float
     rmse_after: float
     unit: str
-    output_before: float | None  # rad, the same of the output (see ``Unseen``); None where it was not measured
+    output_before: float | None  # rad, RMSE of the output (see ``Unseen``); None if not measured
     output_after: float | None
     error_removed: float | None
     reason: str
@@ -96,19 +97,19 @@ class Discovery:
     search: Search
     equation: EquationErrorProblem
     rivalries: tuple[Rivalry, ...]
-    recordings: tuple[Recording, ...]  # as they are judged on unseen data: matched, in SI
-    noise: NoiseFloor  # of the recordings, SI; the one that all that tells of them is held against
-    input: str  # of the twins
-    left: Signals  # errors of the model that was found, as ``compare`` tells them
+    recordings: tuple[Recording, ...]  # as judged on unseen data: resampled, in SI
+    noise: NoiseFloor  # of the recordings, SI; the reference for every statement about them
+    input: str  # input of the twins
+    left: Signals  # errors of the model that was found, as ``compare`` reports them
     left_over: str = ""  # how large, and where along the first of ``depends_on``
 
     @property
     def beyond_noise(self) -> dict[str, float]:
-        """By signal that still stands out of the sensors' noise, by how many times; the worst first."""
+        """Ratio of error to sensor noise for each signal that still exceeds it, worst first."""
         return beyond_noise(self.input, self.left)
 
     def as_json(self) -> dict[str, object]:
-        """SI units; absent numbers are null."""
+        """SI units; missing numbers are null."""
         return {
             "added": list(self.added),
             "verdict": self.verdict,
@@ -134,10 +135,10 @@ def discover(
     without: Sequence[str] = (),
     progress: Callable[[str], None] = lambda text: None,
 ) -> Discovery:
-    """Find the effects that a model lacks beside recordings of its machine.
+    """Find the effects that a model lacks, given recordings of its machine.
 
-    ``without`` takes effects out of the catalogue; ``progress`` is called with what is being done. Raises InputError
-    where the recordings cannot be judged.
+    ``without`` excludes effects of the catalogue; ``progress`` is called with a description of each stage. Raises
+    InputError if the recordings cannot be judged.
     """
     progress("reading the motion")
     noise = noise_of(recordings, model)
@@ -155,7 +156,7 @@ def discover(
     start = found.rounds[0].before
     depends_on: tuple[str, ...] = ()
     if not known and found.problem.weighting.wander is not None and explained(found.problem, found.fit, start):
-        depends_on = ("time",)  # friction that wanders is all that is left
+        depends_on = ("time",)  # wandering friction is all that is left
         found = doubted(found)
     elif not known:
         progress("something is left: looking for what it depends on")
@@ -175,8 +176,8 @@ def discover(
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
         found = less(found, idle, "the simulated loop hardly follows the recordings better with it")
-        back = not before.issuperset(found.fit.hypothesis.added)  # it had taken the place of something
-        # where constants are open, the rest may explain the recordings as well as anything does
+        back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
+        # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
         depends_on = () if known else shown_over
         unseen = judge_unseen(as_measured, began, noise, found)
@@ -191,12 +192,12 @@ def discover(
             found, unseen = freed(held, found), beside
     constants_alone = known and not found.fit.hypothesis.added and not model.is_open
     as_given = (not known and not stands) or (constants_alone and unseen.worsens)
-    if as_given:  # what is unknown, or lies at impacts, may draw everything beside it away
-        # numbers that nobody knew are better fitted than as they were
+    if as_given:  # An unknown cause, or errors at impacts, may pull every fitted number away from its true value.
+        # constants that were unknown are better fitted than left at their guesses
         bare = settle(fit(found.problem, null)) if model.is_open else fit(found.problem, null, 0)
         found = found.ended(bare, "it does not improve the model given what remains unexplained")
         unseen = judge_unseen(as_measured, began, noise, found, as_given=not model.is_open)
-    elif known:  # once all is judged: these numbers are fitted to all recordings together
+    elif known:  # only after all is judged: these numbers are fitted to all recordings together
         found = with_followed_numbers(loop, found)
     as_given = as_given and not model.is_open
     best, problem = found.fit, found.problem
@@ -204,7 +205,7 @@ def discover(
     verdict = "unknown" if not known else "explained" if best.hypothesis.added else "none"
     rivals = tuple(rivalry.beside(best) for rivalry in rivals if rivalry.effect in best.hypothesis.effects)
     left = unseen.rmse[-1] / unseen.noise_floor if unseen.noise_floor > 0.0 else 1.0
-    points = any(o.of_points for o in problem.observations)  # which may be held, and move nowhere
+    points = any(o.of_points for o in problem.observations)  # operating points may be held at standstill
     errors = with_division(standard_errors(problem, best), best, left)
     steps = _steps(found, unseen)
     order = _most_telling_first(best.hypothesis.added, steps)
@@ -251,14 +252,14 @@ def discover(
 
 
 def excluded_effects(recordings: Sequence[Recording], model: Model, without: Sequence[str]) -> frozenset[str]:
-    """Effects that are not looked for: those ``without``, and what such recordings or such a machine never show."""
+    """Effects not searched for: those in ``without``, and those that the recordings or the machine cannot show."""
     return frozenset(without) | _impossible(model) | not_shown(recordings)
 
 
 def _impossible(model: Model) -> frozenset[str]:
-    """Effects that a machine of this kind cannot have: a carriage has no revolutions, and no eccentric encoder.
+    """Effects that a machine of this kind cannot have: a carriage has no revolutions and no eccentric encoder.
 
-    Where the motor turns as its output does, there are no teeth that would pass at an order of their own.
+    With a gear ratio of 1 there are no teeth with an order of their own.
     """
     if model.units is None or model.units.radius is None:
         return effects_with(Trait.OF_TEETH) if model.value("machine.gear_ratio") == 1.0 else frozenset()
@@ -269,12 +270,12 @@ def _impossible(model: Model) -> frozenset[str]:
 def _searched(
     problem: EquationErrorProblem, null: Hypothesis, excluded: frozenset[str], progress: Callable[[str], None]
 ) -> tuple[Search, bool]:
-    """The best explanation by effects of the catalogue, after second thoughts where need be; whether it is one."""
+    """Best explanation by effects of the catalogue, refined where needed, and whether it explains the recordings."""
     found = search(problem, null, excluded, progress)
     if null.base.is_open:
         found = without_warming_that_wandering_explains(found)
         return found, explained(found.problem, found.fit, found.rounds[0].before)
-    if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # what takes more effects than that is something else
+    if len(found.fit.hypothesis.added) >= MOST_EFFECTS:  # if it takes that many effects, the cause is something else
         return found, False
     found = less_what_wandering_explains(in_another_order(found, excluded, progress), progress)
     start, wander = found.rounds[0].before, found.problem.weighting.wander
@@ -292,21 +293,23 @@ def _searched(
 
 
 def _explained_without_wander(f: Fit, start: Fit) -> bool:
-    """Whether an end of a search explains the recordings with nothing but the sensors' noise, too."""
+    """Whether the end of a search also explains the recordings without wandering friction, by sensor noise alone."""
     plain = f.problem.under(replace(f.problem.weighting, wander=None))
     f = settle(fit(plain, f.hypothesis))
     return explained(f.problem, f, start)
 
 
 def _told_by_rows(f: Fit) -> bool:
-    """Whether rows that effects were not fitted to tell of them, with no gearbox to simulate between."""
+    """Whether rows that the effects were not fitted to confirm them; False with backlash or compliance in the model."""
     return not f.parted and len(f.problem.observations) > 1 and gain_where_unseen(f) > DEPENDS
 
 
 def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
-    """Play or spring that the encoders suggest, but that takes little of the error away where it was not fitted to.
+    """Effects at the end of the search that simulation of held-out recordings does not support.
 
-    And a bristle that takes nothing away there: it shows in the first moments of a motion only.
+    * Backlash or compliance that the encoders suggest but that removes little of the error there.
+    * A bristle that removes nothing there, since it acts only in the first moments of a motion.
+    * With open constants: any effect on the torque that removes nothing there.
     """
     added = found.fit.hypothesis.added
     real = found.fit.hypothesis.base.is_open
@@ -318,7 +321,7 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
             continue
         first = _before_both(found, k)
         removed = unseen.removed(first, len(unseen.rmse) - 1)
-        # a measured current drives no loop that would meet the teeth, and one that hunts hides them: the output tells
+        # A measured current drives no loop that would reach the teeth, and a hunting loop hides them: use the output.
         followed = unseen.output_removed(first, len(unseen.rmse) - 1) >= PART
         if parting and not followed and removed is not None and removed < PART:
             return parting
@@ -332,8 +335,9 @@ def _idle(found: Search, unseen: Unseen) -> tuple[str, ...]:
 
 
 def _before_both(found: Search, k: int) -> int:
-    """The round of those taken before which neither what came in round ``k`` was there nor what gave its place to it:
-    a rival need not better what it stands in for.
+    """First round at which neither the effects of round ``k`` nor the effects they replaced were present.
+
+    A rival need not be better than the effect it replaces.
     """
     turn = found.taken[k]
     gone = {*turn.removed} if turn.reason in {BEATEN, SURER} else set()
@@ -341,12 +345,12 @@ def _before_both(found: Search, k: int) -> int:
 
 
 def _shows_over(found: Search, name: str) -> str:
-    """The quantity that an effect shows over."""
+    """The quantity that an effect depends on."""
     return catalogue()[found.fit.hypothesis.added[name].effect].depends_on
 
 
 def _left(recordings: Sequence[Recording], model: Model, noise: NoiseFloor) -> tuple[str, Signals]:
-    """(input, errors) of a twin beside recordings; none where it makes no motion that can be followed."""
+    """(input, errors) of a twin compared with recordings; empty if its motion cannot be followed."""
     try:
         return overall_errors(recordings, model, noise)
     except InputError:
@@ -379,7 +383,7 @@ def _steps(found: Search, unseen: Unseen) -> tuple[Step, ...]:
 
 
 def _most_telling_first(names: Iterable[str], steps: Sequence[Step]) -> tuple[str, ...]:
-    """The names of effects, the one whose step took most of the error's power away first."""
+    """Names of effects, the one whose step removed most of the error power first."""
     power = {s.instance: s.rmse_before**2 - s.rmse_after**2 for s in steps if s.action == "add"}
     return tuple(sorted(names, key=lambda name: -power.get(name, 0.0)))
 

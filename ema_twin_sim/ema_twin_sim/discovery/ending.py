@@ -1,4 +1,4 @@
-"""The ending: why a search added no more, in a sentence or two."""
+"""The ending: why a search added no more effects, in a sentence or two."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .unseen import Unseen
 def why_ended(
     problem: EquationErrorProblem, verdict: str, found: Search, depends_on: tuple[str, ...], unseen: Unseen
 ) -> str:
-    """What is left of what kind; or, where that is nothing, that nothing more is worth its price."""
+    """What kind of error is left; if none, a sentence that no further effect is worth its complexity penalty."""
     base = found.fit.hypothesis.base
     if lags := lagging(problem, found.fit) if "encoders" in depends_on else {}:
         run = max(lags, key=lambda name: abs(lags[name]))

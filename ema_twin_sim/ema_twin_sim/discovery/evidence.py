@@ -1,8 +1,8 @@
-"""Evidence: what a person looks at to believe a verdict. Named series with units, ready to be plotted.
+"""Evidence: named series with units, ready to plot, that let a person check a verdict.
 
-Each step of a discovery is shown by what the torque balance and the encoders leave over before it, after it, and with
-the runner-up in its place, against every quantity that an effect may depend on. Where the search ended, the step that
-it refused stands in the same way.
+Each step of a discovery is shown by the residuals of the torque balance and of the encoders: before it, after it, and
+with the runner-up instead. They are given against every quantity that an effect may depend on. The step that the search
+refused at its end is shown in the same way.
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ from .discover import Discovery
 from .search.trace import Round, Trial, new_names
 
 BINS = 24
-FEWEST = 5  # rows of a bin that has a median
-BANDS = 150  # of an order spectrum
+FEWEST = 5  # rows that a bin needs for a median
+BANDS = 150  # bands of an order spectrum
 LEAST_SHOWN = 10.0  # orders
 SHOWN = 1.33  # times the highest order that the model names
-NEAR = 0.03  # orders that are taken to be a named one
-NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # against these, bins are narrow about zero
+NEAR = 0.03  # orders within this distance of a named one are taken to be it
+NARROW_AT_ZERO = ("speed", "transmitted_torque", "acceleration")  # bins are narrow near zero for these
 Kind = Literal["torque", "encoder_difference"]
 _UNITS: dict[Kind, str] = {"torque": "N m", "encoder_difference": "rad"}
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """The fits that a step compares, under the names that its curves bear."""
+    """The fits that a step compares, by the names of their curves."""
 
-    title: str  # what was added, or would have been
+    title: str  # what was added, or would have been added
     taken: bool  # False: the search refused it, and ended
-    runner_up: str  # what would have come next; empty where nothing else was tried
+    runner_up: str  # the next best trial; empty if nothing else was tried
     fits: Mapping[str, Fit]  # before, after, runner_up
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Medians and quartiles (b,) of what is left over, in bins of a quantity."""
+    """Medians and quartiles (b,) of the residual, in bins of a quantity."""
 
     name: str  # before, after or runner_up
     direction: str  # forward, backward or both
@@ -60,20 +60,20 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What is left over against one quantity; ``share`` is the part of the step's change that it explains."""
+    """Residual against one quantity; ``share`` is the part of the step's change that this quantity explains."""
 
     kind: Kind
     against: str
     unit: str  # of the quantity
-    size_unit: str  # of what is left over
-    order: float | None  # of an angle that is folded
+    size_unit: str  # of the residual
+    order: float | None  # of an angle that is folded by that order
     share: float
     curves: tuple[Curve, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the left-over torque over orders; the largest of each of a number of bands."""
+    """Order spectra of the residual torque; each value is the largest of its band."""
 
     friction: bool  # the torque is counted as opposing the motion
     unit: str  # of the amplitudes
@@ -84,7 +84,7 @@ class Spectrum:
 
 @dataclass(frozen=True, eq=False)
 class StepEvidence:
-    """All views of one step, the one that tells most first."""
+    """All views of one step, the most informative first."""
 
     compared: Compared
     views: tuple[View, ...]
@@ -92,7 +92,7 @@ class StepEvidence:
 
 
 def evidence_json(found: Discovery) -> dict[str, object]:
-    """The plot data behind a discovery, for ``--json``: at most some 200 points a curve, five digits each."""
+    """Plot data behind a discovery, for ``--json``: up to about 200 points a curve, five digits each."""
     unseen = found.unseen
     return {
         "steps": [_step_as_json(step) for step in step_evidence(found)],
@@ -119,11 +119,11 @@ def step_evidence(found: Discovery) -> tuple[StepEvidence, ...]:
 
 
 def compared_fits(found: Discovery) -> list[Compared]:
-    """The fits that each step of a discovery compares; at its end, those that the last refused step does."""
+    """The fits that each step of a discovery compares, plus those of the step refused at the end."""
     steps = []
     for turn in found.search.changes:
         names = new_names(turn.before, turn.after)
-        if names:  # else what was added was needless at once
+        if names:  # otherwise the added effect was pruned at once
             steps.append(_compared(turn, names, turn.after, taken=True))
     last = found.search.stopped
     if last is not None and last.tried:
@@ -140,19 +140,19 @@ def _compared(turn: Round, names: Sequence[str], after: Fit, *, taken: bool) -> 
 
 
 def _title(names: Sequence[str]) -> str:
-    """The names of effects, and what generic bases among them stand for."""
+    """Names of effects, and the quantity that a generic basis stands for."""
     generic_bases = [f"dependence on {dependence(name)}" for name in names if "#" in name]
     return " and ".join([*(name for name in names if "#" not in name), *dict.fromkeys(generic_bases)])
 
 
 def _runner_up(turn: Round, names: Sequence[str]) -> Trial | None:
-    """The best trial without what was added."""
+    """The best trial that does not contain what was added."""
     return next((trial for trial in turn.tried if not set(trial.names) & set(names)), None)
 
 
 @dataclass(frozen=True, eq=False)
 class _Torques:
-    """The rows of torque: what is left over by each fit, and where the machine stood."""
+    """Torque rows: the residual of each fit, and the state of the machine."""
 
     left: Mapping[str, np.ndarray]  # N m (m,)
     speed: np.ndarray
@@ -160,7 +160,7 @@ class _Torques:
     output_angle: np.ndarray
     time: np.ndarray
     transmitted: np.ndarray
-    change: Periodicity | None  # of what the step changed
+    change: Periodicity | None  # strongest order in what the step changed
 
 
 def _evidence_of(problem: EquationErrorProblem, compared: Compared) -> StepEvidence:
@@ -196,7 +196,7 @@ def _torques(problem: EquationErrorProblem, after: Fit, residuals: Mapping[str, 
 def _periodicity(
     problem: EquationErrorProblem, torque: np.ndarray, speed: np.ndarray, angle: np.ndarray
 ) -> Periodicity | None:
-    """The strongest order of a torque (m,), where the machine moves."""
+    """Strongest order of a torque (m,) while the machine moves."""
     moving = np.abs(speed) > STANDSTILL
     return find_order(
         [(torque[p][moving[p]], angle[p][moving[p]], np.sign(speed[p][moving[p]])) for p in problem.torque_parts]
@@ -239,7 +239,7 @@ def _view(
     *,
     order: float | None = None,
 ) -> View:
-    """Curves of what is left over (m,) against ``x`` (m,), for each direction where the ``speed`` (m,) is given."""
+    """Curves of the residual (m,) against ``x`` (m,); one for each direction if the ``speed`` (m,) is given."""
     edges = bin_edges(x, BINS, narrow=against in NARROW_AT_ZERO)
     if speed is None:
         directions = {"both": np.ones(len(x), bool)}
@@ -260,7 +260,7 @@ def _view(
 
 
 def _as_people_know_it(view: View, base: Model) -> View:
-    """A view told in the units of the machine's file."""
+    """A view in the units of the machine's file."""
     folded = view.order is not None
     along, unit = (1.0, view.unit) if folded else shown(base, 1.0, view.unit)
     size, size_unit = shown(base, 1.0, view.size_unit)
@@ -272,15 +272,15 @@ def _as_people_know_it(view: View, base: Model) -> View:
 
 
 def _spectrum(problem: EquationErrorProblem, at: _Torques, model: Model) -> Spectrum | None:
-    """Order spectra of the left-over torque: as a torque, or as friction where that is what the step changed.
+    """Order spectra of the residual torque: as a torque, or as friction if that is what the step changed.
 
-    The orders that the model names stand beside them.
+    The orders that the model names are listed with them.
     """
     friction = at.change is not None and bool(at.change.dissipative)
     sense = np.sign(at.speed) if friction else np.ones(len(at.speed))
     lines: dict[str, np.ndarray] = {}
     for name, torque in at.left.items():
-        # given with the speed's size, it is taken as it comes, in both directions alike
+        # abs(speed): the direction of motion must not be applied twice
         found = _periodicity(problem, torque * sense, np.abs(at.speed), at.motor_angle)
         if found is None:
             return None

@@ -1,10 +1,10 @@
-"""Followed: the numbers with which the simulated loop of a machine with play or a spring follows its recordings.
+"""Fit of a machine with backlash or compliance to the simulated closed loop of its recordings.
 
-The equation error is driven by a motion sampled every few milliseconds, and teeth meet in less: its contact is a
-softer one, which draws the shares of both sides a few per cent away. In the closed loop that is milliseconds at every
-impact, and most of what its current misses. The loop's contact is the model's own. So from where the equation error
-ends, a few steps of Levenberg and Marquardt on the loop's error find the numbers that follow, over the first seconds of
-the recordings whose impacts can be foretold; and all recordings tell whether these follow better.
+The equation error uses a motion sampled every few milliseconds, while teeth meet in less time. Its contact is therefore
+softer than the real one, which shifts the shares of both sides by a few per cent. In the closed loop this shifts every
+impact by milliseconds and causes most of the current error. The simulated loop uses the model's own contact. So a few
+Levenberg-Marquardt steps on the loop error start where the equation error ends, over the first seconds of the
+recordings whose impacts are predictable. All recordings then decide whether the new numbers follow better.
 """
 
 from __future__ import annotations
@@ -33,15 +33,15 @@ from .split import ClosedLoop
 
 JUDGED = ("current", "output_position", "motor_position")
 SECONDS = 6.0  # own s of a recording that are simulated
-STEPS = 4  # at most, under each weighting
-ENOUGH = 5e-3  # fall of the cost, as a share, below which a step is the last
-TRIED = ((0.0, 1.0), (1e-2, 1.0), (0.0, 0.4), (1e-1, 0.5))  # damping and share of a step, one after the other
-FINER = 0.2  # times the usual step of a finite difference: an impact is over in a fraction of a millisecond
-UNCOUNTED = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
+STEPS = 4  # most steps under each weighting
+ENOUGH = 5e-3  # relative decrease of the cost below which the iteration stops
+TRIED = ((0.0, 1.0), (1e-2, 1.0), (0.0, 0.4), (1e-1, 0.5))  # (damping, fraction of the step), tried in turn
+FINER = 0.2  # times the usual finite-difference step: an impact lasts a fraction of a millisecond
+UNCOUNTED = 1e12  # counts per turn: counter steps would hide the effect of a small change
 
 
 def with_followed_numbers(loop: ClosedLoop, found: Search) -> Search:
-    """The search, at its end the numbers with which the closed loop follows the recordings, where it does so better."""
+    """The search, with numbers that make the closed loop follow the recordings, if these follow better."""
     best, problem = found.fit, found.problem
     if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
@@ -58,12 +58,12 @@ def with_followed_numbers(loop: ClosedLoop, found: Search) -> Search:
 
 
 class _Following:
-    """The closed loop's error over the beginnings of some recordings, in units of noise, and its least."""
+    """Minimises the closed-loop error, in units of noise, over the beginnings of some recordings."""
 
     def __init__(self, problem: EquationErrorProblem, recordings: Sequence[Recording], start: Hypothesis) -> None:
         model = start.model()
         one = {side: counter_noise(model, side) for side in ("motor", "output")}
-        # a model that tells of no noise leaves it to be read off the recordings
+        # if the model gives no noise, estimate it from the recordings
         current = model.value("sensors.current_noise") or max(reading_noise(r.signals["current"]) for r in recordings)
         self._start = start
         self._recordings = [_beginning(recording) for recording in recordings]
@@ -72,19 +72,19 @@ class _Following:
         self._lower, self._upper = problem.bounds(start)
         settled = [name for name, one in start.added.items() if catalogue()[one.effect].settle is not None]
         kinds = ("scale.", "contact.", *(f"effects.{name}." for name in settled))
-        # a torque of its own shows in every motion, and the equation error knows it well
+        # an added torque shows in every motion, so the equation error already determines it well
         self._moving = [
             k for k, free in enumerate(start.free) if free.path.startswith(kinds) and free.lower < free.upper
         ]
 
     def fitted(self) -> Hypothesis:
-        """The hypothesis at the numbers that follow best; what is far off counts little in the end."""
+        """The hypothesis with the best-following numbers. Outliers have little weight in the second pass."""
         h = self._start
-        told = self._moving and min(self._noise) > 0.0  # beside signals without noise, every row is beyond all bounds
+        told = self._moving and min(self._noise) > 0.0  # without noise, every row is an outlier
         for cauchy_scale in (FAR_OFF_ROW, BESIDE_IMPACTS) if told else ():
             try:
                 h = self._descended(h, cauchy_scale)
-            except InputError:  # some numbers near these make a loop that cannot be simulated
+            except InputError:  # some nearby numbers cannot be simulated
                 break
         return h
 
@@ -111,7 +111,7 @@ class _Following:
         return h
 
     def _trials(self, h: Hypothesis, rows: np.ndarray, cauchy_scale: float, inflation: float) -> list[Hypothesis]:
-        """Where steps of several lengths lead to from a hypothesis that misses ``rows`` (m,)."""
+        """Hypotheses after steps of several lengths, from one with residual ``rows`` (m,)."""
         moving = np.array(self._moving)
         upper, lower, values = self._upper[moving], self._lower[moving], h.values[moving]
         change = np.array([FINER * h.free[k].step for k in moving])
@@ -135,7 +135,7 @@ class _Following:
         return trials
 
     def _missed(self, hypotheses: Sequence[Hypothesis]) -> list[np.ndarray]:
-        """Rows (m,) that each hypothesis's loop misses, in units of noise: current, and the encoders' difference."""
+        """Residual rows (m,) of each hypothesis's loop, in units of noise: current, then encoder difference."""
         models = [h.model() for h in hypotheses]
         for side in ("motor", "output"):
             models = [model.with_value(f"sensors.{side}_encoder_counts", UNCOUNTED) for model in models]
@@ -157,7 +157,7 @@ class _Following:
 
 
 def _beginning(recording: Recording) -> Recording:
-    """The first seconds of a recording: a loop is started where it began."""
+    """The first seconds of a recording: a loop is started where the recording began."""
     end = int(np.searchsorted(recording.time, recording.time[0] + SECONDS))
     signals = {name: values[:end] for name, values in recording.signals.items()}
     return replace(recording, stamps=recording.stamps[:end], signals=signals)

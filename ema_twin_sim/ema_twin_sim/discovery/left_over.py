@@ -1,4 +1,4 @@
-"""How large what is left over is, and where along the quantity that it depends on."""
+"""How large the residual is, and where along the quantity that it depends on."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from ..quantities import quantity
 from .search.trace import Search
 
 _BINS = 24
-_FEWEST = 5  # rows of a bin that has a median
+_FEWEST = 5  # rows that a bin needs for a median
 _UNITS = {"speed": "rad/s", "output_position": "rad", "time": "s", "load": "N m"}
 
 
 def left_over_words(problem: EquationErrorProblem, found: Search, depends_on: tuple[str, ...]) -> str:
-    """``from -23.8 mN m at 2.03 rad to 14.6 mN m at 2.83 rad, moving forward``: torque of the motor, medians of bins.
+    """``from -23.8 mN m at 2.03 rad to 14.6 mN m at 2.83 rad, moving forward``: motor torque, medians of bins.
 
-    Of the first quantity that it depends on; of the direction in which it spans more. Empty where that quantity is none
-    along which anything goes.
+    For the first quantity that the residual depends on, in the direction in which it varies more. Empty if that
+    quantity cannot be binned.
     """
     against = depends_on[0] if depends_on else ""
     if against not in _UNITS or not problem.size:
@@ -51,7 +51,7 @@ def left_over_words(problem: EquationErrorProblem, found: Search, depends_on: tu
 
 
 def _without_generic_bases(found: Search) -> Fit:
-    """The fit of what was found, before anything that is no effect came to stand beside it."""
+    """Fit of what was found, before any generic basis was added."""
     if not found.fit.hypothesis.generic_bases:
         return found.fit
     came = (
@@ -63,7 +63,7 @@ def _without_generic_bases(found: Search) -> Fit:
 
 
 def _along(problem: EquationErrorProblem, f: Fit, against: str) -> tuple[np.ndarray, np.ndarray]:
-    """The quantity and the speed [rad/s] (m,) at every row of torque."""
+    """The quantity and the speed [rad/s] (m,) at every torque row."""
     at = np.concatenate([o.motion[o.rows] for o in problem.observations])
     if against == "load":
         column = REQUIRED.index("transmitted")
@@ -78,5 +78,5 @@ def _along(problem: EquationErrorProblem, f: Fit, against: str) -> tuple[np.ndar
 def _place(base: Model, value: float, against: str) -> str:
     value, unit = shown(base, value, _UNITS[against])
     if against == "output_position":
-        return f"{value:.3g} {unit}"  # of the output's counter: milliradians would tell nothing
+        return f"{value:.3g} {unit}"  # read off the output's counter: milliradians would be meaningless
     return quantity(value, unit)

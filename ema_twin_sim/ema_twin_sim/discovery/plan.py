@@ -1,7 +1,7 @@
-"""Plan: the next recording, so that it tells the explanations apart that the recordings so far leave open.
+"""Plan: the next recording, chosen to separate the explanations that the recordings so far leave open.
 
-And so that it shows what they could not have shown: an explanation of slow recordings says nothing of drag; one of an
-output that hardly turned, nothing of its encoder's centre.
+It should also show what the recordings so far could not: slow recordings say nothing about drag, and an output that
+hardly turned says nothing about its encoder's eccentricity.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from .experiment.rival_field import Pair
 
 @dataclass(frozen=True)
 class InDoubt:
-    """Explanations of which the recordings do not tell which is right."""
+    """Explanations between which the recordings do not decide."""
 
     rivals: tuple[str, ...]  # the leading one first
-    behind: tuple[float, ...]  # how much each loses by, prices paid, in units of noise; SIGNIFICANT² are needed
+    behind: tuple[float, ...]  # how far each is behind, in noise units; SIGNIFICANT² decides
     reason: str
 
 
@@ -42,20 +42,20 @@ class Plan:
     in_doubt: tuple[InDoubt, ...]
     proposal: Proposal | None
     runners_up: tuple[Proposal, ...]
-    inseparable: tuple[Pair, ...]  # pairs that no command within the limits tells apart
+    inseparable: tuple[Pair, ...]  # pairs that no command within the limits separates
     limits: Limits
     depends_on: tuple[str, ...]
     warnings: tuple[str, ...]
 
     @property
     def next_recording(self) -> str:
-        """The command in one line; empty where there is none to propose."""
+        """The command in one line; empty if there is none to propose."""
         if self.proposal is None:
             return ""
         return f"{self.proposal.command} for {self.proposal.seconds:g} s: {self.proposal.why}"
 
     def elsewhere(self) -> tuple[str, ...]:
-        """What would help with the pairs that no command tells apart."""
+        """What would help with the pairs that no command separates."""
         named = dict.fromkeys(name for pair in self.inseparable for name in pair)
         effects = catalogue()
         return tuple(effects[name].told_by for name in named if name in effects and effects[name].told_by)
@@ -88,12 +88,12 @@ def plan(
     progress: Callable[[str], None] = lambda text: None,
     limits: Limits | None = None,
 ) -> Plan:
-    """The recording that would best tell apart what these recordings of a model's machine leave in doubt.
+    """The recording that best separates what these recordings of a model's machine leave in doubt.
 
-    Of several it is the one that shows most of what they could not have shown. ``without`` takes effects out of the
-    catalogue; ``limits`` are what the bench may be asked to do: by default what it has done in these recordings, and
-    more only where nothing less decides or shows as much. ``progress`` is called with what is being done. Raises
-    InputError where the recordings cannot be judged.
+    Among equals it is the one that shows most of what the recordings so far could not show. ``without`` excludes
+    effects of the catalogue. ``limits`` are what the bench may do: by default what it did in these recordings, and more
+    only if nothing smaller decides or shows as much. ``progress`` is called with a description of each stage. Raises
+    InputError if the recordings cannot be judged.
     """
     pointwise = [recording.name for recording in recordings if recording.of_points]
     if pointwise:
@@ -117,7 +117,7 @@ def plan(
         signals_of(found.recordings),
         detection=detection,
         limits=limits,
-        few=found.search.fit.parted,  # a gearbox takes too long to try everything on
+        few=found.search.fit.parted,  # a gearbox takes too long to try every command
         progress=progress,
     )
     return Plan(
@@ -134,7 +134,7 @@ def plan(
 
 
 def _not_shown(so_far: Showing | None) -> tuple[InDoubt, ...]:
-    """What the recordings so far leave open of effects that are not found, though another recording would tell."""
+    """Effects that the recordings so far cannot show or separate, although another recording would."""
     if so_far is None:
         return ()
     doubts = []
@@ -151,5 +151,5 @@ def _not_shown(so_far: Showing | None) -> tuple[InDoubt, ...]:
 
 
 def _price(id: str) -> float:
-    """What naming an effect costs."""
+    """Complexity penalty of naming an effect."""
     return COST_EFFECT + COST_PARAMETER * len(catalogue()[id].parameters)

@@ -1,8 +1,8 @@
-"""How sure the shares of motor and output are of an inertia and a friction whose sum the recordings tell.
+"""Uncertainty of how inertia and friction, whose sums are known, are shared between motor and output.
 
-Beside play, how teeth meet divides both: its contact, sampled every few milliseconds, is a softer one than the
-machine's, which moves a few hundredths of the sum from one side to the other. No curvature and no jackknife shows that,
-since every recording is off alike.
+With backlash, the contact of the teeth determines the split. At a sample period of a few milliseconds the fitted
+contact is softer than the machine's, which moves a few per cent of the sum from one side to the other. Neither
+curvature nor jackknife shows this error, because it is the same in every recording.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from ..quantities import estimate
 
 
 class _Sum(NamedTuple):
-    """What both sides have together: its name and unit, the paths of the free shares, and what these are factors of."""
+    """A sum over both sides: its name and unit, the paths of the free shares, and the values that these scale."""
 
     name: str
     unit: str
     paths: tuple[str, str]  # motor, output
-    sizes: tuple[float, float]  # of the base, at a factor of one
+    sizes: tuple[float, float]  # values in the base model, at a scale of one
 
 
 def with_division(errors: Mapping[str, float], f: Fit, left: float) -> dict[str, float]:
-    """Standard errors by path, those of the two sides' shares with what no model explains.
+    """Standard errors by path, those of the two sides' shares increased for what no model explains.
 
-    ``left`` is the error that remains, in times the sensors' noise: as many times less sure is each number beside it,
-    and the division of the sum.
+    ``left`` is the remaining error as a multiple of the sensors' noise. The standard errors of the shares are
+    multiplied by it, and an error of the split is added.
     """
     told = dict(errors)
     if not f.hypothesis.parted:
@@ -53,7 +53,7 @@ def with_division(errors: Mapping[str, float], f: Fit, left: float) -> dict[str,
 
 
 def of_sums(problem: EquationErrorProblem, f: Fit, left: float) -> tuple[str, ...]:
-    """What to say where recordings tell a sum of both sides, and hardly or not at all how it is divided."""
+    """Warnings where recordings determine the sum of both sides, but its split poorly or not at all."""
     if f.hypothesis.parted:
         known, places = covariance(problem, f), {free.path: k for k, free in enumerate(f.hypothesis.free)}
         now, base, told = f.hypothesis.by_path, f.hypothesis.base, []
@@ -79,7 +79,7 @@ def of_sums(problem: EquationErrorProblem, f: Fit, left: float) -> tuple[str, ..
 
 
 def _sums(f: Fit, *, parted: bool = True) -> Iterator[_Sum]:
-    """The sums whose two sides are free by themselves; where not ``parted``, those that have two sides."""
+    """The sums whose two sides are both free; if not ``parted``, the sums that have two sides."""
     base, free = f.hypothesis.base, {one.path for one in f.hypothesis.free}
     dry = {"motor": 0.0, "output": 0.0}
     for instance in base.active.values():

@@ -1,8 +1,9 @@
-"""Split: how inertia and friction are shared between the motor's side and the output's.
+"""Split of inertia and friction between the motor side and the output side.
 
-Their sums show in every motion, their shares only while play or a spring parts the sides, and there the equation error
-knows them to a few per cent: enough to be milliseconds off at every impact. So the shares of the model file, and its
-teeth, are held against the fitted ones in the closed loop, and those that follow the recordings better stay.
+The sums show in every motion. The shares show only while backlash or compliance separates the two sides, and there the
+equation error determines them to a few per cent: enough to shift every impact by milliseconds. So the shares of the
+model file, and its teeth, are compared with the fitted ones in the closed loop, and the set that follows the recordings
+better is kept.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from .unseen import squares
 
 
 class ClosedLoop:
-    """The simulated loop beside recordings; what it missed with a model that was simulated before is known."""
+    """The simulated loop compared with recordings; results are cached by model."""
 
     def __init__(self, recordings: Sequence[Recording], model: Model) -> None:
         self.recordings = recordings
@@ -45,12 +46,12 @@ class ClosedLoop:
 
 
 def with_best_split(loop: ClosedLoop, found: Search) -> Search:
-    """The search, the end of it with the model file's shares, or teeth, where these follow the recordings better."""
+    """The search, with the model file's shares (or also its teeth) at its end if these follow the recordings better."""
     best = found.fit
     if not best.parted or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
     shared = best.hypothesis.holding(best.hypothesis.as_the_file_shares())
-    shared = best.hypothesis.at(fit(found.problem, shared).hypothesis.values)  # all numbers free again, where they are
+    shared = best.hypothesis.at(fit(found.problem, shared).hypothesis.values)  # all numbers free again, at these values
     teeth = shared.teeth_of_the_file()
     others = [shared, *([shared.holding(teeth)] if teeth else [])]
     fitted, *errors = loop.errors((best.hypothesis, *others))
@@ -61,9 +62,10 @@ def with_best_split(loop: ClosedLoop, found: Search) -> Search:
 
 
 def loop_error(model: Model, recordings: Sequence[Recording], inputs: Sequence[str]) -> float:
-    """The current's mean square error [A2] of the simulated loop, geometric mean over the recordings.
+    """Mean square current error [A2] of the simulated loop, as the geometric mean over the recordings.
 
-    One that ends in chaos must not decide for all. Infinite where the loop cannot follow, or is too stiff to simulate.
+    The geometric mean keeps one chaotic recording from deciding for all. Infinite if the loop cannot follow, or is too
+    stiff to simulate.
     """
     jobs = zip(recordings, inputs, strict=True)
     table = np.array(list(simulations(lambda job: squares(model, job[0], job[1], ("current",)), jobs)))

@@ -1,9 +1,9 @@
-"""Constants that the recordings do not move stay where the model's file has them.
+"""Put back constants that the recordings did not move to their values in the model file.
 
-A search frees all constants, and each ends somewhere within its standard error. To have moved that far says nothing
-of the machine, yet where teeth meet it puts every impact at another instant. So constants are put back and the rest
-fitted again, all of them first, then those that are not known to have moved, and the closed loop tells whether it
-follows the recordings as well.
+A search frees all constants, and each ends somewhere within its standard error. Such a move says nothing about the
+machine, but with tooth contact it shifts every impact in time. So constants are put back and the rest is fitted again:
+first all constants, then those that are not known to have moved. The closed loop decides whether the result follows the
+recordings as well.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .split import ClosedLoop
 
 
 def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
-    """The search, at its end the constants that did not surely move back at their file's values."""
+    """The search, with constants that did not clearly move back at their file values."""
     best = found.fit
     if best.hypothesis.base.is_open or not found.taken or {*loop.inputs} != {"setpoint"}:
         return found
@@ -35,9 +35,9 @@ def with_unmoved_constants(loop: ClosedLoop, found: Search) -> Search:
 
 
 def beside_constants_as_filed(found: Search) -> Search:
-    """The search, at its end the effects' numbers as they are and all constants held at their file's values.
+    """The search, with the effects' numbers as they are and all constants held at their file values.
 
-    What is unknown may lead the constants away from where they follow the recordings, and not the effects beside them.
+    An unknown cause may pull the constants away from where they follow the recordings, without affecting the effects.
     """
     h = found.fit.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None}
@@ -45,26 +45,26 @@ def beside_constants_as_filed(found: Search) -> Search:
 
 
 def freed(found: Search, of: Search) -> Search:
-    """The search with its numbers where they are, as free as those of another with the same effects."""
+    """The search with its current numbers, freed in the same way as those of another with the same effects."""
     return found.with_numbers(fit(found.problem, of.fit.hypothesis.at(found.fit.hypothesis.values), 0))
 
 
 def _as_filed(best: Fit) -> Fit | None:
-    """The fit with all constants and the teeth at their file's values; None where no sides part.
+    """Fit with all constants and the teeth at their file values; None without backlash or compliance.
 
-    Where they do, the constants' errors lie along a ridge of shares that trade with each other: each of them may seem
-    to have moved by many of its standard errors.
+    In a two-inertia model the errors of the constants lie along a ridge of shares that trade off against each other.
+    Each constant may seem to have moved by many of its standard errors.
     """
     if not best.parted:
         return None
     h = best.hypothesis
     values = {free.path: free.prior[0] for free in h.free if free.prior is not None and free.path != LAG}
-    with_teeth = h.holding(h.teeth_of_the_file())  # for good: they may be stiffer than a search goes
+    with_teeth = h.holding(h.teeth_of_the_file())  # held for good: they may be stiffer than a search allows
     return _fitted_beside(best.problem, with_teeth, values)
 
 
 def _put_back(best: Fit) -> Fit | None:
-    """The fit with the constants that are not known to have moved at their file's values; None where all have."""
+    """Fit with the constants that are not known to have moved at their file values; None if all have moved."""
     sure = standard_errors(best.problem, best)
     values = best.hypothesis.by_path
     unmoved = {
@@ -76,6 +76,6 @@ def _put_back(best: Fit) -> Fit | None:
 
 
 def _fitted_beside(problem: EquationErrorProblem, h: Hypothesis, values: Mapping[str, float]) -> Fit:
-    """The fit with some numbers, by path, held at values; in the end they are free again, where they are."""
+    """Fit with some numbers (by path) held at values; at the end they are free again, at those values."""
     rest = fit(problem, h.holding(values))
     return fit(problem, h.at(rest.hypothesis.values), 0)

@@ -1,4 +1,4 @@
-"""The judgement on unseen data: each recording simulated with numbers that were fitted to the others."""
+"""Validation on unseen data: each recording is simulated with numbers that were fitted to the others."""
 
 from __future__ import annotations
 
@@ -25,16 +25,15 @@ from .search.trace import Search
 
 @dataclass(frozen=True)
 class Unseen:
-    """RMSE of the headline signal: of the model that was given, of the start, and after each round; pooled, and per
-    recording.
+    """RMSE of the main signal for the given model, the start and each later round; pooled, and by recording.
 
-    The start is the given model with its own constants fitted, where that comes nearer to the recordings: no effect is
-    credited with that. The last is the end's, before its numbers are fitted once more to the simulated loop of all
-    recordings together.
+    The start is the given model with its own constants fitted, if that is closer to the recordings: no effect gets
+    credit for the refit. The last value is that of the end, before its numbers are fitted once more to the simulated
+    loop of all recordings together.
 
-    ``output`` is that of the output's position [rad], pooled; empty where it was not measured. Where the current drives
-    the twin, whose positions then drift, it is what the ``encoders`` part by, beyond what the model lets them.
-    ``left`` is what the end leaves of every signal that tells something.
+    ``output`` is the pooled RMSE of the output position [rad]; empty if it was not measured. If the current drives the
+    twin, whose positions then drift, ``encoders`` is True and ``output`` is the encoder difference that the model does
+    not explain.
     """
 
     signal: str
@@ -47,23 +46,25 @@ class Unseen:
     given: float
     given_recordings: tuple[float, ...]
     given_output: float | None
-    judged_from: float  # what the end is held against: of a closed model as given, of an open one with all fitted
+    judged_from: float  # reference of the end: the given model; if constants are open, all fitted
     judged_from_output: float | None
 
     @property
     def refitted(self) -> bool:
-        """Whether the start is not the model that was given."""
+        """Whether the start differs from the given model."""
         return self.rmse[0] != self.given
 
     @property
     def refit_removed(self) -> float | None:
-        """Share of the excess above the noise floor that went away as the given model's own constants were fitted."""
+        """Share of the excess above the noise floor that was removed by fitting the given model's own constants."""
         return _told(share_removed(self.given, self.rmse[0], self.noise_floor))
 
     @property
     def betters(self) -> bool:
-        """Whether the end is nearer to the recordings than the start: in the signal, in how the encoders part, or
-        clearly in where the output is, and no farther in the signal.
+        """Whether the end is closer to the recordings than the start.
+
+        Closer in the main signal or in the encoder difference; or clearly closer in the output position without being
+        farther in the main signal.
         """
         if self.rmse[-1] < self._decided(0):
             return True
@@ -79,20 +80,20 @@ class Unseen:
         return self.rmse[-1] > CLEARLY_MORE * max(self._decided(0), self.noise_floor)
 
     def removed(self, before: int, after: int) -> float | None:
-        """Share of the excess above the noise floor that went away between two rounds; None without excess."""
+        """Share of the excess above the noise floor that was removed between two rounds; None if there is no excess."""
         return share_removed(self._decided(before), self.rmse[after], self.noise_floor)
 
     def output_removed(self, before: int, after: int) -> float:
-        """Share, in power, of the output's error that went away between two rounds; 0 where it is not judged.
+        """Share, in power, of the output's error that was removed between two rounds; 0 if it is not judged.
 
-        Where a measured current drives the twin, that is how far the encoders part.
+        If a measured current drives the twin, the encoder difference is used instead.
         """
         if not self.output or not self._decided_output(before):
             return 0.0
         return 1.0 - (self.output[after] / self._decided_output(before)) ** 2
 
     def credit(self, turn: int) -> float | None:
-        """Share, from 0 to 1, of the excess above the noise floor that a round took away by itself; None without."""
+        """Share (0 to 1) of the excess above the noise floor that one round removed; None if there is no excess."""
         return _told(share_removed(self.rmse[turn], self.rmse[turn + 1], self.noise_floor))
 
     def _decided(self, turn: int) -> float:
@@ -102,7 +103,7 @@ class Unseen:
         return self.output[turn] if turn or self.judged_from_output is None else self.judged_from_output
 
     def shown(self, model: Model) -> Unseen:
-        """The same in the units of the model's machine."""
+        """Same values in the units of the model's machine."""
         per, unit = shown(model, 1.0, self.unit)
         way, _ = shown(model, 1.0, "rad")
         return replace(
@@ -146,9 +147,9 @@ def _told(share: float | None) -> float | None:
 
 
 def squares(model: Model, recording: Recording, source: str, signals: Sequence[str]) -> np.ndarray:
-    """(sum of squares, samples) of what a simulated loop misses of each signal, one after the other (2 s,).
+    """(sum of squared errors, samples) of a simulated loop for each signal, one after the other (2 s,).
 
-    NaN where such numbers make no motion that can be followed.
+    NaN if the motion cannot be simulated with these numbers.
     """
     try:
         twin = simulate(model, recording, source)
@@ -171,14 +172,14 @@ def judge_unseen(
     *,
     as_given: bool = False,
 ) -> Unseen:
-    """Simulate every recording (SI) after every round with the numbers that the other recordings gave.
+    """Simulate every recording (SI) after every round, with the numbers fitted to the other recordings.
 
-    ``given`` (SI) is the model as it was given, and ``noise`` the noise floor of all of them. The end is the model
-    ``as_given`` where nothing of it was changed.
+    ``given`` (SI) is the model as it was given, ``noise`` the noise floor of all recordings. With ``as_given`` the end
+    is the given model, unchanged.
     """
     problem, base = found.problem, found.fit.hypothesis.base
     inputs = [choose_input(recording, base) for recording in recordings]
-    driven = any(source == "current" for source in inputs)  # one headline for all
+    driven = any(source == "current" for source in inputs)  # one main signal for all recordings
     if driven:
         inputs = ["current"] * len(recordings)
     signal, unit = ("unexplained_torque", "N m") if driven else ("current", "A")
@@ -216,7 +217,7 @@ def judge_unseen(
         ]
     first = int(base.is_open)
     judged_from = float(pooled[first, 0]), of_output[first] if of_output else None
-    if as_given or not pooled[1, 0] < pooled[0, 0]:  # to fit what is open without what is missing may lead astray
+    if as_given or not pooled[1, 0] < pooled[0, 0]:  # fitting open constants while an effect is missing may mislead
         pooled[1], each[1] = pooled[0], each[0]
         of_output[1:2] = of_output[:1]
     return Unseen(
@@ -235,11 +236,11 @@ def judge_unseen(
 
 
 def gain_where_unseen(f: Fit) -> float:
-    """What the added effects gain by the rows of each recording with the numbers that all the others gave.
+    """Gain of the added effects on held-out recordings, each predicted with numbers fitted to all others.
 
-    In units of what is left, beside constants that are fitted without them. The simulated loop does not tell what a
-    fast wave takes away, whose phase it soon loses, nor what the encoders alone show. Generic bases are left out: what
-    depends on the time of one recording, no other tells.
+    In units of the remaining noise, relative to constants fitted without the effects. The simulated loop cannot show
+    what a fast wave removes (it soon loses the phase), nor what only the encoders show. Generic bases are left out: a
+    dependence on the time of one recording cannot be predicted from any other.
     """
     problem, effects = f.problem, f.hypothesis
     for name in f.hypothesis.generic_bases:

@@ -1,5 +1,5 @@
-"""Fitting: the numbers of a given model, with standard errors, from recordings of its machine.
+"""Fitting: the parameters of a given model, with standard errors, from recordings of its machine.
 
-Behind ``measured.scales`` a machine is told in its own units: what is called s, rad/s, N m or A in this package is that
-of the reference bench, so that a number here is a share of each machine's own.
+After ``measured.scales`` a machine is expressed in its own units: s, rad/s, N m and A in this package refer to a
+machine scaled to the reference bench. A threshold here is therefore a fraction of each machine's own size and speed.
 """

@@ -1,4 +1,4 @@
-"""The misfit of the method ``equation``: the torque that the measured motion needs and the encoders' difference."""
+"""Misfit of the method ``equation``: the torque that the measured motion needs, and the encoder difference."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from ..simulation.sensor_noise import counter_noise
 from .free_parameters import FreeParameter, FreeParameters
 
 BLIND = ("drive.", "sensors.", "machine.torque_constant")
-"""Beginnings of paths that the equation does not contain."""
+"""Prefixes of paths that do not appear in the equation."""
 LAG_NUMBER = FreeParameter(LAG, (), (), "s", -LAG_LIMIT, LAG_LIMIT, LAG_TOLERANCE, LAG_STEP, (0.0, LAG_TOLERANCE))
 ONE_SIDED = (f"effects.{DRY_FRICTION}", "machine.motor_inertia", "machine.output_inertia")
 
 
 @dataclass(frozen=True, eq=False)
 class ModelHypothesis(Hypothesis):
-    """A hypothesis of discovery whose free numbers are those of a fit: the effects are the model's own."""
+    """A hypothesis as in discovery, with the free parameters of a fit: the effects are the model's own."""
 
     freedom: FreeParameters
 
     def model(self) -> Model:
-        """The model that the values make."""
+        """The model at the current values."""
         return self._model
 
     @cached_property
@@ -42,12 +42,12 @@ class ModelHypothesis(Hypothesis):
         return self.freedom.at(self.values)
 
     def instance(self, name: str) -> EffectInstance:
-        """An effect at the present values."""
+        """An effect at the current values."""
         return self._model.effects[name]
 
 
 class EquationMisfit:
-    """The equation error over all recordings, in units of noise; the last number is the lag of the current."""
+    """The equation error over all recordings, in units of noise; the last parameter is the lag of the current."""
 
     def __init__(self, equation: EquationErrorProblem, freedom: FreeParameters) -> None:
         self.variance = CORRELATION
@@ -57,25 +57,25 @@ class EquationMisfit:
         self.rows = equation.rows
         self.parts = equation.parts
         self._hypothesis = ModelHypothesis(freedom.model, {}, (), self.freedom.start, self.freedom)
-        # an output behind play is thrown about: from the beginning, what is far off must not lead
+        # an output with backlash is thrown about: outliers must not dominate from the start
         self._most = BESIDE_IMPACTS if assemble(freedom.model).plant["two_inertia"][0] != 0.0 else math.inf
         self.equation = equation
         if math.isfinite(self._most):
             self.equation = equation.under(Weighting.even(self.rows, self._most))
 
     def with_outliers_from(self, scale: float) -> EquationMisfit:
-        """The same misfit with outliers that begin at one scale in all rows."""
+        """The same misfit with one outlier scale in all rows."""
         other = copy(self)
         other.equation = self.equation.under(Weighting.even(self.rows, scale))
         return other
 
     def residual(self, values: np.ndarray) -> np.ndarray:
         """Measured minus predicted (m,) at these values (k,)."""
-        with np.errstate(all="ignore"):  # a spring that no step resolves: its cost is no number, and it is refused
+        with np.errstate(all="ignore"):  # if no step resolves a stiffness, the cost is NaN and the step is rejected
             return self.equation.residual(self.equation.predict(self._at(values)))
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted slopes of the prediction (m, k) per unit of each number."""
+        """Weighted slopes of the prediction (m, k) with respect to each parameter."""
         here = self._at(values)
         with np.errstate(all="ignore"):
             return np.nan_to_num(
@@ -83,17 +83,18 @@ class EquationMisfit:
             )
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
+        """Weighted change of the prediction (m,) if every motor counter's zero is off by its noise."""
         shift = counter_noise(self.freedom.model, "motor")
         moved = self.equation.with_motor_zeros_off(shift)
         here, there = (equation.predict(self._at(values)).rows for equation in (self.equation, moved))
         return self.equation.centred(there - here, weights) * weights
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
-        """Behind play or a spring the output's motion is not measured, and samples do not resolve its contact.
+        """Systematic error of each parameter in a two-inertia model (zero otherwise).
 
-        A stiffer contact is taken as a softer one, whose give looks like play; and what is known of the output, and of
-        how its ringing dies, is known through a motor speed that is sampled and smoothed.
+        There the output's motion is not measured, and the samples do not resolve its contact. A stiffer contact is
+        replaced by a softer one, whose deflection looks like backlash. The parameters of the output, and its damping,
+        are determined only through a motor speed that is sampled and smoothed.
         """
         found = np.zeros(len(values))
         plant = assemble(self.freedom.at(values)).plant[0]
@@ -110,16 +111,16 @@ class EquationMisfit:
         return found
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
-        """Square roots (m,) of what each row counts: outliers less and less."""
+        """Square roots (m,) of the row weights, which decrease for outliers."""
         return self.equation.weights(residual)
 
     def cost(self, residual: np.ndarray) -> float:
-        """Cauchy's sum."""
+        """Cauchy misfit."""
         with np.errstate(all="ignore"):
             return self.equation.misfit(residual)
 
     def reweigh(self, residual: np.ndarray) -> bool:
-        """Let outliers begin where the bulk of each part ends; whether that changed much."""
+        """Let outliers begin where the bulk of each part ends; return whether that changed much."""
         weighting = self.equation.reweighed(residual, self._most)
         changed = weighting is not self.equation.weighting
         self.equation = self.equation.under(weighting)
@@ -127,7 +128,7 @@ class EquationMisfit:
 
     def _at(self, values: np.ndarray) -> ModelHypothesis:
         free = tuple(
-            # the shortcut for what one effect adds alone does not know of numbers that move together
+            # the shortcut for an effect that acts alone does not support tied parameters
             Free(n.path if len(n.paths) < 2 else f"tied.{n.path}", n.lower, n.upper, n.step * n.slope(value))
             for n, value in zip(self.freedom.numbers, values, strict=True)
         )

@@ -1,4 +1,4 @@
-"""What a fit has to say of its numbers: on a bound, without effect, inseparable, absurd."""
+"""Findings of a fit about its parameters: on a bound, without effect, inseparable, implausible."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from .uncertainty import Uncertainty
 
 @dataclass(frozen=True)
 class Finding:
-    """A warning: its kind, the instance (of a constant: its part) and the parameter that it is about."""
+    """A warning: its kind, and the instance (for a constant: its part) and parameter that it is about."""
 
-    kind: str  # on_bound, no_effect, inseparable, absurd; recording: of a damaged recording
+    kind: str  # on_bound, no_effect, inseparable, absurd; recording: damaged recording
     instance: str
     parameter: str
     message: str
 
 
 def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: Circumstances) -> list[Finding]:
-    """All findings on a solution, in the order of its numbers."""
+    """All findings on a solution, in the order of its parameters."""
     found = []
     groups = _groups(solution, sure)
     alike = {k for group in groups for k in group}
@@ -75,7 +75,7 @@ def find(solution: Solution, sure: Uncertainty, fitted: Model, method: str, c: C
 
 
 def not_given(solution: Solution, method: str) -> list[int]:
-    """The constants that recordings say nothing of, and of which nothing else is known either."""
+    """The constants that neither the recordings nor the model file determine."""
     freedom = solution.freedom
     return [
         k
@@ -88,7 +88,7 @@ def not_given(solution: Solution, method: str) -> list[int]:
 
 
 def asleep(given: Model, judged: Model) -> list[Finding]:
-    """Of each effect that recordings of operating points do not show: that it was left as it is, and what shows it."""
+    """For each effect that operating points cannot show: that it was left unchanged, and what would show it."""
     return [
         Finding(
             "no_effect", name, "",
@@ -101,7 +101,7 @@ def asleep(given: Model, judged: Model) -> list[Finding]:
 
 
 def _place(path: str, model: Model) -> tuple[str, str]:
-    """(instance, parameter) of an effect's path, (part, name) of a constant's, as the model's file names them."""
+    """(instance, parameter) of an effect's path, (part, name) of a constant's, as named in the model file."""
     part, name, parameter = split(model.shown_path(path))
     return (name, parameter) if part == "effects" else (part, name)
 
@@ -112,12 +112,12 @@ def _finding(kind: str, number: FreeParameter, text: str, model: Model) -> Findi
 
 
 def _shown(solution: Solution, k: int) -> float:
-    """By how many standard deviations a number shows, per unit of it."""
+    """Effect of a parameter on the rows, in standard deviations per unit of it."""
     return float(np.linalg.norm(solution.slopes[:, k]))
 
 
 def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> str | None:
-    """Why these recordings do not show a number, and what would; ``shown`` are standard deviations per unit of it."""
+    """Why these recordings do not show a parameter, and what would; ``shown`` is in std deviations per unit of it."""
     change = 1.0 if number.periodic else (math.log(2.0) if number.log else number.scale)
     if shown * change >= LIKELY:
         return None
@@ -136,7 +136,7 @@ def _unseen(number: FreeParameter, shown: float, model: Model, method: str) -> s
 
 
 def _needless(number: FreeParameter, value: float, std: float, model: Model) -> str | None:
-    """Why a size is no more than none; None where it is, or where the model file knows of it."""
+    """Why a size is not significantly different from none; None if it is, or if the model file gives it."""
     part, name, parameter = split(number.path)
     if part != "effects" or number.known:
         return None
@@ -152,10 +152,10 @@ def _needless(number: FreeParameter, value: float, std: float, model: Model) -> 
 
 
 def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
-    """Numbers that these recordings cannot tell apart, in groups of two or more.
+    """Groups of two or more parameters that these recordings cannot separate.
 
-    Some combination of a group is hardly known: a direction of the correlations that is nearly flat. Of two numbers it
-    is so where they correlate by more than ``NEARLY_ALL``.
+    Some combination of a group's parameters is poorly determined: a nearly flat direction of the correlation matrix.
+    For two parameters this means a correlation above ``NEARLY_ALL``.
     """
     numbers = solution.freedom.numbers
     loose = [
@@ -167,7 +167,7 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
     groups: list[set[int]] = []
     for size, direction in zip(sizes, directions.T, strict=True):
         if size > 1.0 - NEARLY_ALL:
-            break  # they come in rising order
+            break  # eigenvalues are in rising order
         group = {named[k] for k in np.flatnonzero(np.abs(direction) > PART)}
         if any(loose[k] for k in group):
             apart = [other for other in groups if not other & group]
@@ -176,11 +176,11 @@ def _groups(solution: Solution, sure: Uncertainty) -> list[list[int]]:
 
 
 def _size(number: FreeParameter, value: float) -> float:
-    """What a standard error is compared with: an angle with a radian, what has a typical size with that."""
+    """Size that a standard error is compared with: 1 rad for an angle, otherwise the typical size."""
     return 1.0 if number.periodic else (abs(value) if number.log else number.scale)
 
 
 def _written(value: float, number: FreeParameter, model: Model) -> str:
-    """A value with its unit, of a linear machine in that machine's."""
+    """A value with its unit; for a linear machine in that machine's unit."""
     value, unit = (value, number.unit) if number.periodic else shown(model, value, number.unit)
     return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -1,4 +1,4 @@
-"""Fit: the numbers of a given model from recordings of its machine, with standard errors and what to make of them."""
+"""Fit: the parameters of a given model from recordings of its machine, with standard errors and warnings."""
 
 from __future__ import annotations
 
@@ -43,19 +43,19 @@ from .uncertainty import Uncertainty, solved, uncertainty, weigh
 from .unseen import Errors, judge
 
 METHODS = ("equation", "simulation")
-MUCH = 1.5  # change of what rows are worth after which a fit is made again
+MUCH = 1.5  # change of the row variance after which a fit is repeated
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class FitResult:
-    """A fitted model and what is known of its numbers; ``as_json`` is what ``fit --json`` writes.
+    """A fitted model and the statistics of its parameters; ``as_json`` is what ``fit --json`` writes.
 
-    ``parameters`` are by instance, ``constants`` by part, each number as ``{value, std, unit}`` in SI units, ``std``
-    None where it was held, or where it is a constant that the recordings say nothing of. ``before`` and ``after`` are
-    errors per signal on what was not fitted to, as ``judged_on`` tells. ``correlations`` (k, k) belong to ``paths``
-    (k,).
+    ``parameters`` are by instance and ``constants`` by part, each as ``{value, std, unit}`` in SI units. ``std`` is
+    None if the number was held, or if it is a constant that the recordings do not determine. ``before`` and ``after``
+    are errors per signal on data that was not fitted to, described by ``judged_on``. ``correlations`` (k, k) belong to
+    ``paths`` (k,).
     """
 
     model: Model
@@ -70,7 +70,7 @@ class FitResult:
     correlations: tuple[tuple[float, ...], ...]
     warnings: tuple[Finding, ...]
     notes: tuple[str, ...]
-    torque_errors: dict[str, TorqueError]  # by recording, where the current (or torque) drives the twin
+    torque_errors: dict[str, TorqueError]  # by recording, if the current (or torque) drives the twin
 
     def as_json(self) -> dict[str, object]:
         """SI units; numbers that were held have no standard error."""
@@ -108,13 +108,13 @@ def fit_model(
     source: str | None = None,
     progress: Progress = lambda text: None,
 ) -> FitResult:
-    """Fit a model's numbers to recordings.
+    """Fit a model's parameters to recordings.
 
-    ``method`` is ``equation`` (the torque that the measured motion needs) or ``simulation`` (the closed loop beside the
-    recording); by default the simulation, but the equation where the current drives the twin. ``free`` and ``fix`` name
-    paths (``effects.backlash.width``, ``machine.motor_inertia``) or what paths begin with; by default the parameters of
-    all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is called with
-    what is being done. Raises InputError where the recordings cannot be fitted to.
+    ``method`` is ``equation`` (the torque that the measured motion needs) or ``simulation`` (the closed loop compared
+    with the recording). The default is the simulation, or the equation if the current drives the twin. ``free`` and
+    ``fix`` name paths (``effects.backlash.width``, ``machine.motor_inertia``) or prefixes of paths; by default the
+    parameters of all effects and the inertias are free. ``source`` is the input (see ``choose_input``); ``progress`` is
+    called with a description of each stage. Raises InputError if the recordings cannot be fitted to.
     """
     noise = noise_of(recordings, model)
     given, as_measured = model, operating_point_folds(to_rotary_equivalent(recordings, model)[0])
@@ -178,14 +178,14 @@ def fit_model(
 def _solution(
     recordings: Sequence[Recording], sources: Sequence[str], method: str, freedom: FreeParameters, progress: Progress
 ) -> tuple[Misfit, Solution, list[int]]:
-    """The misfit, its best solution, and the numbers whose priors the recordings contradict.
+    """The misfit, its best solution, and the parameters whose priors the recordings contradict.
 
-    A simulation begins where the equation ends, which is fast and sees further.
+    A simulation fit starts from the result of the equation fit, which is fast and converges from farther away.
     """
     progress("reading the motion")
     observations = [with_switching_ripple(o, freedom.model) for o in observe_all(list(recordings), freedom.model)]
     if method == "equation" and freedom.model.is_open and not _parts_encoders(freedom.model):
-        # no number of it moves them: of an unknown machine they would only say how bad the whole is
+        # no parameter affects the encoder rows: for an unknown machine they would only inflate the misfit
         observations = [o.without_encoders() for o in observations]
     equation = EquationErrorProblem(observations)
     freedom = freedom.within(equation.reached)
@@ -218,12 +218,12 @@ def _solution(
 
 
 def _parts_encoders(model: Model) -> bool:
-    """Whether anything in a model lets its encoders part."""
+    """Whether any effect of a model lets its encoders differ."""
     return any(catalogue()[instance.effect].depends_on == "encoders" for instance in model.active.values())
 
 
 def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
-    """What a start costs; infinitely much where no twin can be made of it, at the coarsest step that will be used."""
+    """Cost of a start; infinite if no twin can be simulated with it at the coarsest step used."""
     try:
         misfit.check(values)
         return misfit.cost(misfit.residual(values))
@@ -232,7 +232,7 @@ def _cost(misfit: SimulationMisfit, values: np.ndarray) -> float:
 
 
 def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
-    """What to say of a fit that leaves much, or makes worse what it was not fitted to; ``hit``: teeth meet in it."""
+    """Notes on a fit with large residuals, or with worse errors on held-out data; ``hit``: whether teeth meet in it."""
     told = {signal: error for signal, error in after.items() if _tells(signal, error, after)}
     notes = []
     worst = max(told, key=lambda s: times_noise(told[s]), default=None)
@@ -251,13 +251,16 @@ def _doubts(before: Errors, after: Errors, hit: bool) -> list[str]:
 
 
 def _tells(signal: str, error: SignalError, errors: Errors) -> bool:
-    """Whether a signal's error tells of the model: not what drives it, nor what drifts beside a driving current."""
+    """Whether a signal's error says something about the model: it is no input and does not drift.
+
+    With the current as input, everything but the unexplained torque drifts.
+    """
     by_current = errors.get("current", {"driven": False})["driven"]
     return not error["driven"] and (signal == "unexplained_torque" or not by_current)
 
 
 def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
-    """The numbers that these recordings put elsewhere than the model file, surely."""
+    """Parameters that these recordings move away from the model file with confidence."""
     sure = uncertainty(misfit, solution)
     found = []
     for k, (number, x) in enumerate(zip(solution.freedom.numbers, solved(solution), strict=True)):
@@ -268,7 +271,7 @@ def _contradicted(misfit: Misfit, solution: Solution) -> list[int]:
 
 
 def _spread(path: str, solution: Solution, sure: Uncertainty) -> float | None:
-    """The standard error of what stands at a path; None where it was held."""
+    """Standard error of the number at a path; None if it was held."""
     k = solution.freedom.index(path)
     if k is None:
         return None

@@ -1,4 +1,4 @@
-"""What a fit may move: the free numbers of a model, each with bounds, a finite-difference step and prior knowledge."""
+"""The free parameters of a fit, each with bounds, a finite-difference step and prior knowledge."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from ..model.model import nearest
 from ..model.own_units import shown, told
 from ..model.roles import DRY_FRICTION, FRICTION
 
-WEAK_ANGLE = 10.0  # rad, more than a turn and a half: any angle
-STEP = 2e-3  # finite differences, of a number's typical size
-STRUCTURAL_STEP = 0.01  # of a width, a stiffness, a speed: what they change is kinked
-SPAN = 0.1  # of its bounds that is typical of a number which may be anywhere in them
-OFF_BOUND = 0.2  # of the way to its typical value, where a number would start on its bound
+WEAK_ANGLE = 10.0  # rad, more than one and a half turns: any angle
+STEP = 2e-3  # finite-difference step, relative to a parameter's typical size
+STRUCTURAL_STEP = 0.01  # for a width, a stiffness, a speed, whose action has kinks
+SPAN = 0.1  # share of the bounds used as typical size if a parameter may be anywhere in them
+OFF_BOUND = 0.2  # of the distance to its typical value, for a start on a bound
 
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """One free number. Several numbers of a model may move with it, in proportion: ``shares`` per unit of the first.
+    """One free parameter. Several numbers of a model may be tied to it, with ``shares`` as factors of the first.
 
-    It is solved for as it is, or as its logarithm where ``log``; ``step`` is the finite difference of what is solved
-    for. ``prior`` is its mean and standard deviation, ``known`` whether that is knowledge of the machine and not only
-    what keeps a number from running away; ``scale`` is its typical size.
+    The solver uses the value, or its logarithm if ``log``; ``step`` is the finite difference of the solver's variable.
+    ``prior`` is mean and standard deviation; ``known`` is whether it is knowledge of the machine and not only a guard
+    against divergence. ``scale`` is the typical size.
     """
 
     path: str
@@ -52,34 +52,34 @@ class FreeParameter:
     periodic: bool = False
 
     def to_solver(self, value: float) -> float:
-        """The value as it is solved for."""
+        """The solver's variable for a value."""
         return math.log(max(value, 1e-300)) if self.log else value
 
     @property
     def solved_bounds(self) -> tuple[float, float]:
-        """(lower, upper) of what is solved for; a logarithm stays within what a value can be written as."""
+        """(lower, upper) of the solver's variable; a logarithm stays within the floating-point range."""
         if self.log:
             return self.to_solver(self.lower), self.to_solver(min(self.upper, sys.float_info.max))
         return self.lower, self.upper
 
     def from_solver(self, solved: float) -> float:
-        """The value from what was solved."""
+        """The value for a solver's variable."""
         return math.exp(solved) if self.log else solved
 
     def slope(self, value: float) -> float:
-        """Change of the value per change of what is solved for."""
+        """Change of the value per change of the solver's variable."""
         return value if self.log else 1.0
 
     @property
     def solver_prior(self) -> tuple[float, float]:
-        """Mean and standard deviation of what is solved for."""
+        """Mean and standard deviation of the prior on the solver's variable."""
         mean, std = self.prior
         return (self.to_solver(mean), std / mean) if self.log else self.prior
 
 
 @dataclass(frozen=True, eq=False)
 class FreeParameters:
-    """A model and what of it is free. ``notes`` are sentences on what was tied, held or moved beforehand."""
+    """A model and its free parameters. ``notes`` are sentences on what was tied, held or moved beforehand."""
 
     model: Model
     numbers: tuple[FreeParameter, ...]
@@ -103,11 +103,11 @@ class FreeParameters:
         return replace(self.model, constants=constants, effects=effects)
 
     def index(self, path: str) -> int | None:
-        """The place of the number that moves this path; None where it is held."""
+        """Index of the parameter that changes this path; None if it is held."""
         return next((k for k, number in enumerate(self.numbers) if path in number.paths), None)
 
     def within(self, of: Reached) -> FreeParameters:
-        """With effects' numbers of any size free as far as recordings reach, or far beyond where they stand."""
+        """Limit unbounded effect parameters to what the recordings reach, or to far beyond their start."""
         numbers = list(self.numbers)
         for k, (number, start) in enumerate(zip(self.numbers, self.start, strict=True)):
             part, name, _ = split(number.path)
@@ -117,7 +117,7 @@ class FreeParameters:
             lower, upper = search_limits(effect, _parameter_of(self.model, number.path), of)
             most = SEARCHED_UP_TO * abs(float(start))
             if math.isinf(number.upper):
-                if math.isinf(upper):  # a stiffness: beyond what its start makes of it, it is as good as rigid
+                if math.isinf(upper):  # a stiffness: far beyond its start it is practically rigid
                     upper = ANY_SIZE * number.scale
                 numbers[k] = replace(
                     number,
@@ -127,7 +127,7 @@ class FreeParameters:
         return replace(self, numbers=tuple(numbers))
 
     def with_priors_loose(self, which: Sequence[int]) -> FreeParameters:
-        """With the priors of these numbers let go."""
+        """The same with the priors of these parameters released."""
         numbers = [
             replace(n, prior=(n.prior[0], _weak(n.scale, n.periodic)), known=False) if k in which else n
             for k, n in enumerate(self.numbers)
@@ -153,10 +153,10 @@ def all_paths(model: Model) -> tuple[str, ...]:
 
 
 def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> FreeParameters:
-    """What of a model is free: its effects' parameters and its inertias, what ``free`` names more, less ``fix``.
+    """Choose the free parameters: those of effects, the inertias and what ``free`` names, without ``fix``.
 
-    Both name paths or what paths begin with (``effects.backlash``). What acts at rest only is held
-    unless named: a fit leaves standstill out. Raises InputError where a path is unknown or exact.
+    Both name paths or prefixes of paths (``effects.backlash``). Parameters that act only at rest are held unless named,
+    because a fit leaves standstill out. Raises InputError if a path is unknown or exact.
     """
     known = all_paths(model)
     freed, fixed = (_named(model, known, given, option) for given, option in ((free, "--free"), (fix, "--fix")))
@@ -176,7 +176,7 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
     numbers = []
     for group in _tied(model, by_default, parted):
         numbers.append(_parameter(model, group, parted, asked=False))
-        # a part that is a hundred times smaller than the other is no news
+        # not worth a note if one part is below 2 % of the other
         if len(group) > 1 and min(_value(model, path) for path in group[1:]) > NEGLIGIBLE * _value(model, group[0]):
             names = " and ".join(split(path)[1] for path in group)
             notes.append(f"{split(group[0])[2]} of {names}: only the sum shows, both were scaled by one factor")
@@ -198,7 +198,7 @@ def choose_numbers(model: Model, free: Sequence[str], fix: Sequence[str]) -> Fre
 
 
 def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
-    """Paths of what two encoders without a torque do not show, less what ``free`` names: the numbers of all torques."""
+    """Paths that two encoders without torque data cannot show (all torques), except those in ``free``."""
     held = {instance.effect for instance in model.active.values()}
     winding_up = {DRY_FRICTION} if held & {*COMPLIANT_EFFECTS} else set()  # of the output, by which it comes to rest
     hidden = [
@@ -214,13 +214,13 @@ def not_by_encoders(model: Model, free: Sequence[str]) -> list[str]:
 
 
 def _parameter_of(model: Model, path: str) -> Parameter:
-    """The row of an effect's table that a path names."""
+    """The catalogue entry of the parameter that a path names."""
     _, name, parameter = split(path)
     return next(p for p in catalogue()[model.effects[name].effect].parameters if p.name == parameter)
 
 
 def waves(freedom: FreeParameters) -> list[tuple[int, int]]:
-    """Places of the sizes and angles of waves: of effects that have one of each and grow from zero."""
+    """Indices of amplitude and phase of waves: effects that have one of each and grow from zero."""
     found = []
     for name, instance in freedom.model.effects.items():
         effect = catalogue()[instance.effect]
@@ -245,7 +245,7 @@ def _named(model: Model, known: Sequence[str], given: Sequence[str], option: str
 
 
 def _tied(model: Model, paths: Sequence[str], parted: bool) -> list[tuple[str, ...]]:
-    """Paths in groups that move as one: friction of both sides, where its sides cannot be told apart."""
+    """Group paths that are scaled together: friction of both sides, if the sides cannot be separated."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for path in paths:
         _, name, parameter = split(path)
@@ -257,14 +257,14 @@ def _tied(model: Model, paths: Sequence[str], parted: bool) -> list[tuple[str, .
 
 
 def _doubled(model: Model, name: str) -> bool:
-    """Whether an effect is there again, on the same side: then which has which part of it is anybody's guess."""
+    """Whether the same effect exists again on the same side: then the split between them is arbitrary."""
     one = model.effects[name]
     alike = [i for i in model.effects.values() if i.enabled and (i.effect, i.options) == (one.effect, one.options)]
     return len(alike) > 1
 
 
 def _inertias(model: Model, named: Sequence[str], parted: bool) -> list[tuple[str, ...]]:
-    """The inertias that are free by default, in groups that move as one."""
+    """The inertias that are free by default, grouped by what is scaled together."""
     free = [p for p in INERTIAS if p not in named and model.value(p) > 0.0 and model.constants[p].tolerance > 0.0]
     motor, output = (tuple(p for p in free if (p == INERTIAS[2]) == is_output) for is_output in (False, True))
     groups = [motor, output] if parted else [motor + output]
@@ -288,7 +288,7 @@ def _parameter(model: Model, paths: tuple[str, ...], parted: bool, *, asked: boo
     value = _value(model, paths[0])
     neutral = p.neutral if p is effect.parameters[0] and p.neutral is not None else 0.0
     scale = max(abs(value - neutral), abs(p.default - neutral))
-    if p.periodic or scale == 0.0:  # an angle; or a place, which has no size of its own
+    if p.periodic or scale == 0.0:  # an angle; or a position, which has no size of its own
         scale = 1.0 if p.periodic or math.isinf(p.upper - p.lower) else SPAN * (p.upper - p.lower)
     log = p.lower > 0.0 and p.upper >= WIDE * p.lower
     lower, upper = p.lower, p.upper

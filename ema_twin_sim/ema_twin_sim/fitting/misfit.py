@@ -1,4 +1,4 @@
-"""What a fit makes small: the error of both methods under one name, and how its rows count."""
+"""The error that a fit minimises: one interface for both methods, with the weights of its rows."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from .free_parameters import FreeParameters
 
 
 class Misfit(Protocol):
-    """The error of a model beside recordings: rows (m,) in units of noise.
+    """The error of a model on recordings: rows (m,) in units of noise.
 
-    ``parts`` are the recording and the rows of each stretch, evenly spread over the recording's time; ``variance`` is
-    that of one row, autocorrelation included: what priors are weighed against.
+    ``parts`` are pairs of a recording and the rows of a stretch, evenly spread over the recording's time. ``variance``
+    is that of one row including autocorrelation; it is the scale for weighing rows against priors.
     """
 
     freedom: FreeParameters
@@ -22,29 +22,29 @@ class Misfit(Protocol):
     variance: float
 
     def residual(self, values: np.ndarray) -> np.ndarray:
-        """Measured minus predicted (m,) at these values (k,). Raises InputError where the model loses its way."""
+        """Measured minus predicted (m,) at these values (k,). Raises InputError if the model cannot be simulated."""
         ...
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted slopes of the prediction (m, k) per unit of each number."""
+        """Weighted slopes of the prediction (m, k) with respect to each parameter."""
         ...
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
+        """Weighted change of the prediction (m,) if every motor counter's zero is off by its noise."""
         ...
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
-        """By how much the method itself may be wrong in each number (k,)."""
+        """Systematic error of the method in each parameter (k,)."""
         ...
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
-        """Square roots (m,) of what each row counts: outliers less and less."""
+        """Square roots (m,) of the row weights, which decrease for outliers."""
         ...
 
     def cost(self, residual: np.ndarray) -> float:
-        """The sum that a fit makes small."""
+        """The cost that a fit minimises."""
         ...
 
     def reweigh(self, residual: np.ndarray) -> bool:
-        """Let each part count by how well it can be met at all; whether that changed much."""
+        """Weight each part by how well it can be matched at all; return whether that changed much."""
         ...

@@ -1,6 +1,6 @@
-"""Plausibility: fitted values that no machine has, which tell of a missing effect and not of the one that carries them.
+"""Plausibility: fitted values that no machine has, which suggest that another effect is missing.
 
-What is implausible of an effect is in its file (``effects/``); here is what all of them are judged by.
+The rules of an effect are in its file (``effects/``); this module computes the data that they use.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ..simulation.sensor_noise import counter_noise
 
 
 def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstances:
-    """Of these recordings and a fitted model."""
+    """The circumstances given by these recordings and a fitted model."""
     positions = [r.signals["motor_position"] for r in recordings if r.has("motor_position")]
     travel = max((float(np.nanmax(position) - np.nanmin(position)) for position in positions), default=0.0)
     held = [instance for instance in model.effects.values() if instance.enabled]
@@ -42,10 +42,10 @@ def circumstances(recordings: Sequence[Recording], model: Model) -> Circumstance
 
 
 def top_speed(recording: Recording, model: Model) -> float:
-    """The largest speed [rad/s] of a recording: measured, or of the way that the motor's counter shows.
+    """The largest speed [rad/s] of a recording: measured, or from the motor counter.
 
-    From one sample to the next a coarse counter steps by none or one, whatever the speed: the way is taken over as many
-    samples as make its steps negligible.
+    From one sample to the next a coarse counter steps by zero or one, whatever the speed. So the displacement is taken
+    over as many samples as make its steps negligible.
     """
     if recording.of_points:
         return float(np.nanmax(np.abs(directed(recording).signals["speed"])))
@@ -65,7 +65,7 @@ def top_speed(recording: Recording, model: Model) -> float:
 
 
 def implausible(id: str, values: Mapping[str, float], c: Circumstances) -> list[tuple[str, str]]:
-    """(parameter, reason) of what no machine has in an effect's parameters."""
+    """(parameter, reason) for each implausible value of an effect."""
     effect = catalogue()[id]
     found = [(rule.parameter, rule.reason) for rule in effect.implausible if rule.when(values, c)]
     for p in effect.parameters:

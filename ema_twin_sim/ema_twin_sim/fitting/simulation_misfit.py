@@ -1,10 +1,10 @@
-"""The misfit of the method ``simulation``: the closed loop beside each recording, all its undriven signals together.
+"""Misfit of the method ``simulation``: the closed loop compared with each recording, over all signals but the input.
 
-Each signal counts in units of its sensor's noise, or of what no values of the numbers get rid of, where that is more.
-Positions integrate: an offset that the first sample's noise leaves is taken out, and of the motor's what a setpoint
-recorded a little off or a little late does to it. Where the machine stands, and until its speed loop has forgotten it,
-no row counts (dry friction at rest depends on what nobody measured), unless the model has a bristle, which knows. Where
-an impact shakes it, twin and machine need not agree sample by sample: there rows count less.
+Each signal counts in units of its sensor's noise, or of the residual that no parameter values remove, if that is
+larger. Positions integrate, so the offset left by the first sample's noise is removed; for the motor position, so is
+the effect of a setpoint recorded slightly off or late. Rows do not count while the machine stands still and until its
+speed loop has forgotten it, because dry friction at rest depends on unmeasured states; a model with a bristle describes
+them. After impacts, twin and machine need not agree sample by sample, so rows count less there.
 """
 
 from __future__ import annotations
@@ -31,19 +31,19 @@ from ..simulation.simulate_many import simulate_many
 from .free_parameters import FreeParameters
 
 LINGER = 0.06  # own s around standstill in which rows do not count
-LEAP = 5.0  # steps of a finite difference over which leaps are looked for
-LEAPS = 3  # times that they are looked for
-COARSE = 2.0  # times the usual step of a lumped model, where only differences count
-MOST_ROWS = 600_000  # rows beyond which samples are passed over
-FINE = 1e12  # counts per turn: a counter's steps would hide what a small change of a number does
-UNMEASURED = 1e-4  # of a signal's size: the noise of one whose noise the model calls zero
+LEAP = 5.0  # finite-difference steps over which jumps are looked for
+LEAPS = 3  # number of times that they are looked for
+COARSE = 2.0  # times the usual step of a lumped model, where only differences matter
+MOST_ROWS = 600_000  # rows beyond which samples are skipped
+FINE = 1e12  # counts per turn: counter steps would hide the effect of a small change
+UNMEASURED = 1e-4  # of a signal's size: its noise if the model gives zero
 DIFFERENCE = "encoder_difference"
-"""The output encoder minus the motor counter over the gear ratio: it does not integrate."""
+"""Output encoder minus motor counter over gear ratio: it does not integrate."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """One signal of one recording: samples (n,), measured (n,) and its noise, trust (n,), what is taken out (n, k)."""
+    """One signal of one recording: samples (n,), measured (n,), its noise, weights (n,), drifts to remove (n, k)."""
 
     recording: int
     signal: str
@@ -57,7 +57,7 @@ class _Part:
 class SimulationMisfit:
     """The closed-loop error over all recordings, in units of noise.
 
-    ``observations`` are of the same recordings, ``sources`` what drives each twin.
+    ``observations`` are of the same recordings; ``sources`` are the inputs of the twins.
     """
 
     def __init__(
@@ -88,20 +88,22 @@ class SimulationMisfit:
         self._predicted: tuple[np.ndarray, np.ndarray] | None = None
         self._changed: tuple[np.ndarray, list[np.ndarray]] | None = None
         self._coarse = None if is_fine(freedom.model) else COARSE * DEFAULT_STEP
-        self._runs([freedom.start], 0, None)  # an effect compiles here, and not in several threads at once
+        self._runs([freedom.start], 0, None)  # compiles an effect here, rather than in several threads at once
 
     def check(self, values: np.ndarray) -> None:
-        """Raise InputError where no twin can be made of these values at the coarsest step that is used of them."""
+        """Raise InputError if no twin can be simulated with these values at the coarsest step used."""
         self._runs([values], 0, self._coarse)
 
     def doubt(self, values: np.ndarray) -> None:
-        """Count those rows less at which a small change of the numbers acts by leaps: an impact or a break-away, sooner
-        or later. No straight line describes them, neither in a step of the fit nor in a standard error.
+        """Down-weight rows that jump with a small change of the parameters.
+
+        An impact or a break-away then happens sooner or later. Such rows cannot be linearised, neither in a step of the
+        fit nor in a standard error.
         """
         numbers = self.freedom.numbers
         lower, upper = np.array([n.lower for n in numbers]), np.array([n.upper for n in numbers])
         size = np.array([n.step * n.slope(v) for n, v in zip(numbers, values, strict=True)]) * LEAP
-        random = np.random.default_rng(0)  # all numbers at once, each up or down: few runs find the leaps of all
+        random = np.random.default_rng(0)  # all parameters at once, each up or down: few runs find all jumps
         moved = []
         for _ in range(LEAPS):
             step = size * random.choice([-1.0, 1.0], len(size))
@@ -128,20 +130,20 @@ class SimulationMisfit:
         return rows
 
     def slopes(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted slopes of the prediction (m, k) per unit of each number."""
+        """Weighted slopes of the prediction (m, k) with respect to each parameter."""
         return np.stack([self._settled(change, weights) for change in self._changes(values)], 1)
 
     def _settled(self, change: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """A change of the prediction (m,), in units of noise and weighted, less what is taken out of a residual."""
+        """A change of the prediction (m,), in units of noise and weighted, minus the drifts removed from a residual."""
         rows = np.empty(self.rows)
         for part, here, spread in zip(self._parts, self._slices, self._spread, strict=True):
             rows[here] = _without(change[here] / (part.noise * spread), part.drift, weights[here]) * weights[here]
         return rows
 
     def _changes(self, values: np.ndarray) -> list[np.ndarray]:
-        """What the prediction (m,) changes by per unit of each number, to both sides; the last answer is kept.
+        """Change of the prediction (m,) per unit of each parameter, by central differences; the last result is cached.
 
-        To one side only, the kinks of friction and play would tilt every step, and no fit would come to rest.
+        With one-sided differences, the kinks of friction and backlash would bias every step, and no fit would converge.
         """
         if self._changed is None or not np.array_equal(self._changed[0], values):
             numbers = self.freedom.numbers
@@ -158,7 +160,7 @@ class SimulationMisfit:
         return self._changed[1]
 
     def _predict(self, values: np.ndarray) -> np.ndarray:
-        """The twins' signals (m,); the last answer is kept."""
+        """The twins' signals (m,); the last result is cached."""
         if self._predicted is None or not np.array_equal(self._predicted[0], values):
             self._predicted = (values.copy(), self._predict_all([values], None)[0])
         return self._predicted[1]
@@ -168,24 +170,24 @@ class SimulationMisfit:
         return [np.concatenate(of_point) for of_point in zip(*runs, strict=True)]
 
     def zero_shift(self, values: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Weighted change of the prediction (m,) where every motor counter's zero is off by its noise."""
+        """Weighted change of the prediction (m,) if every motor counter's zero is off by its noise."""
         there = self._predict_all([values], None, counter_noise(self.freedom.model, "motor"))[0]
         return self._settled(there - self._predict(values), weights)
 
     def systematic(self, values: np.ndarray) -> np.ndarray:
-        """Nothing: a simulation is what its model says."""
+        """Zero: a simulation has no systematic error relative to its model."""
         return np.zeros(len(values))
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
-        """Square roots (m,) of what each row counts: outliers less and less."""
+        """Square roots (m,) of the row weights, which decrease for outliers."""
         return self._trust / np.sqrt(1.0 + (residual / OUTLIER) ** 2)
 
     def cost(self, residual: np.ndarray) -> float:
-        """Cauchy's sum."""
+        """Cauchy misfit."""
         return float(OUTLIER**2 * (self._trust**2 @ np.log1p((residual / OUTLIER) ** 2)))
 
     def reweigh(self, residual: np.ndarray) -> bool:
-        """Let each part count by how well it can be met at all; whether that changed much."""
+        """Weight each part by how well it can be matched at all; return whether that changed much."""
         before = self._spread.copy()
         for k, (part, here) in enumerate(zip(self._parts, self._slices, strict=True)):
             trusted = part.trust > 0.5
@@ -195,7 +197,7 @@ class SimulationMisfit:
         return bool((np.abs(np.log(self._spread / before)) > SMALL).any())
 
     def _runs(self, points: Sequence[np.ndarray], k: int, step: float | None, shift: float = 0.0) -> list[np.ndarray]:
-        """The twins' signals beside one recording, its parts one after the other; ``shift`` [rad] of its zero."""
+        """The twins' signals for one recording, its parts one after the other; ``shift`` [rad] of the motor zero."""
         models = [self.freedom.at(values) for values in points]
         for side in ("motor", "output"):
             models = [model.with_value(f"sensors.{side}_encoder_counts", FINE) for model in models]
@@ -214,7 +216,7 @@ class SimulationMisfit:
 def _parts(
     k: int, recording: Recording, observation: Observation, source: str, model: Model, every: int
 ) -> list[_Part]:
-    """What of one recording is judged: under the current the motion, under the setpoint the current too."""
+    """Parts of one recording that are judged: the motion if the current is the input, else also the current."""
     seen = dict(recording.signals)
     floors = noise_floors(model, has_speed=recording.has("speed"), period=recording.sample_period)
     one = {side: counter_noise(model, side) for side in ("motor", "output")}
@@ -226,7 +228,7 @@ def _parts(
     if source == "current":
         del noise["current"]
         if recording.has("speed"):
-            del noise["motor_position"]  # it holds nothing more, and drifts
+            del noise["motor_position"]  # it adds nothing, and drifts
     motion, below_shock_limit, settled = _observed(recording, observation, model)
     flat = np.ones(len(recording))
     found = []
@@ -260,7 +262,7 @@ def _parts(
 def _observed(
     recording: Recording, observation: Observation, model: Model
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(speed (n,), what each row counts (n,), whether the output has settled since it was last thrown (n,))."""
+    """(speed (n,), row weights (n,), whether the output has settled since the last impact (n,))."""
     motion, period = observation.motion, observation.period
     counts = 1.0 / observation.shaken
     bristled = any(e.enabled and e.effect == BRISTLE for e in model.effects.values())
@@ -269,7 +271,7 @@ def _observed(
         linger = round(LINGER / period)
         counts[moving_maximum(still, linger, linger)] = 0.0
     settled = (~observation.after_impact).astype(float)
-    # an observation is on an even grid; a recording may not be
+    # an observation has an even grid; a recording may not
     speed, counts, settled = (
         np.interp(recording.time, motion[:, TIME], values) for values in (motion[:, SPEED], counts, settled)
     )
@@ -277,7 +279,7 @@ def _observed(
 
 
 def _without(rows: np.ndarray, drift: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Rows (n,) less the drift (n, k) that they hold, by weighted least squares."""
+    """Rows (n,) minus the drifts (n, k) that they contain, by weighted least squares."""
     if not drift.shape[1]:
         return rows
     weighted = drift * (weights**2)[:, None]

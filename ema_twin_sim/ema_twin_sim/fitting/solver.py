@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt with bounds, priors and outliers that count less: the values at which a misfit is smallest."""
+"""Levenberg-Marquardt with bounds, priors and down-weighted outliers: the values that minimise a misfit."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from ema_bench_replay.errors import InputError
 from .free_parameters import FreeParameters
 from .misfit import Misfit
 
-ITERATIONS = 15  # steps before the parts are weighed anew
+ITERATIONS = 15  # steps before the parts are weighted again
 TRIES = 6  # damped steps before a fit gives up
-ENOUGH = 0.1  # fall of the cost, in units of noise, below which nothing more is to be gained
-FINAL, ROUGH = 1e-4, 3e-3  # the same, as a share of the cost: of a result, and of a start for another method
-STEEPEST = 1e100  # slopes beyond are a spring's that no step resolves
-PASSES = 3  # times that they are
+ENOUGH = 0.1  # decrease of the cost, in units of noise, below which a fit ends
+FINAL, ROUGH = 1e-4, 3e-3  # the same as a share of the cost: for a result, and for a start of another method
+STEEPEST = 1e100  # larger slopes belong to a stiffness that no step resolves
+PASSES = 3  # times that the parts are weighted again
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """The best values (k,), the weighted residual (m,) and its weighted slopes (m, k) to what is solved for.
+    """The best values (k,), the weighted residual (m,) and its weighted slopes (m, k) in the solver's variables.
 
-    ``cost`` is in units of ``misfit.variance`` and includes the priors; ``misfit`` is neither.
+    ``cost`` is in units of ``misfit.variance`` and includes the priors; ``misfit`` has neither.
     """
 
     freedom: FreeParameters
@@ -34,7 +34,7 @@ class Solution:
     slopes: np.ndarray
     misfit: float
     cost: float
-    ended: bool  # no further step would gain anything
+    ended: bool  # no further step gains anything
 
 
 def solve(
@@ -44,7 +44,7 @@ def solve(
     enough: float = FINAL,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Solution:
-    """Values with the smallest misfit near ``start`` (k,), its parts weighed anew while that changes much."""
+    """Values with the smallest misfit near ``start`` (k,); the parts are weighted again until that changes little."""
     for _ in range(PASSES):
         solution = _descend(misfit, start, ITERATIONS, enough, progress)
         start = solution.values
@@ -54,7 +54,7 @@ def solve(
 
 
 def refine(misfit: Misfit, start: np.ndarray, iterations: int) -> Solution:
-    """A few steps from ``start`` with the parts weighed as they are, so that costs can be compared."""
+    """A few steps from ``start`` with the weighting of the parts fixed, so that costs can be compared."""
     return _descend(misfit, start, iterations, ROUGH, lambda text: None)
 
 
@@ -88,11 +88,11 @@ def _descend(
         residual = raw * weights
         if ended or turn == iterations:
             break
-        # rows are in units of the noise that each part is allowed, and outliers count less
+        # rows are in units of the noise allowed for each part; outliers count less
         progress(f"round {turn + 1}: misfit {math.sqrt(plain / misfit.rows):.3g} times the noise allowed for")
         curvature = slopes.T @ slopes / misfit.variance + np.diag(inverse**2)
         downhill = slopes.T @ residual / misfit.variance + inverse * known
-        # numbers held on a bound that they push against
+        # parameters held at a bound that they push against
         loose = np.flatnonzero(~(((x <= lower) & (downhill < 0.0)) | ((x >= upper) & (downhill > 0.0))))
         scale = np.sqrt(np.diag(curvature)[loose])
         normal = curvature[np.ix_(loose, loose)] / np.outer(scale, scale)
@@ -106,7 +106,7 @@ def _descend(
                 trial_known, _ = priors(misfit.freedom, trial)
                 trial_plain = misfit.cost(trial_raw)
                 trial_cost = trial_plain / misfit.variance + float(trial_known @ trial_known)
-            except InputError:  # no model can be made of these values, or it loses its way
+            except InputError:  # no model exists for these values, or it cannot be simulated
                 trial_cost = math.inf
             if trial_cost < cost:
                 break

@@ -1,4 +1,4 @@
-"""Where a fit begins: several starts where one might end in the wrong valley."""
+"""Start values of a fit: several, if one start might end in the wrong local minimum."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from .free_parameters import FreeParameters, split, waves
 from .solver import Solution, refine, solve
 
 FINALISTS = 4
-STEPS = 8  # of a finalist
-TRIED = 2  # steps that a fit from another start takes before it is judged
+STEPS = 8  # for a finalist
+TRIED = 2  # steps from another start before it is judged
 
 Progress = Callable[[str], None]
 
 
 def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, progress: Progress) -> list[np.ndarray]:
-    """Values (k,) to begin with, best first: of play and springs a grid's best, on the seconds with the most reversals.
+    """Start values (k,), best first; for backlash and compliance from a grid, on the seconds with most reversals.
 
-    Both ring and bounce, so that from afar a fit ends anywhere. What is given is in the grid.
+    Both ring and bounce, so a fit from a distant start ends anywhere. The given values are in the grid.
     """
     choices: dict[int, tuple[float, ...]] = {}
     for k, number in enumerate(freedom.numbers):
@@ -62,9 +62,9 @@ def structural_starts(equation: EquationErrorProblem, freedom: FreeParameters, p
 
 
 def open_start(equation: EquationErrorProblem, freedom: FreeParameters) -> np.ndarray:
-    """Values (k,) that the torque alone gives what is open, by factors of where it stands: a start may be far off.
+    """Values (k,) of open parameters from the torque alone, by scaling; the given start may be far off.
 
-    From afar all rows are outliers to a fit that takes them for such, and none of them draws it nearer.
+    For a robust fit from a distant start all rows are outliers, and none of them pulls it closer.
     """
     by_torque = equation.under(Weighting.even(equation.rows, FAR)).by_torque_alone()
     found = fit(by_torque, null_hypothesis(freedom.model)).hypothesis.model()
@@ -77,9 +77,9 @@ def open_start(equation: EquationErrorProblem, freedom: FreeParameters) -> np.nd
 
 
 def _own_start(misfit: EquationMisfit, values: np.ndarray, name: str, own: Sequence[int]) -> np.ndarray | None:
-    """Values (k,) with a user's own effect where a regression has it, over all that the recordings cover.
+    """Values (k,) with a user's own effect at its regressed values, screened over all that the recordings cover.
 
-    None where it is no candidate, or shows nowhere.
+    None if it is not a candidate, or shows nowhere.
     """
     equation, freedom = misfit.equation, misfit.freedom
     instance = freedom.model.effects[name]
@@ -97,7 +97,7 @@ def _own_start(misfit: EquationMisfit, values: np.ndarray, name: str, own: Seque
 
 
 def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress: Progress) -> Solution:
-    """The best solution from ``start`` (k,) and from the starts that the catalogue names."""
+    """The best solution from ``start`` (k,) and from the starts that the catalogue lists."""
     best = solve(misfit, wave_start(misfit, np.append(start, 0.0)), enough=enough, progress=progress)
     model = misfit.freedom.model
     parted = any(instance.enabled and instance.effect in COMPLIANT_EFFECTS for instance in model.effects.values())
@@ -119,7 +119,7 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
         progress(f"trying other starts of {name}.{parameter}")
         for value in starts:
             trial = better.values.copy()
-            trial[own] = misfit.freedom.start[own]  # a size that has shrunk to nothing would hide where it belongs
+            trial[own] = misfit.freedom.start[own]  # a size that has shrunk to nothing would hide its location
             trial[k] = value
             found = refine(misfit, trial, TRIED)
             if found.cost < better.cost:
@@ -128,9 +128,9 @@ def explored(misfit: EquationMisfit, start: np.ndarray, enough: float, progress:
 
 
 def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
-    """The values (k,) with the waves' sizes and angles by linear regression; ``start`` where that is no better.
+    """Values (k,) with amplitudes and phases of waves from a linear regression; ``start`` if that is not better.
 
-    A wave of the wrong angle shrinks to nothing before it turns, and then sees no way to turn.
+    A wave with the wrong phase shrinks to nothing before its phase changes, and then has no gradient to change it.
     """
     found = waves(misfit.freedom)
     if not found:
@@ -156,7 +156,7 @@ def wave_start(misfit: EquationMisfit, start: np.ndarray) -> np.ndarray:
 
 
 def _widths(equation: EquationErrorProblem, model: Model) -> tuple[float, ...]:
-    """Widths of play [rad] that the encoders' parting at reversals suggests, beside the model's own encoder errors."""
+    """Backlash widths [rad] suggested by the encoder difference at reversals, less the model's own encoder errors."""
     for name, instance in model.active.items():
         if instance.effect in COMPLIANT_EFFECTS:
             model = model.without_effect(name)

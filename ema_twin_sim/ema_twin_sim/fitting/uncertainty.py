@@ -1,4 +1,4 @@
-"""How sure the numbers of a fit are: what noise and priors leave open, and how far the recordings disagree."""
+"""Uncertainty of fitted parameters: from noise and priors, and from the disagreement between recordings."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from ..identification.uncertainty import blocks, move_without, scaled_inverse
 from .misfit import Misfit
 from .solver import Solution, priors
 
-RIDGE = 1e-12  # every number of a fit has a prior
+RIDGE = 1e-12  # every parameter of a fit has a prior
 
 
 @dataclass(frozen=True, eq=False)
 class Uncertainty:
-    """Of what was solved for (k numbers): standard errors (k,) and correlations (k, k)."""
+    """Uncertainty of the solver's variables (k): standard errors (k,) and correlations (k, k)."""
 
     std: np.ndarray
     correlation: np.ndarray
 
 
 def weigh(misfit: Misfit, solution: Solution) -> float:
-    """Set what a row's variance is from what is left over and from how far the recordings disagree; by what factor.
+    """Set the row variance from the residual and the disagreement between recordings; return the factor of change.
 
-    White least squares is far too sure of itself, because what is left over is not white: leaving out one recording (or
-    one stretch) after the other, linearised, shows how far the numbers really move. Where that is more than rows and
-    priors explain, each row is worth less.
+    White-noise least squares is far too optimistic, because the residual is not white. Leaving out one recording (or
+    stretch) after the other, linearised, shows how uncertain the parameters are. If that is more than rows and priors
+    explain, each row gets less weight.
     """
     before = misfit.variance
     misfit.variance *= max(1.0, solution.misfit / misfit.rows)
@@ -41,8 +41,10 @@ def weigh(misfit: Misfit, solution: Solution) -> float:
 
 
 def uncertainty(misfit: Misfit, solution: Solution) -> Uncertainty:
-    """Standard errors: the larger of what curvature and priors tell and of what the recordings show (Tukey's
-    jackknife); with it, what each counter's zero leaves open, and what the method itself may be wrong by.
+    """Standard errors of the solver's variables, and their correlations.
+
+    The larger of two estimates (curvature with priors; Tukey's jackknife over recordings), plus the error of each
+    counter's zero and the systematic error of the method.
     """
     posterior = _posterior(misfit, solution)
     away = _moves(misfit, solution)
@@ -56,7 +58,7 @@ def uncertainty(misfit: Misfit, solution: Solution) -> Uncertainty:
 
 
 def _zeros(misfit: Misfit, solution: Solution) -> np.ndarray:
-    """The pull (b, k) of each recording's zero: positions count from one noisy sample, and so do angles of effects."""
+    """Pull (b, k) of each recording's zero: positions, and angles of effects, count from one noisy sample."""
     weights = misfit.weights(misfit.residual(solution.values))
     shift = misfit.zero_shift(solution.values, weights)
     recordings = 1 + max(recording for recording, _ in misfit.parts)
@@ -67,8 +69,9 @@ def _zeros(misfit: Misfit, solution: Solution) -> np.ndarray:
 
 
 def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) -> np.ndarray:
-    """What is solved for (b, k), to first order, without each of ``count`` blocks; ``which`` (m,) are the rows' blocks,
-    negative where a row stays in.
+    """Solver variables (b, k), to first order, without each of ``count`` blocks.
+
+    ``which`` (m,) is the block of each row, negative if a row is never left out.
     """
     x = solved(solution)
     _, inverse = priors(solution.freedom, x)
@@ -81,18 +84,18 @@ def left_out(misfit: Misfit, solution: Solution, which: np.ndarray, count: int) 
 
 
 def solved(solution: Solution) -> np.ndarray:
-    """What was solved for (k,): the values, some as logarithms."""
+    """The solver's variables (k,): the values, some as logarithms."""
     return np.array([n.to_solver(v) for n, v in zip(solution.freedom.numbers, solution.values, strict=True)])
 
 
 def _moves(misfit: Misfit, solution: Solution) -> np.ndarray:
-    """How far each block, left out, moves what is solved for from the mean of all such moves (b, k)."""
+    """Change (b, k) of the solver's variables without each block, relative to the mean of these changes."""
     which = blocks(misfit.parts)
     away = left_out(misfit, solution, which, int(which.max()) + 1)
     return away - away.mean(axis=0)
 
 
 def _posterior(misfit: Misfit, solution: Solution) -> np.ndarray:
-    """Covariance (k, k) by curvature and priors."""
+    """Covariance (k, k) from curvature and priors."""
     _, inverse = priors(solution.freedom, solved(solution))
     return scaled_inverse(solution.slopes.T @ solution.slopes / misfit.variance + np.diag(inverse**2), RIDGE)

@@ -1,4 +1,4 @@
-"""The errors before and after a fit, on what it was not fitted to."""
+"""Errors before and after a fit, on data that was not fitted to."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .misfit import Misfit
 from .solver import Solution
 from .uncertainty import left_out
 
-LAST = 2.0 / 3.0  # of a lone recording, after which it is kept for judging
+LAST = 2.0 / 3.0  # share of a single recording after which it is kept for judging
 
 Errors = dict[str, SignalError]
 
@@ -32,7 +32,7 @@ def judge(
     solution: Solution,
     noise: Mapping[str, float],
 ) -> tuple[Errors, Errors, str]:
-    """(errors before, errors after, what they were judged on): each recording (SI) with the numbers of the others.
+    """(errors before, errors after, what they were judged on): each recording (SI), with parameters from the others.
 
     ``noise`` is the noise floor of the recordings.
     """
@@ -54,7 +54,7 @@ def judge(
     lower, upper = np.array([n.solved_bounds for n in freedom.numbers]).T
     models = []
     for found in left_out(misfit, solution, which, len(recordings)):
-        inside = np.clip(found, lower, upper)  # a straight line may lead anywhere
+        inside = np.clip(found, lower, upper)  # linear extrapolation may lead anywhere
         values = np.array([n.from_solver(x) for n, x in zip(freedom.numbers, inside, strict=True)])
         models.append(in_si(freedom.at(values)))
     given = [in_si(freedom.model)] * len(recordings)
@@ -70,12 +70,12 @@ def _errors(
     first: Sequence[int],
     noise: Mapping[str, float],
 ) -> Errors:
-    """The errors of models, from sample ``first`` of each recording; of those given where one can not be run."""
+    """Errors of models, from sample ``first`` of each recording on; the given model replaces one that cannot run."""
 
     def twin_of(recording: Recording, source: str, model: Model, instead: Model) -> Recording:
         try:
             return simulate(model, recording, source)
-        except InputError:  # a number that only this recording knows may be anything without it
+        except InputError:  # a parameter that only this recording determines may have any value without it
             return simulate(instead, recording, source)
 
     twins = list(simulations(twin_of, recordings, sources, models, given))

@@ -1,1 +1,1 @@
-"""Identification: a model's free numbers, the equation error that tells them, its weighting, and its solution."""
+"""Identification: a model's free parameters, the equation error they are fitted to, its weighting and its solver."""

@@ -1,4 +1,4 @@
-"""Predictions along the slopes of a known one whose gearbox is simulated: nothing is simulated again."""
+"""First-order predictions from a known two-inertia prediction, without a new simulation."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .prediction import Prediction
 
 @dataclass(frozen=True, eq=False)
 class AlongSlopes:
-    """What hypotheses beside a known one predict, to first order in what they share with it.
+    """Predicts hypotheses near a known one, to first order in what they share with it.
 
-    The known one's numbers act along their ``slopes`` (m,), by path, and an effect that comes or goes adds what it asks
-    for.
+    The shared parameters act along the known ``slopes`` (m,), by path. An effect that is added or removed contributes
+    its own torque.
     """
 
     problem: EquationErrorProblem
@@ -26,17 +26,17 @@ class AlongSlopes:
     slopes: Mapping[str, np.ndarray]
 
     def holds_for(self, h: Hypothesis) -> bool:
-        """Whether it is right for a hypothesis: no effect that comes or goes changes how the output moves."""
+        """Whether this applies to a hypothesis: no added or removed effect changes how the output moves."""
         return h.base is self.known.base and self._changes(h) is not None
 
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
-        """What the hypothesis predicts; nothing is simulated for it, ``beside`` or ``side_by_side``."""
+        """Predict the rows of a hypothesis; ``beside`` and ``side_by_side`` are ignored, since nothing is simulated."""
         now = h.by_path
         changes = self._changes(h)
-        assert changes is not None  # else it does not hold for this hypothesis
+        assert changes is not None  # otherwise it does not apply to this hypothesis
         rows = self.predicted.rows + changes
         for path, value in self.known.by_path.items():
-            if path in now or path.startswith("basis."):  # of a generic basis that went, nothing is left
+            if path in now or path.startswith("basis."):  # a generic basis that was removed contributes nothing
                 rows += self.slopes[path] * (now.get(path, 0.0) - value)
         for path, value in now.items():
             if path.startswith("basis.") and path not in self.slopes:
@@ -45,11 +45,11 @@ class AlongSlopes:
         return Prediction(rows, self.predicted.plant, self.predicted.required, self.predicted.by_load)
 
     def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
-        """The rows (m,) that each of several hypotheses predicts."""
+        """The predicted rows (m,) of several hypotheses."""
         return [self.predict(h).rows for h in several]
 
     def _changes(self, h: Hypothesis) -> np.ndarray | None:
-        """Rows (m,) of the effects that came, less those of the effects that went."""
+        """Rows (m,) of the added effects minus those of the removed ones; None if not possible."""
         rows = np.zeros(self.problem.rows)
         for name in h.added:
             if name not in self.known.added:

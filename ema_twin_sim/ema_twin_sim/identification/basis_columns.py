@@ -1,4 +1,4 @@
-"""Columns of bases: what a torque may depend on in any way, as columns that are linear in their coefficients."""
+"""Columns of bases: arbitrary dependences of a torque, linear in their coefficients."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from .equation import EquationErrorProblem
 
 
 def hat_columns(x: np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """(n, k) piecewise linear: each is one at its own of the ``knots`` (k,), and zero at all others."""
+    """(n, k) piecewise linear hat functions: each is one at its own of the ``knots`` (k,) and zero at the others."""
     return np.stack([np.interp(x, knots, np.eye(len(knots))[k]) for k in range(len(knots))], 1)
 
 
 def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
-    """Torques given at full rate (n, k) [N m], at one recording's rows of torque (m, k) in units of noise."""
+    """Torques at full rate (n, k) [N m], converted to the torque rows (m, k) of one recording in units of noise."""
     out = np.empty((len(o.rows), columns.shape[1]))
     for k in range(columns.shape[1]):
         got = np.empty(len(o.rows))
@@ -27,7 +27,7 @@ def at_rows_of(o: Observation, columns: np.ndarray) -> np.ndarray:
 
 
 def at_rows(problem: EquationErrorProblem, columns: Sequence[np.ndarray]) -> np.ndarray:
-    """Torques given at full rate, one array (n, k) per recording [N m], at all rows (m, k) in units of all noise."""
+    """Torques at full rate, one array (n, k) per recording [N m], at all rows (m, k) in units of the total noise."""
     out = np.zeros((problem.rows, columns[0].shape[1]))
     for o, part, c in zip(problem.observations, problem.torque_parts, columns, strict=True):
         out[part] = at_rows_of(o, c)

@@ -1,4 +1,4 @@
-"""What could be missing: every effect of the catalogue under each of its options, and where its search begins."""
+"""Candidates: every effect of the catalogue with each choice of its options, and the starts of its search."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from .start_values import start_values
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect under one choice of its options."""
+    """One effect with one choice of its options."""
 
     effect: str
     options: Mapping[str, str]
 
     @property
     def name(self) -> str:
-        """The effect and its options in one word."""
+        """The effect and its options as one word."""
         chosen = ",".join(f"{k}={v}" for k, v in self.options.items())
         return f"{self.effect}({chosen})" if chosen else self.effect
 
@@ -41,7 +41,7 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
         added = [dict(instance.options) for instance in h.added.values() if instance.effect == id]
         for choice in itertools.product(*effect.options.values()):
             options = dict(zip(effect.options, choice, strict=True))
-            # a rigid train does not tell the sides apart
+            # a rigid drivetrain does not distinguish the sides
             unsided = h.parted or options.get("side", "motor") == "motor"
             if options not in added and unsided and not _of_another_gearbox(h, options):
                 found.append(Candidate(id, options))
@@ -49,9 +49,10 @@ def candidates(h: Hypothesis, without: frozenset[str] = frozenset()) -> list[Can
 
 
 def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
-    """Whether an order follows from the teeth of the catalogue's own gearbox, on a machine that may have any other.
+    """Whether an order belongs to the teeth of the catalogue's own gearbox, on a machine that may have another one.
 
-    Whole orders are any shaft's. Others are no likelier there than those that its recordings show, or its model names.
+    Whole orders fit any shaft. Other orders are candidates there only if the model names them; those that the
+    recordings show are found separately.
     """
     order = float(options.get("order", 1.0))
     named = any(math.isclose(order, known, rel_tol=1e-3) for known in h.base.orders.values())
@@ -59,13 +60,13 @@ def _of_another_gearbox(h: Hypothesis, options: Mapping[str, str]) -> bool:
 
 
 def no_more_of(h: Hypothesis) -> frozenset[str]:
-    """The effects of which a hypothesis holds as many as a plant can take."""
+    """Effects of which a hypothesis already has as many as a plant can take."""
     held = [instance.effect for instance in (*h.base.active.values(), *h.added.values())]
     return frozenset({SENSOR_WAVE} if held.count(SENSOR_WAVE) >= ANGLE_ERRORS else ())
 
 
 def starts(effect: Effect, of: Reached) -> Iterator[dict[str, float]]:
-    """The shapes from which the search of an effect begins: all parameters but a size that grows in proportion."""
+    """Shape parameters from which the search of an effect begins: all but a size in which it is linear."""
     size = effect.parameters[0]
     shapes = [p for p in effect.parameters if p is not size or p.neutral is None]
     for choice in itertools.product(*(start_values(effect, p, of) for p in shapes)):

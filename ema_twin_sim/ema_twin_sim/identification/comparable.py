@@ -1,4 +1,4 @@
-"""Fits that compare: those to the same rows under one weighting. Misfits under two weightings say nothing together."""
+"""Comparable fits: to the same rows under one weighting. Misfits under different weightings do not compare."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from .fit import Fit, fit
 
 
 class DifferentWeightings(AssertionError):
-    """Two fits were to be compared that stand under different weightings: a mistake of the caller's."""
+    """Fits under different weightings were compared: an error of the caller."""
 
 
 def refuse_different_weightings(one: Fit, other: Fit) -> None:
-    """Raise DifferentWeightings where the misfits of two fits do not compare."""
+    """Raise DifferentWeightings if the misfits of two fits do not compare."""
     if not one.problem.compares_with(other.problem):
         raise DifferentWeightings(
             f"fits with {_named(one)} and with {_named(other)} stand under different weightings; fit one of them again"
@@ -22,7 +22,7 @@ def refuse_different_weightings(one: Fit, other: Fit) -> None:
 
 
 def cheapest(fits: Iterable[Fit]) -> Fit:
-    """The fit (of one or more) that costs the least; the first of equals, and of those that cost anything finite."""
+    """The fit (of one or more) with the lowest cost; the first of equals; non-finite costs come last."""
     first, *others = fits
     for other in others:
         refuse_different_weightings(first, other)
@@ -30,13 +30,13 @@ def cheapest(fits: Iterable[Fit]) -> Fit:
 
 
 def costs_no_more(one: Fit, other: Fit, share: float = 1.0) -> bool:
-    """Whether one fit costs no more than such a ``share`` of what another costs."""
+    """Whether one fit costs no more than ``share`` times another."""
     refuse_different_weightings(one, other)
     return one.cost <= share * other.cost
 
 
 def as_compares(f: Fit, problem: EquationErrorProblem) -> Fit:
-    """A fit that compares with those to a problem: itself, or made again where it stands under another weighting."""
+    """A fit that compares with those to a problem: itself, or refitted if its weighting differs."""
     return f if f.problem.compares_with(problem) else fit(problem, f.hypothesis)
 
 
@@ -45,5 +45,5 @@ def _named(f: Fit) -> str:
 
 
 def by_chance(numbers: int) -> float:
-    """What so many numbers more gain where there is nothing, in units of what is left: each two, at most."""
+    """Gain of additional parameters by chance, in units of the remaining noise: at most two each."""
     return 2.0 * numbers

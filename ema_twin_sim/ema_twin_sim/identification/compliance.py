@@ -1,7 +1,9 @@
-"""Where a search for play and spring begins: both ring and bounce, so that a fit from afar ends in the wrong valley.
+"""Start values for backlash and compliance.
 
-Starts are tried on the few seconds of each recording that hold the most reversals, on a grid, with little weight on
-what is far off; the best few are fitted there, and only the best of these on everything.
+Both ring and bounce, so a fit from a distant start ends in the wrong local minimum.
+
+Starts are tried on a grid, on the few seconds of each recording with the most reversals, with little weight on
+outliers. The best few are fitted there, and only the best of these on everything.
 """
 
 from __future__ import annotations
@@ -23,26 +25,26 @@ from .sensors import hysteresis, with_sensors
 STIFFNESS = tuple(3.0 * 1.3**k for k in range(22))
 DAMPING = (0.004, 0.015, 0.05, 0.15)
 WIDTHS = (0.6, 0.8, 0.88, 0.92, 0.96, 1.0)
-ABOUT = (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.3)  # times the hysteresis of both encoders, where no torque was measured
-HOLDING = (0.03, 0.1, 0.3, 1.0)  # times the friction that an output begins with
-SIDES = (0.75, 1.0, 1.25)  # times the friction that the model has on the output's side
+ABOUT = (0.8, 0.9, 0.95, 1.0, 1.05, 1.1, 1.3)  # factors on the hysteresis of both encoders, without torque data
+HOLDING = (0.03, 0.1, 0.3, 1.0)  # factors on the friction that an output begins with
+SIDES = (0.75, 1.0, 1.25)  # factors on the model's friction on the output side
 CONTACTS = ((1.0, 1.0), (2.0, 3.0), (0.6, 0.3), (2.0, 0.6))
-OUTPUT_SHARE = 0.4  # of the friction, to begin with, that is at the output
-SOFTER = 30  # steps of STIFFNESS further down where own units are no more than a typical speed's
-HARDLY = 0.01  # times the friction that an output begins with: it swings on its spring
-HOPELESS = 4.0  # times the least misfit of a start, from which on a family is left out
-RIVAL = 2.0  # times the least misfit up to which a family is fitted to everything
-SPRINGY = 2.0 * math.pi * 55.0  # own rad/s: what rings faster against its play rings on its teeth
+OUTPUT_SHARE = 0.4  # initial share of the friction at the output
+SOFTER = 30  # more steps of STIFFNESS downwards if own units follow only from a typical speed
+HARDLY = 0.01  # factor on the output's initial friction: the output swings on its spring
+HOPELESS = 4.0  # a family is dropped from this multiple of the least misfit of a start
+RIVAL = 2.0  # a family is fitted to everything up to this multiple of the least misfit
+SPRINGY = 2.0 * math.pi * 55.0  # own rad/s: with backlash, what rings faster is the contact of the teeth
 
 
 def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozenset[str]) -> list[Fit]:
-    """The current hypothesis with play, with a spring, and with both, each from its best start, ``without`` some.
+    """The current hypothesis with backlash, with compliance, and with both, each from its best start.
 
-    What is fitted stands under a weighting whose outliers begin beside impacts.
+    Effects in ``without`` are not added. The fits are under a weighting that suits impacts.
     """
     h = with_sensors(problem, current, frozenset() if problem.size else without)
     if any(free.path == "scale.inertia" and free.prior is not None for free in h.free):
-        # a rigid train takes an output that lags behind for a lighter one
+        # a rigid drivetrain takes an output that lags for a lighter one
         h = h.put({"scale.inertia": 1.0})
     h = _on_both_sides(h)
     held = h.held | without
@@ -53,7 +55,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     families = []
     if SPRING not in held:
         wound = [h.with_effect(SPRING, {}, s) for s in springs]
-        if not h.by_torque:  # nor does any tell how much friction winds it up
+        if not h.by_torque:  # the friction that winds it up is unknown as well
             held_back = [_wound_by(spring, back_and_forth) for spring in wound]
             wound += [starting(spring, {"scale.output_coulomb": HARDLY}) for spring in wound]
             wound += [spring for spring in held_back if spring is not None]
@@ -64,7 +66,7 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
     best = [best_of(part, family) for family in families if family[0][0] <= hopeless]
     play = next((f for f in best if SPRING not in held and PLAY in f.hypothesis.effects), None)
     if play is not None:
-        # the flight through the gap told its width and the output's friction: the spring is looked for from there
+        # the flight through the gap gave its width and the output's friction: search for the compliance from there
         width = f"effects.{list(play.hypothesis.added)[-1]}.width"
         gaps = [starting(play.hypothesis, {width: share}) for share in (0.96, 1.0, 1.04)]
         both = [gap.with_effect(SPRING, {}, s) for gap in gaps for s in springs[4:]]
@@ -78,7 +80,10 @@ def structural_fits(problem: EquationErrorProblem, current: Fit, without: frozen
 
 
 def _springs(h: Hypothesis) -> list[dict[str, float]]:
-    """Springs and their dampings, from soft to stiff; softer ones too where no torque tells how fast a machine is."""
+    """Stiffness and damping values, from soft to stiff.
+
+    Without torque data also softer ones, since it is then unknown how fast the machine is.
+    """
     if h.by_torque:
         return [{"stiffness": k, "damping": d} for k, d in itertools.product(STIFFNESS, DAMPING)]
     soft = [STIFFNESS[0] * 1.3**-k for k in range(1, SOFTER)]
@@ -89,8 +94,9 @@ def _springs(h: Hypothesis) -> list[dict[str, float]]:
 
 
 def _on_both_sides(h: Hypothesis) -> Hypothesis:
-    """A hypothesis that found Coulomb friction, with a part of it at the output: a rigid train does not tell the sides
-    apart, and without friction an output would fly through a gap for good.
+    """Move part of an added Coulomb friction to the output side.
+
+    A rigid drivetrain does not distinguish the sides, and an output without friction would never come to rest in a gap.
     """
     dry = {name: h.instance(name) for name, i in h.added.items() if i.effect == DRY_FRICTION}
     if len(dry) != 1 or DRY_FRICTION in {i.effect for i in h.base.active.values()}:
@@ -102,7 +108,7 @@ def _on_both_sides(h: Hypothesis) -> Hypothesis:
 
 
 def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
-    """A hypothesis with play: gaps of a few widths, teeth of a few kinds, friction on either side."""
+    """Hypotheses with backlash: several widths, tooth contacts, and divisions of the friction."""
     gaps = [h.with_effect(PLAY, {}, {"width": spread * share}) for share in WIDTHS]
     return [
         starting(gap, {**side, "contact.stiffness": stiffness, "contact.damping": damping})
@@ -111,15 +117,15 @@ def _gaps(h: Hypothesis, spread: float) -> list[Hypothesis]:
 
 
 def _held_in_gaps(h: Hypothesis, hysteresis: float) -> list[Hypothesis]:
-    """A hypothesis with play of about the encoders' ``hysteresis`` [rad], in which some friction holds the output."""
+    """Hypotheses with backlash of about the encoders' ``hysteresis`` [rad], in which friction holds the output."""
     gaps = [h.with_effect(PLAY, {}, {"width": hysteresis * share}) for share in ABOUT]
     return [starting(gap, {"scale.output_coulomb": held}) for gap, held in itertools.product(gaps, HOLDING)]
 
 
 def _wound_by(spring: Hypothesis, hysteresis: float) -> Hypothesis | None:
-    """A hypothesis with a spring that its output's friction winds up by the encoders' ``hysteresis`` [rad].
+    """Hypothesis with a spring that the output's friction winds up by the encoders' ``hysteresis`` [rad].
 
-    None where the model has no friction at its output.
+    None if the model has no friction at its output.
     """
     model = spring.model()
     friction = sum(
@@ -130,18 +136,18 @@ def _wound_by(spring: Hypothesis, hysteresis: float) -> Hypothesis | None:
     if not friction > 0.0:
         return None
     stiffness = spring.instance(list(spring.added)[-1]).parameters["stiffness"]
-    torque = 0.5 * hysteresis * model.value("machine.gear_ratio") * stiffness  # one way and the other
+    torque = 0.5 * hysteresis * model.value("machine.gear_ratio") * stiffness  # torque in both directions
     return starting(spring, {"scale.output_coulomb": torque / friction})
 
 
 def _is_contact(f: Fit) -> bool:
-    """Whether a spring beside play is but the teeth's own contact."""
+    """Whether a compliance found with backlash is only the teeth's own contact."""
     plant = f.predicted.plant[0]
     return bool(plant["contact_stiffness"] > plant["output_inertia"] * SPRINGY**2)
 
 
 def _sides(h: Hypothesis) -> list[dict[str, float]]:
-    """Factors that put more or less of the friction on the output's side, their sum as it was."""
+    """Factors that put more or less of the friction on the output side, with the sum unchanged."""
     dry = h.model().active.values()
     torque = {
         side: sum(i.parameters["torque"] for i in dry if i.effect == DRY_FRICTION and i.options["side"] == side)
@@ -157,10 +163,10 @@ def _sides(h: Hypothesis) -> list[dict[str, float]]:
 
 
 def encoder_spread(problem: EquationErrorProblem, h: Hypothesis) -> float:
-    """How far the encoders part over a reversal [rad, slow shaft], less what their errors do: the widest recording.
+    """Encoder difference over a reversal [rad, slow shaft], less the encoder errors of ``h``: widest of all recordings.
 
-    A hypothesis of stiff gears has these errors: an encoder that is late parts from the other by its delay at each
-    speed, which may be far more than the play beside it.
+    A delayed encoder differs from the other in proportion to the speed, which may be several times the backlash. The
+    errors are subtracted only if ``h`` has a rigid gearbox.
     """
     errors = 0.0 if h.parted else problem.predict(h).rows[problem.size :] * problem.encoder_noise
     apart = problem.encoder - errors

@@ -1,7 +1,7 @@
-"""The bound of Cramér and Rao: what the rows leave open of the free numbers, whoever estimates them.
+"""Cramér-Rao bound: the smallest covariance of the free parameters that any unbiased estimator can reach.
 
-The noise is what a fit leaves, with the spectrum that this has (Blackman and Tukey's estimate by recording), so that
-what correlates neighbouring rows counts once. The fit is to be one of the true effects.
+The noise is the residual of a fit with its own spectrum (Blackman-Tukey estimate by recording), so that correlated
+neighbouring rows are not counted twice. The fit should contain the true effects.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from .fit import Fit, prior_rows
 from .uncertainty import scaled_inverse
 
 LAGS = 0.1
-"""Of a recording, over which its noise may be correlated: resolves ten periods in it."""
+"""Share of a recording over which its noise may be correlated: resolves ten periods in it."""
 MOST_LAGS = 1000
-"""Rows, so that a long recording takes memory in proportion to its length."""
+"""Upper limit in rows, so that memory grows linearly with the length of a recording."""
 NOTHING = 1e-18
-"""Variance, in that of the sensors' noise, of what leaves nothing at all."""
+"""Variance, relative to the sensors' noise, added where nothing is left."""
 
 
 def cramer_rao(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
-    """Covariance (k, k) of the free numbers at its bound, with what is known before of constants."""
+    """Covariance (k, k) of the free parameters at the bound, priors on constants included."""
     _, priors = prior_rows(f.hypothesis)
     return scaled_inverse(fisher_information(problem, f.residual, f.jacobian) + priors.T @ priors)
 
 
 def fisher_information(problem: EquationErrorProblem, noise: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Information (k, k) of slopes (m, k) beside a noise (m,), recording by recording and kind of row by kind."""
+    """Information (k, k) of slopes (m, k) in a noise (m,), summed over recordings and kinds of row."""
     information = np.zeros((slopes.shape[1], slopes.shape[1]))
     for k, part in problem.parts:
         o = problem.observations[k]
@@ -41,9 +41,9 @@ def fisher_information(problem: EquationErrorProblem, noise: np.ndarray, slopes:
 
 
 def whitened(at: np.ndarray, noise: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Slopes (m, k) in units of a ``noise`` (m,) that is correlated; rows stand ``at`` samples (m,), some are missing.
+    """Slopes (m, k) whitened for a correlated ``noise`` (m,); rows are at samples ``at`` (m,), with some missing.
 
-    Parzen's window keeps the estimated covariance one.
+    Parzen's window keeps the estimated covariance positive semidefinite.
     """
     step = int(np.diff(at).min())
     place = (at - at[0]) // step
@@ -56,7 +56,7 @@ def whitened(at: np.ndarray, noise: np.ndarray, slopes: np.ndarray) -> np.ndarra
     u = np.arange(len(grid)) / lags
     window = np.where(u <= 0.5, 1.0 - 6.0 * u**2 + 6.0 * u**3, 2.0 * np.clip(1.0 - u, 0.0, 1.0) ** 3)
     kept = np.append((correlation * window)[: lags + 1], np.zeros(max(0, len(grid) - lags - 1)))
-    # the window leaves a band: below the diagonal, the rows that stand up to so many places before
+    # The window makes the covariance banded: each row correlates with up to this many places before it.
     band = np.zeros((min(lags, len(place) - 1) + 1, len(place)))
     for k in range(len(band)):
         band[k, : len(place) - k] = kept[place[k:] - place[: len(place) - k]]

@@ -1,4 +1,4 @@
-"""The equation error of a hypothesis over all recordings: the torque that their motion asks for, and what it is."""
+"""Equation error of a hypothesis over all recordings: measured torque minus the torque that the motion requires."""
 
 from __future__ import annotations
 
@@ -24,40 +24,40 @@ from .weighted_rows import WeightedRows
 from .weighting import Weighting
 
 NOWHERE = np.empty(0)
-KEPT = 200_000_000  # bytes at most of rows that are the same beside every hypothesis
+KEPT = 200_000_000  # bytes at most for rows that are the same for every hypothesis
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class EquationErrorProblem(WeightedRows):
-    """What a fit makes small: recordings under one weighting, and the generic bases that a hypothesis may have.
+    """What a fit minimises: recordings under one weighting, and the generic bases that a hypothesis may have.
 
     It is frozen. Another weighting makes another problem (``under``), and misfits to the two do not compare.
     """
 
-    generic_bases: Mapping[str, np.ndarray]  # columns (m, k) by name, in units of all that acts as noise
-    kept_rows: dict[tuple[object, ...], np.ndarray]  # (s, k), of effects that ask for the same beside any model
-    kept_bases: dict[Wander | None, Mapping[str, np.ndarray]]  # generic bases beside what wanders
+    generic_bases: Mapping[str, np.ndarray]  # columns (m, k) by name, in units of the total noise
+    kept_rows: dict[tuple[object, ...], np.ndarray]  # (s, k), of effects whose torque is the same in any model
+    kept_bases: dict[Wander | None, Mapping[str, np.ndarray]]  # generic bases under this wander
 
     def __init__(self, observations: Sequence[Observation]) -> None:
         super().__init__(observations)
         vars(self).update(generic_bases={}, kept_rows={}, kept_bases={})
 
     def under(self, weighting: Weighting) -> EquationErrorProblem:
-        """The same recordings under another weighting; without generic bases where these are in units of another."""
+        """The same recordings under another weighting; generic bases in units of another noise are dropped."""
         other = super().under(weighting)
         return other if weighting.wander is self.weighting.wander else other.with_generic_bases({})
 
     def with_generic_bases(self, bases: Mapping[str, np.ndarray]) -> EquationErrorProblem:
-        """The same with these generic bases, columns (m, k) by name, in the place of those it has."""
+        """The same problem with these generic bases, columns (m, k) by name, instead of its own."""
         return self._but(generic_bases=bases)
 
     def with_motor_zeros_off(self, angle: float) -> EquationErrorProblem:
-        """The same of recordings whose motor counters' zeros are all off by an angle [rad]."""
+        """The same problem with all zeros of the motor counters shifted by an angle [rad]."""
         turned = tuple(replace(o, motor_origin=o.motor_origin + angle) for o in self.observations)
         return self._but(observations=turned, kept_rows={}, kept_bases={})
 
     def bounds(self, h: Hypothesis) -> tuple[np.ndarray, np.ndarray]:
-        """(lower, upper) (k,) of the free numbers; of an effect's as far as these recordings reach."""
+        """(lower, upper) (k,) of the free parameters; those of effects limited to what these recordings reach."""
         lower = np.array([free.lower for free in h.free])
         upper = np.array([free.upper for free in h.free])
         for k, free in enumerate(h.free):
@@ -69,16 +69,16 @@ class EquationErrorProblem(WeightedRows):
             if not p.periodic:
                 lower[k] = max(lower[k], least)
                 upper[k] = max(min(upper[k], most), lower[k])
-            if effect.delays:  # no further back than the plant remembers what its encoder showed
+            if effect.delays:  # limited to the history of encoder readings that the plant keeps
                 upper[k] = max(min(upper[k], longest_delay(h.base)), lower[k])
-            if p.driven:  # a speed that only counts as far as it is driven
+            if p.driven:  # a speed that only matters within the driven range
                 upper[k] = max(min(upper[k], self.fastest), lower[k])
         return lower, upper
 
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
-        """What the hypothesis predicts; its recordings ``side_by_side`` where nothing else is.
+        """Predict the rows of a hypothesis; recordings run ``side_by_side`` (in parallel) if nothing else does.
 
-        The output moves as it does in the prediction ``beside``, where one is given: only the motor's side differs.
+        If a prediction ``beside`` is given, the output moves as it does there: only the motor side differs.
         """
         assembly = assemble(h.model())
         plant = assembly.plant[0]
@@ -108,7 +108,7 @@ class EquationErrorProblem(WeightedRows):
         return Prediction(rows, assembly.plant, tuple(every), by_load)
 
     def _in_noise(self, h: Hypothesis, plant: np.void, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) in units of noise, from what a motion requires [N m], and the encoders' difference [rad]."""
+        """Rows (m,) in units of noise, from required torque [N m] and encoder difference [rad]."""
         inertia = plant["motor_inertia"] + (plant["output_inertia"] if plant["two_inertia"] == 0.0 else 0.0)
         torque = (rows[: self.size] + inertia * self.acceleration) / torque_scale(plant) + h.lag() * self.rate
         rows[: self.size] = torque / self.noise
@@ -122,8 +122,8 @@ class EquationErrorProblem(WeightedRows):
         return rows
 
     def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
-        """The rows (m,) that each of several hypotheses predicts; those with play or spring are simulated together."""
-        from .side_by_side import groups, simulate  # machines without play need not wait for it to load
+        """Predicted rows (m,) of several hypotheses; those with backlash or compliance are simulated together."""
+        from .side_by_side import groups, simulate  # imported here, since machines without backlash need not load it
 
         assemblies = [assemble(h.model()) for h in several]
         together = groups(assemblies)
@@ -141,7 +141,7 @@ class EquationErrorProblem(WeightedRows):
         ]
 
     def alone(self, beside: Prediction, instance: EffectInstance) -> np.ndarray | None:
-        """Rows (m,) that one effect adds to a prediction, without simulating it again; None where that is not so."""
+        """Rows (m,) that one effect adds to a prediction, without a new simulation; None if that is not possible."""
         if not _acts_alone(beside, instance):
             return None
         rows = np.zeros(self.rows)
@@ -149,10 +149,10 @@ class EquationErrorProblem(WeightedRows):
         return self.whitened(rows)
 
     def alike_beside_any(self, beside: Prediction, instances: Sequence[EffectInstance]) -> np.ndarray | None:
-        """Torque rows (s, k) that each of several ``instances`` of one effect adds to any prediction for this machine.
+        """Torque rows (s, k) that several ``instances`` of one effect add to any prediction for this machine.
 
-        None where an effect asks for something else beside another model. They are kept, as far as memory allows: a
-        search asks for them again and again.
+        None if the effect's torque depends on the model. The rows are cached as far as memory allows, because a search
+        needs them repeatedly.
         """
         first = instances[0]
         effect = catalogue()[first.effect]
@@ -169,13 +169,13 @@ class EquationErrorProblem(WeightedRows):
             rows = np.zeros((self.rows, len(instances)))
             rows[: self.size] = np.stack([self._required_by(beside, one) / self.noise for one in instances], 1)
             rows = self.whitened(rows)[: self.size]
-            kept = list(self.kept_rows.values())  # a copy: other threads keep theirs meanwhile
+            kept = list(self.kept_rows.values())  # a copy: other threads may add theirs meanwhile
             if sum(one.nbytes for one in kept) + rows.nbytes < KEPT:
                 self.kept_rows[key] = rows
         return rows / torque_scale(plant)
 
     def _required_by(self, beside: Prediction, instance: EffectInstance) -> np.ndarray:
-        """The torque (s,) [N m] that one effect alone asks of the drive, smoothed as what was measured is."""
+        """Torque (s,) [N m] that one effect alone requires of the drive, smoothed like the measured torque."""
         effect = catalogue()[instance.effect]
         address, place = effect_address(effect), effect.where(instance.options)
         slots = np.array(effect_slots(effect, instance))
@@ -188,9 +188,7 @@ class EquationErrorProblem(WeightedRows):
         return smoothed
 
     def beside(self, h: Hypothesis, predicted: Prediction, instance: EffectInstance) -> np.ndarray | None:
-        """Rows (m,) that one more effect adds to what a hypothesis predicts, the output moving as it did; None where it
-        moves otherwise.
-        """
+        """Rows (m,) that one more effect adds to a prediction with the output motion unchanged; None if it changes."""
         rows = self.alone(predicted, instance)
         if rows is None and predicted.plant["two_inertia"][0] != 0.0 and acts_at_the_motor(instance):
             more = h.with_effect(instance.effect, instance.options, instance.parameters)
@@ -198,22 +196,22 @@ class EquationErrorProblem(WeightedRows):
         return rows
 
     def residual(self, predicted: Prediction) -> np.ndarray:
-        """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
+        """Measured minus predicted (m,), in units of noise, with the encoder offsets removed robustly."""
         return self.unexplained(predicted.rows)
 
     def left_over(self, predicted: Prediction) -> np.ndarray:
-        """The residual (m,) as it was measured, in units of the sensors' noise: what wanders is part of it."""
+        """Residual (m,) of the measured signals in units of the sensors' noise, wandering friction included."""
         rows = self.residual(predicted)
         return rows if self.weighting.wander is None else self.weighting.wander.as_measured(rows)
 
 
 def torque_scale(plant: np.void) -> float:
-    """Torque for a current, over what the model file has for it."""
+    """Torque per current, relative to the model file's."""
     return float(plant["torque_constant"] / plant["nominal_torque_constant"])
 
 
 def _acts_alone(beside: Prediction, instance: EffectInstance) -> bool:
-    """Whether an effect adds to a prediction what it asks for by itself, and changes nothing else of it."""
+    """Whether an effect only adds its own torque to a prediction and changes nothing else."""
     effect = catalogue()[instance.effect]
     plant = beside.plant[0]
     if effect.settle is not None:

@@ -1,4 +1,4 @@
-"""Estimates: what the numbers of a fit ended at, with their standard errors."""
+"""Estimates: the fitted parameters, with their standard errors."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from .uncertainty import covariance
 
 
 def standard_errors(problem: EquationErrorProblem, f: Fit, known: np.ndarray | None = None) -> dict[str, float]:
-    """Standard errors of the free numbers, by path; those that are held at a value have none.
+    """Standard errors of the free parameters, by path; parameters held at a value have none.
 
-    They are those of the fit, or of a covariance (k, k) that is ``known``.
+    They are those of the fit, or of a ``known`` covariance (k, k).
     """
     known = covariance(problem, f) if known is None else known
     spread = np.sqrt(np.diag(known))
@@ -44,7 +44,7 @@ def standard_errors(problem: EquationErrorProblem, f: Fit, known: np.ndarray | N
 
 
 def far_off(f: Fit) -> list[str]:
-    """What to say of constants that ended far outside of their tolerance."""
+    """Warnings about constants that ended far outside their tolerance."""
     return [
         f"{free.path.removeprefix('scale.').replace('_', ' ')} ended {100.0 * (value - 1.0):+.0f} % off the model's: "
         "is that file of this machine, or do these recordings tell too little of it?"
@@ -54,10 +54,11 @@ def far_off(f: Fit) -> list[str]:
 
 
 def off_by_one_factor(constants: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> list[str]:
-    """What to say where all refitted ``constants`` are one and the same many times what their model's file has.
+    """Warning if all refitted ``constants`` are the same multiple of their file values.
 
-    A machine does not change so; the unit of its torque or current does. Of a drafted model, whose numbers nobody
-    knew, each is off by a factor of its own. Constants that the recordings hardly tell are not asked.
+    A machine does not change in this way; a wrong unit of torque or current looks like this. In a drafted model, whose
+    constants nobody knew, each is off by a factor of its own. Constants that the recordings hardly determine are
+    ignored.
     """
     told: dict[str, float] = {}
     for held in constants.values():
@@ -92,12 +93,12 @@ def parameters(f: Fit, sure: Mapping[str, float]) -> dict[str, dict[str, Any]]:
 
 
 def reported(std: float | None, value: float, parameter: Parameter) -> float | None:
-    """A standard error with what two right formulations of the same physics differ by."""
+    """A standard error, increased by the difference between two right formulations of the same physics."""
     return std if std is None or parameter.periodic else math.hypot(std, CALIBRATION * value)
 
 
 def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict[str, dict[str, object]]]:
-    """Machine constants and the start model's friction, refitted; nominal values are those of the ``given`` model."""
+    """Refitted machine constants and friction of the start model; nominal values are those of the ``given`` model."""
     base, model = f.hypothesis.base, f.hypothesis.model()
     found: dict[str, dict[str, dict[str, object]]] = {}
     for path in (path for path in INERTIAS if base.constants[path].source != ABSENT):
@@ -127,5 +128,5 @@ def constants(f: Fit, sure: Mapping[str, float], given: Model) -> dict[str, dict
 
 
 def _refitted(base: Model, value: float, began: float, relative_std: float, unit: str) -> dict[str, object]:
-    """A value, its standard error relative to where its factor began."""
+    """A value with its standard error, given relative to where its factor began."""
     return shown_entry(base, value, relative_std * abs(began), unit)

@@ -1,4 +1,4 @@
-"""Excerpts: the few seconds of each recording that tell most about play and spring, for what must be tried often."""
+"""Excerpts: the few seconds of each recording most informative about backlash and compliance, for repeated trials."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from .equation import EquationErrorProblem
 
 EXCERPT = 4.0  # own s
 EXCERPTS = 4
-MOST_TURNS = 8  # reversals of an excerpt from which on more tell no more
+MOST_TURNS = 8  # reversals of an excerpt beyond which more add nothing
 
 
 def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
-    """The seconds of each recording that hold the most reversals, of a few recordings; longer ones where none shows one
-    in so short a time, and some does in a longer one.
+    """The seconds of each recording with the most reversals, for a few recordings.
+
+    Longer excerpts are used if no recording reverses within the usual time, but some do within a longer one.
     """
     seen = [o for o in problem.observations if len(o.encoder_rows)]
     longest = max((o.period * len(o.motion) for o in seen), default=EXCERPT)
@@ -35,10 +36,10 @@ def excerpt(problem: EquationErrorProblem) -> EquationErrorProblem:
 
 
 def _telling(o: Observation, duration: float, by_torque: bool) -> tuple[float, Observation]:
-    """(reversals times share in motion, excerpt) of the stretch of a ``duration`` [own s] that holds the most."""
+    """(reversals times share in motion, excerpt) of the best stretch of ``duration`` [own s]."""
     length = min(len(o.motion) - 1, round(duration / o.period))
     first, count = _most_reversals(o, length)
-    # own seconds of a machine whose torque nobody measured are no more than a typical speed's
+    # without torque data, own seconds follow only from a typical speed
     while not by_torque and count < MOST_TURNS // 2 and length < len(o.motion) - 1:
         length = min(len(o.motion) - 1, 2 * length)
         first, count = _most_reversals(o, length)
@@ -46,9 +47,9 @@ def _telling(o: Observation, duration: float, by_torque: bool) -> tuple[float, O
 
 
 def _most_reversals(o: Observation, length: int) -> tuple[int, float]:
-    """(first sample, reversals times share in motion) of the best stretch of so many samples.
+    """(first sample, reversals times share in motion) of the best stretch of this many samples.
 
-    A reversal counts where the encoders are judged before it and after it: not while an output is thrown.
+    A reversal counts if encoder rows are judged before and after it: not while the output is in flight.
     """
     speed = o.motion[:, SPEED]
     turn = np.flatnonzero(np.diff(np.sign(speed[o.encoder_rows])) != 0)

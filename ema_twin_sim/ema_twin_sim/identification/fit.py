@@ -18,49 +18,49 @@ from .jacobian import jacobian
 from .prediction import Prediction, Predictor
 
 INITIAL_DAMPING = 1e-4
-"""Of a slope's square, at which a fit begins: numbers that hardly differ in what they do are not thrown far apart."""
+"""Initial damping relative to a squared slope; it keeps nearly equivalent parameters from being thrown far apart."""
 NO_GAIN = 0.1
-"""Times the fall that ends a fit: a step that promises less is not tried."""
+"""A step is not tried if it promises less than this fraction of the decrease that ends a fit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A hypothesis at its best values: residual and slopes are weighted, ``raw`` is not.
+    """A hypothesis at its best values. Residual and slopes are weighted, ``raw`` is not.
 
-    It holds the problem that it was fitted to, and with it the weighting: fits compare where their problems do. The
-    slopes are found when they are first asked for: of most fits, only the misfit is.
+    It holds the problem that it was fitted to, and with it the weighting: fits compare if their problems do. Slopes are
+    computed on first use, since most fits are only asked for their misfit.
     """
 
     problem: EquationErrorProblem
     hypothesis: Hypothesis
     predicted: Prediction
     raw: np.ndarray  # (m,) measured minus predicted, in units of noise
-    weights: np.ndarray  # (m,) square roots of what each row counts
-    differentiate: Callable[[], np.ndarray]  # gives the slopes; the same at every call
-    misfits: tuple[float, float]  # of the torque's rows and of the encoders', without the priors
+    weights: np.ndarray  # (m,) square roots of the row weights
+    differentiate: Callable[[], np.ndarray]  # returns the slopes; the same at every call
+    misfits: tuple[float, float]  # of the torque rows and of the encoder rows, without priors
     prior_cost: float
 
     @property
     def judged(self) -> tuple[int, int]:
-        """How many rows of the torque, and of the encoders, the misfits are over."""
+        """Number of torque rows and of encoder rows that the misfits sum over."""
         return self.problem.size, self.problem.judged - self.problem.size
 
     @property
     def cost(self) -> float:
-        """What was made small: the misfit, and the priors held against the noise as the weighting has it."""
+        """The minimised cost: the misfit, plus the priors scaled by the weighting's variance inflation."""
         return self.misfit + self.problem.weighting.variance_inflation * self.prior_cost
 
     @property
     def misfit(self) -> float:
-        """Of all rows."""
+        """Misfit of all rows."""
         return sum(self.misfits)
 
     @property
     def variance_inflations(self) -> tuple[float, float]:
-        """What a difference of misfits, of the torque's rows and of the encoders', is divided by to count in units of
-        the noise: rows are correlated, and what is left over makes all rows of its kind count less.
+        """Divisors that bring differences of misfit (torque rows, encoder rows) to units of the noise.
 
-        What an encoder errs by between its lines says nothing of how well the torque is known.
+        Rows are correlated, and a remaining residual reduces the weight of all rows of its kind. The two kinds are
+        separate: interpolation error of an encoder says nothing about how well the torque is known.
         """
         of_torque, of_encoders = (
             CORRELATION * max(1.0, misfit / max(count, 1))
@@ -70,9 +70,9 @@ class Fit:
 
     @property
     def variance_inflation(self) -> float:
-        """What priors are held against: the noise of the rows that tell of the constants.
+        """Variance inflation for priors, from the noise of the rows that determine the constants.
 
-        Those of the torque; where the output parts from the motor, or no torque was measured, the encoders' as well.
+        These are the torque rows; in a two-inertia model, or without torque data, also the encoder rows.
         """
         if self.judged[0] and not self.parted:
             return self.variance_inflations[0]
@@ -80,40 +80,40 @@ class Fit:
 
     @property
     def row_variance_inflations(self) -> np.ndarray:
-        """(m,) what each row's squared residual is divided by beside priors."""
+        """(m,) divisor of each row's squared residual relative to priors."""
         return self.row_variance_inflations_in(self.problem)
 
     def row_variance_inflations_in(self, problem: EquationErrorProblem) -> np.ndarray:
         """The same (m,) for the rows of other recordings of this machine.
 
-        One for all where the output parts from the motor, since rows of both kinds tell of the same numbers there.
+        In a two-inertia model one value for all rows, since both kinds determine the same parameters.
         """
         each = (self.variance_inflation, self.variance_inflation if self.parted else self.variance_inflations[1])
         return np.repeat(each, (problem.size, problem.rows - problem.size))
 
     @property
     def jacobian(self) -> np.ndarray:
-        """(m, k) weighted slopes of the prediction to the free numbers."""
+        """(m, k) weighted slopes of the prediction with respect to the free parameters."""
         return self.differentiate()
 
     @property
     def residual(self) -> np.ndarray:
-        """(m,) residual, outliers weighted down."""
+        """(m,) weighted residual; outliers are down-weighted."""
         return self.raw * self.weights
 
     def slopes(self) -> dict[str, np.ndarray]:
-        """By path, how the prediction (m,) changes with each free number."""
+        """By path: how the prediction (m,) changes with each free parameter."""
         plain = self.jacobian / np.maximum(self.weights, 1e-12)[:, None]
         return {free.path: plain[:, k] for k, free in enumerate(self.hypothesis.free)}
 
     @property
     def parted(self) -> bool:
-        """Whether a gearbox with play or spring is simulated."""
+        """Whether the model has two inertias (backlash or compliance in the gearbox)."""
         return bool(self.predicted.plant["two_inertia"][0] != 0.0)
 
 
 def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    """(residuals, slopes) that the priors add, in units of a noise whose variance is so many times the sensors'."""
+    """(residuals, slopes) added by the priors, in units of a noise with this multiple of the sensors' variance."""
     root_inflation = math.sqrt(variance_inflation)
     rows = [(k, f.prior) for k, f in enumerate(h.free) if f.prior is not None]
     r = np.array([root_inflation * (p[0] - h.values[k]) / p[1] for k, p in rows])
@@ -123,18 +123,18 @@ def prior_rows(h: Hypothesis, variance_inflation: float = 1.0) -> tuple[np.ndarr
     return r, j
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a step too far may blow up; it is not taken then
+@np.errstate(over="ignore", invalid="ignore")  # a step that is too long may overflow; it is then rejected
 def fit(
     problem: EquationErrorProblem, h: Hypothesis, iterations: int = 8, tolerance: float = 0.5, known: Fit | None = None
 ) -> Fit:
-    """Levenberg-Marquardt with bounds and priors.
+    """Fit by Levenberg-Marquardt with bounds and priors.
 
-    The slopes of a fit ``known`` are kept for the numbers it shares; and where it simulates a gearbox that stays as it
-    is, this is not done again.
+    The slopes of a ``known`` fit are reused for the parameters it shares. If its two-inertia output motion stays the
+    same, the output is not simulated again.
     """
     slopes: dict[str, np.ndarray] = {}
     predictor: Predictor = problem
-    if known is not None and known.hypothesis.parted == h.parted:  # else numbers of one name mean other things
+    if known is not None and known.hypothesis.parted == h.parted:  # otherwise equal names have different meanings
         slopes = known.slopes()
         along = AlongSlopes(problem, known.hypothesis, known.predicted, slopes)
         if known.parted and along.holds_for(h):
@@ -153,7 +153,7 @@ def fit(
         jac = differentiate()
         a = jac.T @ jac + pj.T @ pj
         g = jac.T @ (raw * weights) + pj.T @ pr
-        # numbers held on a bound that they push against
+        # parameters held at a bound that they push against
         held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
         idx = np.flatnonzero(~held)
         if not np.isfinite(a).all():
@@ -167,7 +167,7 @@ def fit(
             if not np.isfinite(step).all():
                 break
             trial = h.at(np.clip(h.values + step, lower, upper))
-            whole = np.array_equal(trial.values, h.values + step)  # else a smaller step may gain what this one loses
+            whole = np.array_equal(trial.values, h.values + step)  # otherwise a smaller step may gain
             if whole and float(step @ (2.0 * g - a @ step)) < NO_GAIN * tolerance:
                 break
             p = predictor.predict(trial, side_by_side=True)
@@ -196,7 +196,7 @@ def fit(
 def fits(
     problem: EquationErrorProblem, several: Iterable[Hypothesis], iterations: int = 8, known: Fit | None = None
 ) -> list[Fit]:
-    """Fits of several hypotheses, side by side; all else as ``fit`` has it."""
+    """Fits of several hypotheses in parallel; everything else as in ``fit``."""
     if known is not None:
-        known.differentiate()  # once, for all of them
+        known.differentiate()  # once for all of them
     return list(predictions(problem.samples, lambda h: fit(problem, h, iterations, known=known), several))

@@ -1,7 +1,7 @@
-"""Generic bases: what a residual may depend on without any effect of the catalogue. They keep false names away.
+"""Generic bases: dependences of a residual that need no effect of the catalogue. They prevent false names.
 
-A basis is a handful of columns, linear in their coefficients, that stand for *any* dependence on one quantity: hats
-over the speed, over time, over the load, waves over the output's position or the motor's angle.
+A basis is a set of columns, linear in their coefficients, for *any* dependence on one quantity: hat functions over
+speed, time or load, waves over the output position or the motor angle.
 """
 
 from __future__ import annotations
@@ -16,35 +16,36 @@ from .basis_columns import at_rows, hat_columns
 from .equation import EquationErrorProblem
 from .fit import Fit, fit
 
-KNOTS = 9  # of a dependence on speed or position
-LEAST_KNOTS = 3  # with fewer hats there is nothing but a straight line
+KNOTS = 9  # for a dependence on speed or position
+LEAST_KNOTS = 3  # with fewer hats there is only a straight line
 KNOT = 2.5  # own s between the knots of a dependence on time
 MOST_KNOTS = 24
-LONGEST_WAVE, SHORTEST_WAVE = 0.5, 30.0  # cycles over the way that the output went: half a swing, and a fine ripple
-WAVES = 48  # from one to the other by factors of 1.09: midway, five cycles are off by a quarter of one
-ORDERS = np.arange(0.1, 60.0, 0.03)  # cycles per turn of the motor; which lie between, ``refined`` tells
-BASIS_STEPS = 3  # of a fit with one basis more, which is linear
+LONGEST_WAVE, SHORTEST_WAVE = 0.5, 30.0  # cycles over the output's travel: half a swing, and a fine ripple
+WAVES = 48  # spaced by factors of 1.09: midway, five cycles are off by a quarter of one
+ORDERS = np.arange(0.1, 60.0, 0.03)  # cycles per motor turn; ``refined`` finds those between
+BASIS_STEPS = 3  # of a fit with one more basis, which is linear
 
 
 def beside_generic_bases(problem: EquationErrorProblem, f: Fit) -> EquationErrorProblem:
-    """The problem with all generic bases but those over orders, the load as a fit has it; itself where it has some."""
+    """The problem with all generic bases except orders, with the load of a fit; unchanged if it has bases already."""
     if problem.generic_bases:
         return problem
     return problem.with_generic_bases({**_bases(problem), **load_bases(problem, f)})
 
 
 def fit_with_basis(problem: EquationErrorProblem, known: Fit, name: str) -> Fit:
-    """A known fit's hypothesis with one of the problem's generic bases more, from where it stands."""
+    """Refit a known fit's hypothesis with one more generic basis of the problem."""
     h = known.hypothesis.with_generic_basis(name, problem.generic_bases[name].shape[1])
     return fit(problem, h, BASIS_STEPS, known=known)
 
 
 def _bases(problem: EquationErrorProblem) -> Mapping[str, np.ndarray]:
-    """All that do not depend on a fit: kept for the next weighting beside the same wandering, under which they are the
-    same.
+    """All bases that do not depend on a fit.
+
+    They are cached for the next weighting with the same wander, under which they are identical.
     """
     kept, wander = problem.kept_bases, problem.weighting.wander
-    bases = kept.get(wander)  # by one look: another thread may clear them meanwhile
+    bases = kept.get(wander)  # one lookup, since another thread may clear them meanwhile
     if bases is None:
         bases = {**_by_speed(problem), **_by_position(problem), **_by_time(problem)}
         kept.clear()
@@ -94,7 +95,7 @@ def _by_position(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
 def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
     found = {}
     for k, chosen in enumerate(problem.observations):
-        if chosen.of_points:  # what passes between two of them says nothing
+        if chosen.of_points:  # operating points have no time between them
             continue
         lasts = chosen.motion[-1, TIME]
         knots = np.linspace(0.0, lasts, min(max(LEAST_KNOTS, round(lasts / KNOT)), MOST_KNOTS))
@@ -107,9 +108,9 @@ def _by_time(problem: EquationErrorProblem) -> dict[str, np.ndarray]:
 
 
 def load_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
-    """Friction over the size of the torque that a fit passes on to the output: what follows the load.
+    """Friction as a function of the torque that a fit transmits to the output.
 
-    None where the output is simulated behind play or a spring: what is passed on there is no more than the model.
+    Empty with backlash or compliance, where the transmitted torque comes only from the model.
     """
     if f.parted:
         return {}
@@ -124,7 +125,7 @@ def load_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
 
 
 def order_bases(problem: EquationErrorProblem, f: Fit) -> dict[str, np.ndarray]:
-    """Waves over the motor's angle at the order that a fit's residual shows most, as a torque and as friction."""
+    """Waves over the motor angle at the strongest order in a fit's residual, as a torque and as friction."""
     found = {}
     for kind in ("torque", "friction"):
         parts = []

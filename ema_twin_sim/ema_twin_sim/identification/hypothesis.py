@@ -1,4 +1,4 @@
-"""A hypothesis: a model, and which of its numbers are free, each with bounds, a scale and what is known beforehand."""
+"""A hypothesis: a model and its free parameters, each with bounds, a scale and an optional prior."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..plant.driven_output import RESOLVED
 DRY_SCALE = f"scale.{DRY_FRICTION}"
 LAG = "lag"
 EXACT = 1e-4  # relative: a tolerance of zero
-SIDED = ("scale.output_", "contact.")  # beginnings of paths that only parting encoders show
+SIDED = ("scale.output_", "contact.")  # prefixes of paths that only show if the encoders differ
 SHARES = ("scale.inertia", "scale.output_inertia", DRY_SCALE, "scale.output_coulomb")
 LAG_LIMIT = 2.0 * LAG_TOLERANCE
 LAG_STEP = 1e-5  # own s
@@ -27,23 +27,23 @@ LAG_STEP = 1e-5  # own s
 
 @dataclass(frozen=True)
 class Free:
-    """One free number.
+    """One free parameter.
 
-    ``path`` is ``effects.NAME.PARAMETER``, ``scale.GROUP`` (times what the model has), ``quarter.EFFECT`` (times a wave
-    of the model, a quarter of a turn ahead of it), ``contact.PARAMETER`` of the teeth, ``lag``, or
-    ``basis.NAME.COLUMN``.
+    ``path`` is one of: ``effects.NAME.PARAMETER``; ``scale.GROUP`` (factor on the model's value); ``quarter.EFFECT`` (a
+    copy of a wave of the model, a quarter of a period ahead, times this factor); ``contact.PARAMETER`` of the teeth;
+    ``lag``; ``basis.NAME.COLUMN``.
     """
 
     path: str
     lower: float
     upper: float
-    step: float  # of finite differences
+    step: float  # for finite differences
     prior: tuple[float, float] | None = None  # mean, standard deviation
 
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """A start model with effects added, and its free numbers at ``values`` (k,)."""
+    """A start model with added effects, and its free parameters at ``values`` (k,)."""
 
     base: Model  # the model that was given
     added: Mapping[str, EffectInstance]
@@ -57,7 +57,7 @@ class Hypothesis:
 
     @property
     def held(self) -> frozenset[str]:
-        """The ids of all effects that act: the model's own and the added."""
+        """The ids of all active effects: the model's own and the added ones."""
         return frozenset(instance.effect for instance in (*self.base.active.values(), *self.added.values()))
 
     def at(self, values: np.ndarray) -> Hypothesis:
@@ -66,15 +66,15 @@ class Hypothesis:
 
     @property
     def by_path(self) -> dict[str, float]:
-        """The free numbers by their paths."""
+        """The free parameters by path."""
         return {free.path: float(value) for free, value in zip(self.free, self.values, strict=True)}
 
     def put(self, values: Mapping[str, float]) -> Hypothesis:
-        """The same hypothesis with those of the free numbers that ``values`` names, by path, at other values."""
+        """The same hypothesis with the free parameters named in ``values`` (by path) changed."""
         return self.at(np.array([values.get(path, value) for path, value in self.by_path.items()]))
 
     def holding(self, values: Mapping[str, float]) -> Hypothesis:
-        """The same hypothesis with some numbers, by path, held at values."""
+        """The same hypothesis with some parameters (by path) held at these values."""
         free = tuple(
             replace(one, lower=values[one.path], upper=values[one.path]) if one.path in values else one
             for one in self.free
@@ -82,7 +82,7 @@ class Hypothesis:
         return replace(self, free=free).put(values)
 
     def parameter_of(self, path: str) -> Parameter | None:
-        """What the catalogue tells of a free number at a ``path``; None of one that is no added effect's."""
+        """Catalogue entry of the free parameter at a ``path``; None if it is not an added effect's."""
         kind, _, rest = path.partition(".")
         name, _, parameter = rest.partition(".")
         if kind != "effects" or name not in self.added:
@@ -90,11 +90,11 @@ class Hypothesis:
         return next(p for p in catalogue()[self.added[name].effect].parameters if p.name == parameter)
 
     def lag(self) -> float:
-        """Time [s] by which the current runs ahead of the motion."""
+        """Time [s] by which the current leads the motion."""
         return self.by_path.get(LAG, 0.0)
 
     def instance(self, name: str) -> EffectInstance:
-        """An added effect at the present values."""
+        """An added effect at the current values."""
         held = self.added[name]
         parameters = dict(held.parameters)
         start = f"effects.{name}."
@@ -104,7 +104,7 @@ class Hypothesis:
         return held.at(parameters)
 
     def model(self) -> Model:
-        """The model that the values make."""
+        """The model at the current values."""
         constants = dict(self.base.constants)
         effects: dict[str, EffectInstance] = dict(self.base.effects)
         added = {name: dict(instance.parameters) for name, instance in self.added.items()}
@@ -131,12 +131,12 @@ class Hypothesis:
 
     @property
     def by_torque(self) -> bool:
-        """Whether a torque was measured that the inertia is judged by; else only the encoders are."""
+        """Whether torque was measured, so that the inertia can be identified; otherwise only encoders."""
         return any(free.path == "scale.inertia" for free in self.free)
 
     @property
     def parted(self) -> bool:
-        """Whether the numbers of the motor's side and of the output's are free by themselves."""
+        """Whether motor side and output side have separate free parameters."""
         return any(free.path.startswith(SIDED) for free in self.free)
 
     def _scale(
@@ -147,7 +147,7 @@ class Hypothesis:
         constants: dict[str, ConstantValue],
         effects: dict[str, EffectInstance],
     ) -> None:
-        """Multiply a constant, or the size of an effect of the base; on one side only where each has its own number."""
+        """Scale a constant, or the size of a base effect; on one side only if each side has its own factor."""
         if what in ("inertia", "output_inertia"):
             sides = {"output_inertia": INERTIAS[-1:], "inertia": INERTIAS[:-1] if parted else INERTIAS}
             for path in sides[what]:
@@ -162,13 +162,14 @@ class Hypothesis:
                 effects[name] = instance.at(parameters)
 
     def _turn(self, id: str, along: float, ahead: float, effects: dict[str, EffectInstance]) -> None:
-        """Give waves of the base the size and angle of ``along`` times themselves and ``ahead`` a quarter later.
+        """Replace waves of the base by ``along`` times themselves plus ``ahead`` times a copy a quarter period ahead.
 
-        So a wave of unknown size and angle is a sum of two: a regression finds both, and none is ever negative.
+        A wave of unknown amplitude and phase is thus a sum of two waves: a linear regression finds both, and the
+        amplitude is never negative.
         """
         effect = catalogue()[id]
         size, angle = effect.parameters[0], effect.wave_angle
-        assert angle is not None  # only a wave has a quarter
+        assert angle is not None  # only waves have a ``quarter`` parameter
         for name, instance in self.base.effects.items():
             if instance.effect == id:
                 turned = instance.parameters[angle.name] + math.atan2(ahead, along)
@@ -180,7 +181,7 @@ class Hypothesis:
                 effects[name] = instance.at(parameters)
 
     def with_effect(self, id: str, options: Mapping[str, str], parameters: Mapping[str, float]) -> Hypothesis:
-        """One more effect, its parameters free, starting from ``parameters``."""
+        """Hypothesis with one more effect, its parameters free, starting from ``parameters``."""
         effect = catalogue()[id]
         name, number = id, 2
         while name in self.added or name in self.base.effects:
@@ -192,17 +193,17 @@ class Hypothesis:
             if p.at_rest:
                 continue
             start = parameters[p.name]
-            # where units are no more than a typical speed's, a default is of any other machine's size
+            # without torque data, own units follow only from a typical speed, so a default size does not apply
             size = abs(start) if start and not self.by_torque else max(abs(start), abs(p.default), 1e-6)
             step = 1e-3 if p.periodic else (0.01 if p.neutral is None else 1e-3) * size
             lower, upper = p.lower, p.upper
             if p.periodic:
                 lower, upper = -math.inf, math.inf
             elif p.neutral is None and p.starts and math.isinf(p.upper):
-                # far outside its starts an effect does nothing that a machine without it would not do
+                # far outside its starts an effect cannot be distinguished from none
                 beyond = (
                     SEARCHED_BEYOND_STARTS if self.by_torque else SEARCHED_BEYOND_STARTS**5
-                )  # own units are those of a typical speed, no more
+                )  # own units follow only from a typical speed
                 lower, upper = max(lower, min(p.starts) / beyond), min(upper, max(p.starts) * beyond)
             free.append(Free(f"effects.{name}.{p.name}", lower, upper, step))
             values.append(start)
@@ -210,18 +211,18 @@ class Hypothesis:
         return more._sides()
 
     def _sides(self) -> Hypothesis:
-        """With the numbers free that only a transmission with play or spring shows, and without them elsewhere."""
+        """Add the parameters that only show with backlash or compliance; drop them for a rigid transmission."""
         held = self.held
         now = self.by_path
         wanted: list[tuple[Free, float]] = []
         if held & set(COMPLIANT_EFFECTS) or self.base.kinds["transmission"] == "two_inertia":
             sides = {DRY_SCALE: Free("scale.output_coulomb", 0.0, SEARCHED_BEYOND_STARTS, 1e-2, (1.0, 0.5))}
-            if self.by_torque:  # else the inertia is what all torques are told in
+            if self.by_torque:  # otherwise the inertia is the unit of all torques
                 sides["scale.inertia"] = Free(
                     "scale.output_inertia", 1.0 / SEARCHED_BEYOND_STARTS, SEARCHED_BEYOND_STARTS, 5e-3, (1.0, TOLERANCE)
                 )
             wanted += [(self._as_open_as(path, side), now.get(path, 1.0)) for path, side in reversed(sides.items())]
-            if not self.by_torque and SPRING not in held:  # more would wind up the teeth, which is no play
+            if not self.by_torque and SPRING not in held:  # more would wind up the teeth, which is not backlash
                 wanted = [(side if side.prior else replace(side, upper=1.0), value) for side, value in wanted]
         if PLAY in held and SPRING not in held:
             wanted += self._teeth()
@@ -235,9 +236,10 @@ class Hypothesis:
         )
 
     def _teeth(self) -> list[tuple[Free, float]]:
-        """Where teeth meet is a spring too, which nobody knows: as stiff as samples resolve, to begin with.
+        """Contact of the teeth, a spring of unknown stiffness: it starts as stiff as the samples resolve.
 
-        Where no torque tells it, teeth that give way are as good as play: there they are as stiff as they may be.
+        Without torque data, soft teeth cannot be distinguished from backlash: then the contact is held at its stiffest,
+        or at the file's value.
         """
         inertia = self.base.value("machine.output_inertia")
         stiffness, damping = inertia * RESOLVED**2, 2.0 * inertia * RESOLVED
@@ -245,7 +247,7 @@ class Hypothesis:
             held = {"stiffness": STIFFEST * stiffness, "damping": math.sqrt(STIFFEST) * damping}
             own = {name: self.base.constants[f"transmission.contact_{name}"] for name in held}
             held |= {name: constant.value for name, constant in own.items() if constant.source != ABSENT}
-            return [  # held by a prior too, so that nothing is the less sure for them
+            return [  # held with a tight prior as well, so that other errors do not grow
                 (Free(f"contact.{name}", value, value, 0.02 * value, (value, EXACT * value)), value)
                 for name, value in held.items()
             ]
@@ -255,7 +257,7 @@ class Hypothesis:
         ]
 
     def _as_open_as(self, path: str, side: Free) -> Free:
-        """A scale of the output's side: as free as that of the whole, at ``path``, where this is open."""
+        """Scale of the output side, as free as the total at ``path`` if that is open."""
         whole = next((free for free in self.free if free.path == path), None)
         if whole is not None and not self.by_torque and whole.lower == whole.upper:
             return replace(whole, path=side.path)
@@ -264,7 +266,7 @@ class Hypothesis:
         return replace(side, lower=whole.lower, upper=whole.upper, prior=None)
 
     def as_the_file_shares(self) -> dict[str, float]:
-        """By path, the factors that keep the sums of inertia and dry friction, and the file's shares of both sides."""
+        """By path: factors that keep the sums of inertia and dry friction but divide them as the model file does."""
         model, base = self.model(), self.base
         inertia = sum(model.value(path) for path in INERTIAS) / sum(base.value(path) for path in INERTIAS)
         dry = [name for name, instance in base.active.items() if instance.effect == DRY_FRICTION]
@@ -274,7 +276,7 @@ class Hypothesis:
         return {free.path: factors[free.path] for free in self.free if free.path in factors}
 
     def teeth_of_the_file(self) -> dict[str, float]:
-        """By path, stiffness and damping of the contact as the file has them, where they are free."""
+        """By path: stiffness and damping of the contact from the model file, where they are free."""
         return {
             free.path: self.base.value(free.path.replace("contact.", "transmission.contact_"))
             for free in self.free
@@ -282,7 +284,7 @@ class Hypothesis:
         }
 
     def with_generic_basis(self, name: str, columns: int) -> Hypothesis:
-        """One more dependence that is no effect: ``columns`` coefficients of the basis of that name."""
+        """Hypothesis with one more generic basis: ``columns`` coefficients of the basis of that name."""
         more = tuple(Free(f"basis.{name}.{k}", -math.inf, math.inf, 1.0) for k in range(columns))
         return replace(self, free=(*self.free, *more), values=np.append(self.values, np.zeros(columns)))
 
@@ -292,17 +294,17 @@ class Hypothesis:
         return tuple(dict.fromkeys(f.path.split(".")[1] for f in self.free if f.path.startswith("basis.")))
 
     def without_generic_basis(self, name: str) -> Hypothesis:
-        """The hypothesis less one generic basis."""
+        """The hypothesis without one generic basis."""
         keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"basis.{name}.")]
         return replace(self, free=tuple(self.free[k] for k in keep), values=self.values[keep])
 
     def with_torques_times(self, factor: float) -> Hypothesis:
-        """Every free torque, stiffness, damping and inertia multiplied, as another torque constant would have them."""
+        """Multiply every free torque, stiffness, damping and inertia, as a different torque constant would."""
         return self.at(np.where(self._mechanical, factor * self.values, self.values))
 
     @property
     def _mechanical(self) -> np.ndarray:
-        """Which numbers (k,) are torques, stiffnesses, dampings or inertias."""
+        """Mask (k,) of the parameters that are torques, stiffnesses, dampings or inertias."""
 
         def mechanical(path: str) -> bool:
             p = self.parameter_of(path)
@@ -313,7 +315,7 @@ class Hypothesis:
         return np.array([mechanical(free.path) for free in self.free], bool)
 
     def factor_to_file(self) -> float:
-        """The factor on all torques that brings the constants nearest to what the model's file says."""
+        """The factor on all torques that brings the constants closest to the model file."""
         rows = [
             (value / free.prior[1], free.prior[0] / free.prior[1])
             for free, value, moves in zip(self.free, self.values, self._mechanical, strict=True)
@@ -322,9 +324,9 @@ class Hypothesis:
         return sum(v * mean for v, mean in rows) / max(sum(v**2 for v, _ in rows), 1e-30)
 
     def balanced(self) -> Hypothesis:
-        """The constants nearest to their file, where an added torque constant allows it.
+        """Move the constants closest to their file values, if an added torque constant allows it.
 
-        The prediction stays, but for what torques the model's file has that are not free.
+        The prediction is unchanged, except for torques of the model file that are not free.
         """
         for name, instance in self.added.items():
             if instance.effect == TORQUE_FACTOR:
@@ -336,7 +338,7 @@ class Hypothesis:
         return self
 
     def without(self, name: str) -> Hypothesis:
-        """The hypothesis less one added effect."""
+        """The hypothesis without one added effect."""
         keep = [k for k, f in enumerate(self.free) if not f.path.startswith(f"effects.{name}.")]
         return replace(
             self,
@@ -347,9 +349,9 @@ class Hypothesis:
 
 
 def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
-    """The model as given, its constants free within their tolerances, and what is open in it free altogether.
+    """The given model, its constants free within their tolerances and its open values entirely free.
 
-    Where it is not judged ``by_torque``, only the friction is that is open: an output behind play comes to rest by it.
+    Without torque data (``by_torque`` False) only open friction is free: it brings an output with backlash to rest.
     """
     if not by_torque:
         rubbing = [instance for instance in model.active.values() if instance.effect == DRY_FRICTION]
@@ -372,14 +374,14 @@ def null_hypothesis(model: Model, *, by_torque: bool = True) -> Hypothesis:
                 free.append(Free(f"quarter.{id}", -ANY_SIZE, ANY_SIZE, 1e-3))
         elif id in FRICTION:
             free.append(Free(f"scale.{id}", 0.0, SEARCHED_BEYOND_STARTS, 1e-3, (1.0, TOLERANCE)))
-    if not model.is_open:  # where so much else is open, a lag would only stand in for it: no model holds one
+    if not model.is_open:  # with other open values, a lag would only stand in for them: no model has one
         free.append(Free(LAG, -LAG_LIMIT, LAG_LIMIT, LAG_STEP, (0.0, LAG_TOLERANCE)))
     values = [1.0 if one.path.startswith("scale.") else 0.0 for one in free]
     return Hypothesis(model, {}, tuple(free), np.array(values))._sides()
 
 
 def _possible_scales(model: Model, id: str) -> tuple[float, float]:
-    """(lower, upper) of what the sizes of an open effect may be multiplied by; a wave's sign is an angle's matter."""
+    """(lower, upper) factor on the sizes of an open effect; the sign of a wave is part of its phase."""
     size = catalogue()[id].parameters[0]
     lower, upper = -ANY_SIZE, ANY_SIZE
     if catalogue()[id].wave_angle is None:

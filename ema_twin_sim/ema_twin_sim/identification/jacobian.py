@@ -1,4 +1,4 @@
-"""Slopes of a prediction to the free numbers of its hypothesis."""
+"""Slopes of a prediction with respect to the free parameters of its hypothesis."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .equation import EquationErrorProblem
 from .hypothesis import DRY_SCALE, LAG, Free, Hypothesis
 from .prediction import Prediction, Predictor, acts_at_the_motor
 
-AT_THE_MOTOR = ("scale.inertia", DRY_SCALE)  # beside numbers of the output's own
+AT_THE_MOTOR = ("scale.inertia", DRY_SCALE)  # if the output has its own parameters
 
 
 def jacobian(
@@ -23,9 +23,9 @@ def jacobian(
     known: Mapping[str, np.ndarray] | None = None,
     predictor: Predictor | None = None,
 ) -> np.ndarray:
-    """Slopes of the weighted prediction (m, k) to the free numbers; ``known`` are slopes, unweighted, to keep.
+    """Slopes of the weighted prediction (m, k) to the free parameters; ``known`` slopes (unweighted) are reused.
 
-    The ``predictor`` is what made the prediction, where that was not the problem itself.
+    ``predictor`` is what made the prediction, if that was not the problem itself.
     """
     known = known or {}
     predictor = predictor or problem
@@ -70,7 +70,7 @@ def jacobian(
             if here is not None:
                 values = {**held.parameters, parameter: held.parameters[parameter] + steps[k]}
                 there = problem.alone(predicted, EffectInstance(held.effect, held.options, values))
-                assert there is not None  # what acts alone does so with all its numbers
+                assert there is not None  # it acts alone at all parameter values
                 return (there - here) / steps[k] * weights
         if k in simulated:
             there = simulated[k]
@@ -83,9 +83,9 @@ def jacobian(
 
 
 def inner_step(value: float, lower: float, upper: float, step: float) -> float:
-    """The finite step of a number from a value, to the side on which it stays within its bounds: upwards where both do.
+    """Finite-difference step within the bounds: upwards if there is room, otherwise downwards.
 
-    Where neither does, as far as the farther bound allows, so that no model is asked for a number that it cannot have.
+    If there is room on neither side, the step goes to the farther bound, so that no model gets an impossible value.
     """
     above, below = upper - value, value - lower
     if above >= step:
@@ -95,5 +95,5 @@ def inner_step(value: float, lower: float, upper: float, step: float) -> float:
     farther = above if above >= below else -below
     if farther:
         return farther
-    # a number that is held has no side to go to: towards zero, but not as far, since an inertia of none is no machine's
+    # A held parameter has no free side: step towards zero, but not to it, since an inertia of zero is impossible.
     return -min(step, 0.5 * value) if value > 0.0 else -step

@@ -1,4 +1,4 @@
-"""Local minima: what rings and bounces has many, side by side, and a fit from afar ends in the wrong one."""
+"""Local minima: models that ring or bounce have many, and a fit from a distant start ends in the wrong one."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from .fit import Fit, fits
 from .hypothesis import DRY_SCALE, INERTIAS, Hypothesis
 
 FINALISTS = 2
-STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # times a stiffness, and times a damping, that a hop leads to
+STIFFER = (0.8, 0.9, 1.0, 1.1, 1.25)  # factors on a stiffness that a hop tries
 DAMPED = (0.25, 0.5, 1.0, 2.0, 4.0)
-HEAVIER = (0.6, 0.8, 1.25, 1.6)  # times all that is behind play or a spring
+HEAVIER = (0.6, 0.8, 1.25, 1.6)  # factors on everything behind backlash or compliance
 HOPS = 3  # at most
 
 
 def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
-    """A hypothesis some of whose numbers, by path, are multiplied, unless they are held."""
+    """A hypothesis with some parameters (by path) multiplied, unless they are held."""
     moving = {free.path for free in h.free if free.lower < free.upper}
     return h.put(
         {path: value * factors[path] for path, value in h.by_path.items() if path in factors and path in moving}
@@ -30,14 +30,14 @@ def starting(h: Hypothesis, factors: Mapping[str, float]) -> Hypothesis:
 
 
 def ranked(problem: EquationErrorProblem, family: Sequence[Hypothesis]) -> list[tuple[float, Hypothesis]]:
-    """The hypotheses with their misfits as they are, the best first; what is far off counts little."""
+    """Hypotheses with their misfits before fitting, best first; outliers have little weight."""
     problem = problem.under(problem.weighting.from_outliers(FAR_OFF_ROW))
     costs = [problem.misfit(problem.unexplained(rows)) for rows in problem.rows_of(family)]
     return [(costs[int(k)], family[int(k)]) for k in np.argsort(costs)]
 
 
 def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothesis]]) -> Fit:
-    """The best fit of a ranked family: from its best few, then from beside there."""
+    """Best fit of a ranked family: fit its best few, then try nearby local minima."""
     from_afar = problem.under(problem.weighting.from_outliers(FAR_OFF_ROW))
     finalists = [f.hypothesis for f in fits(from_afar, [h for _, h in family[:FINALISTS]])]
     near = problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
@@ -45,10 +45,10 @@ def best_of(problem: EquationErrorProblem, family: Sequence[tuple[float, Hypothe
 
 
 def hopped(best: Fit, names: Collection[str]) -> Fit:
-    """The best of a fit and those that start beside it, where the springs of these effects are others.
+    """The best of a fit and of fits restarted nearby, with the springs of these effects changed.
 
-    One start has all constants as the model file has them: a valley that was entered without the last effect, to make
-    up for which they gave way, is not one that a fit finds out of.
+    One restart has all constants at their file values: they may have moved to compensate for a missing effect, and a
+    fit does not find its way out of that local minimum.
     """
     problem = best.problem
     for _ in range(HOPS):
@@ -65,7 +65,7 @@ def hopped(best: Fit, names: Collection[str]) -> Fit:
 
 
 def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
-    """Factors, by path, that lead beside a hypothesis: stiffness and damping of an effect, or of the teeth."""
+    """Factors, by path, for nearby starts: stiffness and damping of an effect, or of the teeth."""
     owners = [f"effects.{name}" for name in names]
     if any(h.added[name].effect == PLAY for name in names):
         owners.append("contact")
@@ -78,11 +78,11 @@ def _hops(h: Hypothesis, names: Collection[str]) -> Iterator[dict[str, float]]:
 
 
 def output_weights(h: Hypothesis) -> Iterator[dict[str, float]]:
-    """Factors, by path, that make all behind play or a spring heavier or lighter, and the motor's side in turn.
+    """Factors, by path, that make all behind backlash or compliance heavier, or lighter; the motor side inversely.
 
-    How the encoders part tells how inertia, friction and contact behind it compare, and nothing of how large they are.
-    That is the torque's to tell, but the encoders' rows are so steep that a fit does not get there. Only where these
-    are open: else the file tells.
+    The encoder difference determines the ratios of inertia, friction and contact behind it, not their absolute size.
+    The torque determines that, but the encoder rows are so steep that a fit does not get there. Only if these are open;
+    otherwise the file gives them.
     """
     free = {one.path: one for one in h.free}
     outer = free.get("scale.output_inertia")

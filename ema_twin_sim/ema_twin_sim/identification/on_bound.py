@@ -1,4 +1,4 @@
-"""Numbers that stand on a bound of a search: recordings would have them elsewhere, or say nothing of them."""
+"""Parameters on a search bound: the recordings favour a value beyond it, or do not determine them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ START_ELSEWHERE = "or give the model a value nearer to it to start from"
 
 
 def reached_bound(value: float, lower: float, upper: float, std: float, scale: float) -> str | None:
-    """The bound, ``lower`` or ``upper``, that a number has run against, if any; ``scale`` is its typical size."""
+    """The bound (``lower`` or ``upper``) that a parameter has reached, if any; ``scale`` is its typical size."""
     for bound, side in ((lower, "lower"), (upper, "upper")):
         if math.isfinite(bound) and abs(value - bound) <= min((1.0 - NEARLY_ALL) * std, NEGLIGIBLE * scale):
             return side
@@ -27,7 +27,7 @@ def reached_bound(value: float, lower: float, upper: float, std: float, scale: f
 
 
 def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) -> tuple[str, ...]:
-    """One sentence for each number of an added effect, and each open one of the model, that ended on a bound."""
+    """One sentence for each parameter of an added effect, and each open one of the model, that ended on a bound."""
     h = f.hypothesis
     found = []
     for free, value, lower, upper in zip(h.free, h.values, *problem.bounds(h), strict=True):
@@ -42,7 +42,7 @@ def on_bounds(problem: EquationErrorProblem, f: Fit, sure: Mapping[str, float]) 
 
 
 def _typical(f: Fit, free: Free) -> float:
-    """The typical size of a free number."""
+    """The typical size of a free parameter."""
     if not free.path.startswith("effects."):
         return 1.0
     name, _, parameter = free.path.removeprefix("effects.").partition(".")
@@ -62,7 +62,7 @@ def _added(f: Fit, rest: str, side: str) -> list[str]:
 
 
 def _open(f: Fit, what: str) -> list[str]:
-    """Of an open inertia, or of the sizes of an open effect, what the model holds now."""
+    """For an open inertia, or the sizes of an open effect: the current model values."""
     base, model = f.hypothesis.base, f.hypothesis.model()
     if what in ("inertia", "output_inertia"):
         output = what == "output_inertia"
@@ -84,6 +84,6 @@ def _open(f: Fit, what: str) -> list[str]:
 
 
 def _written(f: Fit, value: float, unit: str, *, angle: bool = False) -> str:
-    """A value with its unit, of a linear machine in that machine's."""
+    """A value with its unit; for a linear machine in that machine's unit."""
     value, unit = (value, unit) if angle else shown(f.hypothesis.base, value, unit)
     return f"{value:.4g}" if unit == "1" else f"{value:.4g} {unit}"

@@ -1,4 +1,4 @@
-"""Predictions: what a hypothesis says that recordings would show, and who can make one."""
+"""Predictions: the rows that a hypothesis predicts for recordings, and the interface of predictors."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ from ..plant.sensors import angle_error
 from .hypothesis import Hypothesis
 
 OF_THE_MODEL = {"transmitted_torque", "dry_level", "viscous_coefficient"}
-"""What of an operating point is not measured, but the model's."""
+"""Quantities of an operating point that come from the model and are not measured."""
 
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What a hypothesis predicts: all rows (m,) in units of noise, and what it stands on."""
+    """Prediction of a hypothesis: all rows (m,) in units of noise, and the data behind them."""
 
     rows: np.ndarray
     plant: np.ndarray
     required: tuple[np.ndarray, ...]
-    by_load: bool  # whether something of it follows the load
+    by_load: bool  # whether any part follows the load
 
 
 class Predictor(Protocol):
-    """What predicts the rows of hypotheses."""
+    """Anything that predicts the rows of hypotheses."""
 
     def predict(self, h: Hypothesis, beside: Prediction | None = None, *, side_by_side: bool = False) -> Prediction:
-        """What the hypothesis predicts; of ``beside`` and ``side_by_side`` see ``EquationErrorProblem.predict``."""
+        """Predict the rows of a hypothesis; for the arguments see ``EquationErrorProblem.predict``."""
         ...
 
     def rows_of(self, several: Sequence[Hypothesis]) -> list[np.ndarray]:
-        """The rows (m,) that each of several hypotheses predicts."""
+        """The predicted rows (m,) of several hypotheses."""
         ...
 
 
 def seen_output(o: Observation, plant: np.void) -> np.ndarray:
-    """Where the output was (n,) [rad], from what its encoder shows, late and off its centre as a plant has it."""
+    """Output position (n,) [rad] from its encoder reading, corrected for the plant's encoder delay and eccentricity."""
     time, shown = o.motion[:, TIME], o.motion[:, OUTPUT_ANGLE]
-    if plant["angle_errors"]:  # which are small, so that it is no matter at which of both angles they are taken
+    if plant["angle_errors"]:  # these are small, so either angle may be used to compute them
         shown = shown - angle_error(plant, o.output_origin, shown)
     if plant["encoder_delay"] != 0.0:
         shown = np.interp(time + plant["encoder_delay"], time, shown)
@@ -55,13 +55,13 @@ def seen_output(o: Observation, plant: np.void) -> np.ndarray:
 
 
 def follows_measured_motion(effect: Effect, place: int) -> bool:
-    """Whether an effect asks for the same torque beside every model of one machine: it follows what was measured."""
+    """Whether an effect has the same torque in every model of a machine: it depends on measured values only."""
     if effect.act is None or is_own(effect) or place in (DRY_LEVEL, VISCOUS_COEFFICIENT):
         return False
-    return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects ask for values by their names
+    return not OF_THE_MODEL & {*effect.act.__code__.co_names}  # the package's effects request values by name
 
 
 def acts_at_the_motor(instance: EffectInstance) -> bool:
-    """Whether an effect changes what the motor's side asks for, and nothing of how an output behind play moves."""
+    """Whether an effect changes only the motor side and not the motion of an output with backlash or compliance."""
     effect = catalogue()[instance.effect]
     return effect.act is not None and effect.where(instance.options) != OUTPUT_TORQUE

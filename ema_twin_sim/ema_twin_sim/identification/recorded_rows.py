@@ -1,4 +1,4 @@
-"""What several recordings measured, as rows: built once, and never changed."""
+"""Rows of several recordings: built once and never changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Screening: what each effect of the catalogue would gain, by one linear regression beside a fit."""
+"""Screening: the gain of each effect of the catalogue, by one linear regression on the residual of a fit."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from .fit import Fit, prior_rows
 from .search_limits import Reached
 from .start_values import regressed_angle
 
-STEP = 1e-2  # of a typical size: at which an effect is taken to grow in proportion
-AT_ONCE = 20_000_000  # bytes at most of rows that are looked at together
+STEP = 1e-2  # of a typical size; within it an effect is taken as linear
+AT_ONCE = 20_000_000  # bytes at most of rows that are processed together
 
 
 @dataclass(frozen=True, eq=False)
 class Screened:
-    """A candidate's gain, in units of the noise, by linear regression, and the parameters it begins with."""
+    """A candidate's gain by linear regression, in units of the noise, and its start parameters."""
 
     candidate: Candidate
     start: dict[str, float]
     gain: float
-    give_way: Callable[[], np.ndarray]  # by how much (k,) the numbers that were free before do, once it is asked for
+    give_way: Callable[[], np.ndarray]  # computes the change (k,) of the earlier free parameters
 
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """What a fit's free numbers can do, priors included: an orthonormal basis of it, and what is left over."""
+    """What a fit's free parameters can explain, priors included: an orthonormal basis, and the residual outside it."""
 
     basis: np.ndarray  # (m, k)
-    upper: np.ndarray  # (k, k), times the basis: the slopes
+    upper: np.ndarray  # (k, k), basis @ upper gives the slopes
     left: np.ndarray  # (m,)
-    root_inflation: np.ndarray  # (m,) what each row is divided by to count as much as a prior does
+    root_inflation: np.ndarray  # (m,) divisor that gives each row the weight of a prior
 
     @classmethod
     def of(cls, f: Fit) -> _Known:
@@ -52,12 +52,12 @@ class _Known:
         return cls(basis, upper * size, residual - basis @ (basis.T @ residual), root_inflation)
 
     def shift(self, within: np.ndarray) -> Callable[[], np.ndarray]:
-        """By how much (k,) the free numbers give way to more rows whose part ``within`` (k,) they can do."""
+        """Change (k,) of the free parameters that compensates rows with components ``within`` (k,) in their span."""
         return lambda: -np.linalg.lstsq(self.upper, within, rcond=1e-9)[0]
 
 
 def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) -> list[Screened]:
-    """Each candidate's gain before its price, at its best start, best first."""
+    """Each candidate's gain before its penalty, at its best start, best first."""
     known = _Known.of(f)
     together = max(1, AT_ONCE // max(problem.rows * problem.in_noise.itemsize, 1))
     jobs = [
@@ -81,9 +81,9 @@ def screen(problem: EquationErrorProblem, f: Fit, options: Sequence[Candidate]) 
 
 
 def _one_factor(f: Fit, c: Candidate) -> Screened:
-    """What a torque constant gains that only puts constants back: all torques are off by one factor.
+    """Gain of a torque constant that only moves constants back to the file: all torques are off by one factor.
 
-    No simulation would tell, and a straight line leads away from it beside a gearbox.
+    A simulation would not show it, and with a gearbox a linearisation leads away from it.
     """
     h = f.hypothesis
     size = catalogue()[c.effect].parameters[0]
@@ -94,7 +94,7 @@ def _one_factor(f: Fit, c: Candidate) -> Screened:
 
 
 def _start_groups(effect: Effect, of: Reached) -> list[list[dict[str, float]]]:
-    """Starts that differ in one angle only stand together: a wave of any angle is a sum of theirs."""
+    """Group starts that differ only in one angle: a wave of any phase is a sum of theirs."""
     angle = regressed_angle(effect)
     turning = None if angle is None else angle.name
     groups: dict[tuple[float, ...], list[dict[str, float]]] = {}
@@ -106,11 +106,11 @@ def _start_groups(effect: Effect, of: Reached) -> list[list[dict[str, float]]]:
 def _screened(
     problem: EquationErrorProblem, f: Fit, known: _Known, c: Candidate, groups: Sequence[Sequence[dict[str, float]]]
 ) -> list[Screened]:
-    """What a candidate gains at each of its starts, its angle free; without those that change nothing."""
+    """Gain of a candidate at each of its starts, with its angle free; starts that change nothing are left out."""
     size = catalogue()[c.effect].parameters[0]
     per = 1.0 if size.neutral is None else STEP * max(abs(size.default - size.neutral), 1e-9)
     columns = _columns(problem, f, c, [start for group in groups for start in group], per)
-    rows = len(columns)  # those of the torque alone, or all
+    rows = len(columns)  # torque rows only, or all
     columns *= (f.weights[:rows] / (per * known.root_inflation[:rows]))[:, None]
     inside = known.basis[:rows].T @ columns
     along = columns.T @ known.left[:rows]
@@ -118,7 +118,7 @@ def _screened(
     stop = 0
     for group in groups:
         part = slice(stop, stop := stop + len(group))
-        # of what the free numbers cannot do
+        # the part outside the span of the free parameters
         square = columns[:, part].T @ columns[:, part] - inside[:, part].T @ inside[:, part]
         if np.isfinite(square).all():
             screened = _at_start(c, group, inside[:, part], square, along[part], known)
@@ -134,13 +134,13 @@ def _at_start(
     along: np.ndarray,
     known: _Known,
 ) -> Screened | None:
-    """What a candidate gains at one start, by products of its columns with each other and with what is left over."""
+    """Gain of a candidate at one start, from products of its columns with each other and with the residual."""
     effect = catalogue()[c.effect]
     size = effect.parameters[0]
     start = dict(group[0])
     if size.neutral is None:
         whole, norm = float(2.0 * along[0] - square[0, 0]), float(square[0, 0])
-        # a share of it may fit better than all of it
+        # a fraction of it may fit better than all of it
         share = 0.5 * float(along[0]) ** 2 / norm if along[0] > 0.0 and norm > 0.0 else -math.inf
         return Screened(c, start, max(whole, share), lambda: np.zeros(len(known.upper)))
     if math.sqrt(max(np.diag(square).max(), 0.0)) < 1e-9:
@@ -162,7 +162,7 @@ def _at_start(
 def _columns(
     problem: EquationErrorProblem, f: Fit, c: Candidate, starts: Sequence[dict[str, float]], per: float
 ) -> np.ndarray:
-    """Rows (m, k), or those of the torque (s, k) where these are all, that a candidate adds to a fit at each start.
+    """Rows (m, k) that a candidate adds to a fit at each start, or torque rows only (s, k) if these are all.
 
     Its size is ``per`` beyond neutral.
     """
@@ -186,7 +186,7 @@ def _columns(
 
 
 def screen_generic_bases(problem: EquationErrorProblem, f: Fit) -> list[tuple[float, str]]:
-    """(gain, less two a column for chance; name) of each generic basis by linear regression, best first."""
+    """(gain minus two a column for chance, name) of each generic basis by linear regression, best first."""
     known = _Known.of(f)
     q, r = known.basis, known.left
     found = []

@@ -1,7 +1,7 @@
-"""How far a search looks for a number that may be of any size: as far as the recordings reach, many times over.
+"""Search limits for a parameter without bounds: many times what the recordings reach.
 
-Machines differ in size by many powers of ten, so that no torque or stiffness is too large by itself. It is where the
-torque that it makes at the speeds, accelerations and ways of these recordings is many times all that was measured.
+Machines differ in size by many powers of ten, so no torque or stiffness is too large in itself. It is too large if the
+torque that it makes at the speeds, accelerations and travel of these recordings is many times all that was measured.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..effects import Effect, Parameter
 from ..measured.observation import Observation
 from ..plant.measured_motion import ACCELERATION, OUTPUT_ANGLE, SPEED, TIME
 
-LATEST = 0.02  # own s, what a fieldbus of the reference bench may take: a later encoder is another machine's
+LATEST = 0.02  # own s, of a fieldbus of the reference bench; a later encoder belongs to another machine
 _POWERS = {
     "N m": (0, 0, 0),
     "N m s/rad": (1, 0, 0),
@@ -25,14 +25,14 @@ _POWERS = {
     "kg m^2": (0, 1, 0),
     "N m/rad": (0, 0, 1),
 }
-"""By unit, the powers of speed, acceleration and way by which a number becomes a torque."""
+"""By unit: the powers of speed, acceleration and travel by which a parameter becomes a torque."""
 
 
 @dataclass(frozen=True)
 class Reached:
-    """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow one, s.
+    """What recordings reach: N m, rad/s and rad/s² of the fast shaft, rad of the slow shaft, s.
 
-    ``places`` are the least and the greatest angle of the slow shaft, as its encoder counts.
+    ``places`` are the smallest and largest angle of the slow shaft, by its encoder.
     """
 
     torque: float
@@ -44,7 +44,7 @@ class Reached:
 
 
 def reached(observations: Sequence[Observation]) -> Reached:
-    """What these recordings reach where they are judged."""
+    """What these recordings reach in the rows that are judged."""
     judged = [o for o in observations if len(o.rows)]
     speed, acceleration = (
         float(np.quantile(np.concatenate([np.abs(o.motion[o.rows, column]) for o in judged]), NEARLY_ALL))
@@ -66,7 +66,7 @@ def reached(observations: Sequence[Observation]) -> Reached:
 
 
 def search_limits(effect: Effect, parameter: Parameter, of: Reached) -> tuple[float, float]:
-    """(lower, upper) of a parameter in a search: its own bounds, and what the recordings reach where it has none."""
+    """(lower, upper) of a parameter in a search: its own bounds, or what the recordings reach if it has none."""
     lower, upper = parameter.lower, parameter.upper
     if math.isinf(upper):
         upper = _largest(effect, parameter, of)
@@ -85,7 +85,7 @@ def _largest(effect: Effect, parameter: Parameter, of: Reached) -> float:
     if parameter.unit == "s" and parameter is size:
         return LATEST
     if parameter.unit in _POWERS:
-        if parameter.lower > 0.0:  # a stiffness that may be as good as rigid
+        if parameter.lower > 0.0:  # a stiffness, which may be practically rigid
             return math.inf
         speed, acceleration, travel = _POWERS[parameter.unit]
         unit = of.speed**speed * of.acceleration**acceleration * of.travel**travel

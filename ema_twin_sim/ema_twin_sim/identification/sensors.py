@@ -1,7 +1,7 @@
-"""Sensors: an encoder that is late or off its centre, seen in the encoders' difference beside a play or spring.
+"""Sensors: a late or eccentric encoder, detected in the encoder difference together with backlash or compliance.
 
-A gap's jumps follow the transmitted torque's direction, a spring's give its size, a delay the speed, an eccentricity
-the output's angle: one robust regression tells them apart before any gearbox is simulated.
+Backlash follows the direction of the transmitted torque, compliance its size, a delay the speed, an eccentricity the
+output angle. One robust regression separates them before any gearbox is simulated.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from .equation import EquationErrorProblem
 from .fit import Fit
 from .hypothesis import Hypothesis
 
-GEARBOX_COLUMNS = 3  # the tooth touched, the torque, the direction
+GEARBOX_COLUMNS = 3  # tooth flank in contact, transmitted torque, direction of motion
 STEPS = 20
-NEXT_TO_NOTHING = 0.01  # of a misfit, in which an effect must gain several units
+NEXT_TO_NOTHING = 0.01  # in units of the misfit; an effect must lower it by several units
 
 
 def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] = frozenset()) -> Hypothesis:
-    """A fit's hypothesis with the encoder's delay and eccentricity, each where the encoders' difference shows it.
+    """The hypothesis of a fit with encoder delay and eccentricity added, each if the encoder difference shows it.
 
-    Not with what is ruled out (``without``), and no farther than the search may go: beside wide play a regression's
-    delay may be longer than any that a plant can show.
+    Effects in ``without`` are not added, and values are clipped to the search bounds: with wide backlash the regressed
+    delay may be longer than a plant can have.
     """
     torque, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
@@ -52,12 +52,11 @@ def with_sensors(problem: EquationErrorProblem, f: Fit, without: frozenset[str] 
 
 
 def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether play or a spring could be behind how the encoders part: by the torque, the tooth, or the direction.
+    """Whether backlash or compliance may cause the encoder difference: by torque, tooth flank or direction.
 
-    It must explain a share of that by itself, and of what an encoder that is late or off its centre leaves; unless this
-    is more than an encoder errs by between its lines. An output that flies through a wide gap follows neither the
-    torque nor the direction. A regression answers in milliseconds what trying every gearbox would take seconds to
-    answer.
+    It must explain a share of the difference alone, and of what a late or eccentric encoder leaves. This is skipped if
+    what is left exceeds interpolation error: an output that flies through a wide gap follows neither torque nor
+    direction. The regression takes milliseconds; trying every gearbox would take seconds.
     """
     if not problem.size:
         return True
@@ -69,14 +68,14 @@ def gearbox_shows(problem: EquationErrorProblem, f: Fit) -> bool:
         )
         if bare > _misfit(np.full(len(wanted), INTERPOLATED)):
             continue
-        # where sensors explain it to the noise, nothing is left to take a share of
+        # if sensors explain it down to the noise, nothing is left to take a share of
         if bare - beside <= max(SMALL * (bare - len(wanted)), CORRELATION * by_chance(GEARBOX_COLUMNS)):
             return False
     return True
 
 
 def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
-    """How far [rad, slow shaft] the encoders part from one direction to the other, beside their sensors' errors."""
+    """Encoder difference [rad, slow shaft] between the two directions, with sensor errors regressed out."""
     gearbox, sensors = _columns(problem, f)
     by_direction = gearbox[:, GEARBOX_COLUMNS - 1 :]
     coefficients, _ = _regress(np.concatenate([by_direction, *sensors.values()], 1), _unexplained(problem, f))
@@ -84,17 +83,17 @@ def hysteresis(problem: EquationErrorProblem, f: Fit) -> float:
 
 
 def delay_shows(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether an encoder's delay shows beside all that a gearbox may show in its place."""
+    """Whether an encoder delay shows in the presence of everything a gearbox may show instead."""
     alone, beside_gearbox = delay_beside_gearbox(problem, f)
     return beside_gearbox > max(DEPENDS, SMALL * alone)
 
 
 def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, float]:
-    """(gain alone, gain beside all else) of an encoder's delay, in Cauchy's misfit over twice what is left a row.
+    """Gain of an encoder delay (alone, together with all else): decrease of Cauchy misfit over the remaining noise.
 
-    A gearbox that winds up, or whose teeth part, lets the output lag behind the more the faster it turns, since
-    friction grows with speed: to a delay alone it is one. Beside the transmitted torque and its direction nothing is
-    left of that likeness, while of a true delay a part is that no torque explains.
+    With compliance or backlash, the output lags more the faster it turns, because friction grows with speed; a
+    regression on delay alone takes that for a delay. With the transmitted torque and its direction included, nothing of
+    that look-alike remains, while part of a true delay does.
     """
     gearbox, sensors = _columns(problem, f)
     wanted = _unexplained(problem, f)
@@ -108,13 +107,13 @@ def delay_beside_gearbox(problem: EquationErrorProblem, f: Fit) -> tuple[float, 
 
 
 def _unexplained(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
-    """How far (k,) the encoders part, in units of noise; where no torque was measured, beside what a fit has for it."""
+    """Encoder difference (k,) in units of noise; without torque data, minus the prediction of a fit."""
     apart = problem.measured[problem.size :]
     return apart if problem.size else apart - f.predicted.rows
 
 
 def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """(what a gearbox shows (k, c), what each sensor shows (k, 1 or 2)) at all encoder rows, in units of noise."""
+    """(gearbox columns (k, c), columns of each sensor error (k, 1 or 2)) at all encoder rows, in units of noise."""
     ratio = f.predicted.plant["gear_ratio"][0]
     transmitted, speed, angle = [], [], []
     for o, required in zip(problem.observations, f.predicted.required, strict=True):
@@ -131,7 +130,7 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
     theta = np.concatenate(angle)
     waves = np.stack([np.sin(theta), np.cos(theta)], axis=1)
     return (
-        # where the model's friction is all at the motor, only the speed tells which tooth is touched
+        # if the model's friction is all at the motor, only the speed shows which flank is in contact
         np.concatenate([np.sign(passed), passed, np.sign(moving), pieces], axis=1) / noise,
         {
             SENSOR_WAVE: waves / noise,
@@ -141,9 +140,9 @@ def _columns(problem: EquationErrorProblem, f: Fit) -> tuple[np.ndarray, dict[st
 
 
 def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float]:
-    """(coefficients (c,), Cauchy's misfit): iteratively reweighted least squares, outliers weighted down.
+    """(coefficients (c,), Cauchy misfit) by iteratively reweighted least squares, which limits the effect of outliers.
 
-    Each step lowers the misfit; they end once one lowers it by next to nothing.
+    Each step lowers the misfit; it stops when a step lowers it by less than ``NEXT_TO_NOTHING``.
     """
     sizes = np.maximum(np.linalg.norm(columns, axis=0), 1e-30)
     columns = columns / sizes
@@ -151,7 +150,7 @@ def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float
     misfit = math.inf
     for _ in range(STEPS):
         weighted = columns * weights[:, None]
-        # normal equations: of columns of one size, an order quicker than a decomposition of them
+        # Normal equations are an order of magnitude faster than an SVD, and safe for columns of equal norm.
         coefficients = np.linalg.lstsq(weighted.T @ columns, weighted.T @ wanted, rcond=1e-12)[0]
         left = wanted - columns @ coefficients
         before, misfit = misfit, _misfit(left)
@@ -162,5 +161,5 @@ def _regress(columns: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, float
 
 
 def _misfit(left: np.ndarray) -> float:
-    """Cauchy's misfit of rows (k,), in units of noise."""
+    """Cauchy misfit of rows (k,), in units of noise."""
     return float(BESIDE_IMPACTS**2 * np.log1p((left / BESIDE_IMPACTS) ** 2).sum())

@@ -1,4 +1,4 @@
-"""Models that differ in their numbers only, their output behind play or a spring: simulated side by side."""
+"""Simulate two-inertia models that differ only in parameter values, several at once."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from ..plant.sensors import as_encoder_shows
 from ..simulation.assembly import Assembly
 from .prediction import seen_output
 
-LEAST = 3  # models from which on side by side is quicker than one after another
+LEAST = 3  # models from which on this is faster than one at a time
 
 
 def groups(assemblies: Sequence[Assembly]) -> list[list[int]]:
-    """Which of the models go together: up to LANE of one structure, none where there are fewer than LEAST of it."""
+    """Groups of models of the same structure: up to LANE each, and no group smaller than LEAST."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for k, assembly in enumerate(assemblies):
         plant, (addresses, places, _) = assembly.plant[0], assembly.effects
@@ -31,7 +31,7 @@ def groups(assemblies: Sequence[Assembly]) -> list[list[int]]:
 
 
 def simulate(models: Sequence[tuple[Assembly, np.ndarray]], o: Observation, t: slice, e: slice) -> None:
-    """What a motion requires of each model [N m], and the encoders' difference [rad], into its rows ``t`` and ``e``."""
+    """Write required torque [N m] and encoder difference [rad] of each model into its rows ``t`` and ``e``."""
     lanes = [assembly for assembly, _ in (*models, *[models[0]] * (LANE - len(models)))]
     plants = np.empty(LANE, PLANT)
     for m, assembly in enumerate(lanes):

@@ -1,8 +1,8 @@
-"""Where the search of a number begins: as its table says, else spread over what the recordings cover.
+"""Start values of a parameter's search: from its table, or spread over what the recordings cover.
 
-A user's own effect need not say where its numbers may lie. Between two starts that lie too far apart, a fit ends beside
-the truth and is sure of it; so every angle is tried over the turn, every place over the way that the output went, every
-speed, width and time by factors up to the largest that was recorded.
+A user's own effect need not give starts. If two starts are too far apart, a fit ends near the truth and reports it with
+too much certainty. So angles are tried over a turn, positions over the travel of the output, and speeds, widths and
+times by factors up to the largest that was recorded.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from ..effects.catalogue import is_own
 from ..own_effects.wave import turns_a_wave
 from .search_limits import Reached, search_limits
 
-WIDE = 100.0  # ratio of bounds from which on a number that is never zero is moved by factors
-SPREAD = 24  # starts of an effect's only shape
-FEWEST = 4  # of each of several
-MOST = 400  # starts of all its shapes together
-_TURNS = 4.0 * math.pi + 1.0  # rad, of bounds that an angle of a shaft has: a turn, or two
+WIDE = 100.0  # ratio of bounds from which on a positive parameter is spaced by factors
+SPREAD = 24  # starts of an effect with one shape parameter
+FEWEST = 4  # of each of several shape parameters
+MOST = 400  # starts of all shape parameters together
+_TURNS = 4.0 * math.pi + 1.0  # rad, largest range of bounds that means an angle of a shaft: one turn, or two
 DECADES = {"rad/s": 3.5, "rad": 3.0, "s": 3.0}
-"""By unit, how far below the largest recorded value the search of a number goes that is never negative; the speeds of
-the slow shaft are as far below those of the fast one."""
+"""By unit: decades below the largest recorded value to which the search of a non-negative parameter goes. Speeds of the
+slow shaft are that far below those of the fast one."""
 
 
 def start_values(effect: Effect, parameter: Parameter, of: Reached) -> tuple[float, ...]:
@@ -50,7 +50,8 @@ def _covered(effect: Effect, parameter: Parameter, of: Reached) -> tuple[float, 
     if parameter.periodic:
         return tuple(2.0 * math.pi * k / count for k in range(count))
     lower, upper = search_limits(effect, parameter, of)
-    if lower < 0.0 and parameter.unit == "rad":  # a place that was passed, or an angle of what turns several times
+    # a position that was passed, or an angle of a part that turns several times
+    if lower < 0.0 and parameter.unit == "rad":
         passed = _overlap(lower, upper, of.places)
         everywhere = _linear(lower, upper, count) if upper - lower <= _TURNS and passed != (lower, upper) else ()
         return (*_linear(*passed, count), *everywhere)
@@ -70,13 +71,13 @@ def _covered(effect: Effect, parameter: Parameter, of: Reached) -> tuple[float, 
 
 
 def regressed_angle(effect: Effect) -> Parameter | None:
-    """The angle that a regression finds, since two of its values tell all others; angles with starts are shapes."""
+    """The angle that a linear regression finds from two of its values; angles with starts are shape parameters."""
     angle = next((p for p in effect.parameters if p.periodic and not p.starts), None)
     return None if angle is not None and is_own(effect) and not turns_a_wave(effect, angle) else angle
 
 
 def _count(effect: Effect) -> int:
-    """How many values of each shape are tried that has no starts of its own: the more shapes, the fewer of each."""
+    """Number of values of each shape parameter without starts: the more parameters, the fewer values of each."""
     angle = regressed_angle(effect)
     shapes = [p for k, p in enumerate(effect.parameters) if (k or p.neutral is None) and p is not angle]
     given = math.prod(len(p.starts) for p in shapes if p.starts)
@@ -85,7 +86,7 @@ def _count(effect: Effect) -> int:
 
 
 def _overlap(lower: float, upper: float, places: Sequence[float]) -> tuple[float, float]:
-    """What of the bounds was passed; the bounds themselves where none of them was."""
+    """The part of the bounds that was passed; the bounds themselves if none was."""
     inside = max(lower, places[0]), min(upper, places[1])
     return inside if inside[0] < inside[1] else (lower, upper)
 

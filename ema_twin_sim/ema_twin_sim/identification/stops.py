@@ -1,10 +1,10 @@
-"""Stops: what dry friction does while a machine sticks at a reversal, which no speed tells.
+"""Stops: dry friction while a machine sticks at a reversal, which is not a function of speed.
 
-A machine that reverses comes to rest and sticks until its drive pushes harder than friction holds. All that while
-friction is what the drive asks for: of neither direction's level, and on average in the way that the drive pushes,
-which is the acceleration's. Taken for a law of the speed, that torque looks like inertia. How much of it a recording
-holds is one number that nobody asks for: so what it may add to the rows is taken out of all that is measured and
-predicted, and the rows keep their weight.
+A machine that reverses comes to rest and sticks until its drive pushes harder than the friction holds. During that time
+friction equals the drive torque: below the level of either direction and, on average, in the direction of the drive
+torque, which is that of the acceleration. In a model by speed that torque looks like inertia. Its size in a recording
+is one number that is of no interest. So its direction is projected out of all measured and predicted rows, and the rows
+keep their weight.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from ..plant.measured_motion import ACCELERATION, SPEED
 
 @dataclass(frozen=True, eq=False)
 class Stops:
-    """Of each recording with stops, its torque rows and the direction (s,), of length one, in which they may be off."""
+    """For each recording with stops: its torque rows and the unit vector (s,) along which they may be off."""
 
     parts: tuple[tuple[slice, np.ndarray], ...]
 
     @classmethod
     def of(cls, observations: Sequence[Observation], torque_parts: Sequence[slice]) -> Stops:
-        """Those of recordings, as far as dry friction can be what they show.
+        """The stops of recordings, if dry friction can explain them.
 
-        Behind a gearbox that parts, rows so near to a reversal are not judged. Friction that holds pushes with the
-        drive, by no more than its level: where rows at reversals are off otherwise, it is by something else.
+        With a gearbox that can separate, rows close to a reversal are not judged. Friction at rest acts with the drive
+        and is at most its sliding level; residuals at reversals outside that range have another cause.
         """
         judged = [
             (part, _by_friction(o))
@@ -51,7 +51,7 @@ class Stops:
         )
 
     def taken_out(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, less what stops may add to them."""
+        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, without the part along stops."""
         if not self.parts:
             return rows
         out = rows.copy()
@@ -62,7 +62,7 @@ class Stops:
 
 
 def _by_friction(o: Observation) -> np.ndarray:
-    """What a torque that acts the acceleration's way while the machine may stick adds to a recording's rows (s,)."""
+    """Rows (s,) of a unit torque that acts along the acceleration while the machine may stick."""
     speed = o.motion[:, SPEED]
     stuck = np.abs(speed) < STANDSTILL
     passing = np.flatnonzero(speed[1:] * speed[:-1] <= 0.0)
@@ -80,8 +80,9 @@ def _at_rows(o: Observation, torque: np.ndarray) -> np.ndarray:
 def _shares(
     observations: Sequence[Observation], torque_parts: Sequence[slice], columns: Sequence[tuple[slice, np.ndarray]]
 ) -> np.ndarray:
-    """The torque of each of the columns as a share of the level of dry friction, beside an inertia, what friction does
-    while the machine slides, and a constant load.
+    """Torque of each column as a share of the dry friction level.
+
+    It is regressed together with inertia, sliding friction and a constant load.
     """
     rows = np.concatenate(
         [

@@ -1,4 +1,4 @@
-"""How sure the numbers of a fit are: what the noise, the priors and the recordings' own disagreement leave open."""
+"""Uncertainty of fitted parameters: from the noise, the priors and the disagreement between recordings."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from .equation import EquationErrorProblem
 from .fit import Fit, prior_rows
 
 STEP_SHARES = (1.0, 0.5, 0.2, 0.0)
-RIDGE = 1e-9  # of numbers of which some have no prior
-BLOCKS = 6  # fewest blocks that are held against each other; recordings are parted where there are fewer
-LEAST_ELSEWHERE = 1e-3  # share of what is known of a number that comes from other blocks, where hardly any does
+RIDGE = 1e-9  # for parameters of which some have no prior
+BLOCKS = 6  # fewest blocks to compare; recordings are split if there are fewer
+LEAST_ELSEWHERE = 1e-3  # smallest share of the information about a direction that must come from other blocks
 
 
 def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
-    """The block (m,) that each row belongs to: its recording, or a stretch of it where recordings are few.
+    """Block index (m,) of each row: its recording, or a stretch of it if recordings are few.
 
-    ``parts`` are a recording and rows of it, evenly spread over its time; together they are all rows.
+    ``parts`` are pairs of a recording and rows of it, evenly spread over its time; together they cover all rows.
     """
     pieces = -(-BLOCKS // (1 + max(recording for recording, _ in parts)))
     found = np.zeros(max(part.stop for _, part in parts), int)
@@ -30,18 +30,18 @@ def blocks(parts: Sequence[tuple[int, slice]]) -> np.ndarray:
 
 
 def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
-    """Covariance (k, k) of the free numbers: curvature and priors, and what blocks of rows disagree by on top.
+    """Covariance (k, k) of the free parameters: curvature and priors, plus the disagreement between blocks of rows.
 
-    White least squares is far too sure of itself, because what is left over is not white: how each recording pulls the
-    numbers shows how far they really move.
+    White-noise least squares is far too optimistic because the residual is not white. How far each recording pulls the
+    parameters shows how uncertain they are.
     """
     _, pj = prior_rows(f.hypothesis)
     root_inflation = np.sqrt(f.row_variance_inflations)
     scaled = f.jacobian / root_inflation[:, None]
     found = scaled_inverse(scaled.T @ scaled + pj.T @ pj)
     which = blocks(problem.parts)
-    # a generic basis's numbers are asked for by nobody, and some of them stand on one block alone: whatever it can do
-    # is set aside first, in all blocks
+    # Coefficients of generic bases are not reported, and some of them depend on one block alone. What they can explain
+    # is projected out first, in all blocks.
     asked = np.array([not free.path.startswith("basis.") for free in f.hypothesis.free])
     aside, _ = np.linalg.qr(scaled[:, ~asked])
     jacobian = scaled[:, asked] - aside @ (aside.T @ scaled[:, asked])
@@ -53,9 +53,9 @@ def covariance(problem: EquationErrorProblem, f: Fit) -> np.ndarray:
 
 
 def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
-    """Covariance (k, k) beside what is known of a share, which is somewhere between its ends: no share is 1 ± 1.7.
+    """Covariance (k, k), limited for shares, which lie between two bounds: no share is 1 ± 1.7.
 
-    Any value between two ends is as likely, with a variance of a twelfth of their distance squared.
+    A uniform prior between the bounds has a variance of one twelfth of their distance squared.
     """
     for k, free in enumerate(f.hypothesis.free):
         p = f.hypothesis.parameter_of(free.path)
@@ -65,12 +65,12 @@ def _within_ranges(spread: np.ndarray, f: Fit) -> np.ndarray:
 
 
 def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray, which: np.ndarray) -> np.ndarray:
-    """Covariance (k, k) that the blocks ``which`` (m,) of rows show, whatever correlates the rows of one block.
+    """Covariance (k, k) from the disagreement of blocks ``which`` (m,) of rows, for any correlation within a block.
 
     ``jacobian`` (m, k) and ``residual`` (m,) are weighted, ``priors`` (p, k) are the slopes of prior rows. A block
-    draws the fit to itself, so that its residuals are smaller than its noise. They are raised by the inverse root of
-    one less its leverage (CR2 of Bell and McCaffrey, Survey Methodology 28, 2002): where one short recording alone
-    shows a number, a jackknife makes its error two or three times as large as it is.
+    pulls the fit towards itself, so its residuals are smaller than its noise. They are scaled by the inverse root of
+    one minus its leverage (CR2 of Bell and McCaffrey, Survey Methodology 28, 2002). A jackknife would overestimate the
+    error by a factor of two or three where one short recording alone determines a parameter.
     """
     known = scaled_inverse(jacobian.T @ jacobian + priors.T @ priors)
     root = np.linalg.cholesky(known)
@@ -85,13 +85,14 @@ def disagreement(jacobian: np.ndarray, residual: np.ndarray, priors: np.ndarray,
 
 
 def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
-    """The free numbers (k,) that each recording is judged by: fitted, to first order, to all the others."""
+    """Parameters (k,) to judge each recording by: fitted, to first order, to all other recordings."""
     _, pj = prior_rows(f.hypothesis)
     root_inflation = np.sqrt(f.row_variance_inflations)
     jacobian, residual_here = f.jacobian / root_inflation[:, None], f.residual / root_inflation
     information = jacobian.T @ jacobian + pj.T @ pj
     lower, upper = problem.bounds(f.hypothesis)
-    # how teeth meet is no finding, and a line through impacts leads anywhere: it stays as all recordings have it
+    # The tooth contact is no finding, and linearising through impacts is unreliable: keep the value from all
+    # recordings.
     moving = np.array([not free.path.startswith("contact.") for free in f.hypothesis.free])
     found = []
     for t, e in zip(problem.torque_parts, problem.encoder_parts, strict=True):
@@ -99,7 +100,8 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
         step = move_without(information, jacobian[rows], residual_here[rows]) * moving
         others = np.ones(problem.rows, bool)
         others[rows] = False
-        # to first order a step may be far too long, where one recording knows most: as much of it as the others gain by
+        # A first-order step may be far too long if one recording dominates: use the fraction that is best for the
+        # others.
         best, least = f.hypothesis.values, np.inf
         for share in STEP_SHARES:
             values = np.clip(f.hypothesis.values + share * step, lower, upper)
@@ -114,19 +116,19 @@ def held_out(problem: EquationErrorProblem, f: Fit) -> list[np.ndarray]:
 
 
 def move_without(information: np.ndarray, slopes: np.ndarray, residual: np.ndarray, ridge: float = RIDGE) -> np.ndarray:
-    """How far (k,) a solution moves, to first order, where some rows are left out.
+    """First-order change (k,) of a solution if some rows are left out.
 
-    ``information`` (k, k) is that of all rows and of the priors; the rows' ``slopes`` (m, k) and ``residual`` (m,) are
-    in units of the noise.
+    ``information`` (k, k) is that of all rows and priors; ``slopes`` (m, k) and ``residual`` (m,) of the rows are in
+    units of the noise.
     """
     return -scaled_inverse(information - slopes.T @ slopes, ridge) @ (slopes.T @ residual)
 
 
 def scaled_inverse(a: np.ndarray, ridge: float = RIDGE) -> np.ndarray:
-    """The inverse of an information matrix (k, k), its rows scaled first.
+    """Inverse of an information matrix (k, k), with its rows scaled first.
 
-    ``ridge`` is the least that a direction is known by, so that what nothing holds, or what rounding has made less than
-    nothing, is uncertain and no error.
+    ``ridge`` is the minimum information of a direction. A direction that nothing determines, or that rounding made
+    negative, is then uncertain and does not raise an error.
     """
     size = np.diag(a).copy()
     size = np.sqrt(np.where(size > 0.0, size, 1.0))

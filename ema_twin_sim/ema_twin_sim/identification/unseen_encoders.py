@@ -1,4 +1,4 @@
-"""How far the encoders part in recordings that the numbers were not fitted to."""
+"""Encoder difference in recordings that the parameters were not fitted to."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .uncertainty import held_out
 
 
 def parting_where_unseen(f: Fit) -> float:
-    """RMS [rad, slow shaft] that the encoders of each recording part by, beside the numbers that all others gave."""
+    """RMS [rad, slow shaft] of the unexplained encoder difference, each recording with parameters from the others."""
     numbers = held_out(f.problem, f) if len(f.problem.observations) > 1 else [f.hypothesis.values]
     return parting(f.problem, f, numbers)
 
 
 def parting(problem: EquationErrorProblem, f: Fit, numbers: Sequence[np.ndarray]) -> float:
-    """RMS [rad, slow shaft] that the encoders part by, each recording's beside ``numbers`` that others gave."""
+    """RMS [rad, slow shaft] of the unexplained encoder difference, each recording with its own entry of ``numbers``."""
     square = 0.0
     for part, values in zip(problem.encoder_parts, numbers, strict=True):
         left = problem.residual(problem.predict(f.hypothesis.at(values)))[part] * problem.noise_of_encoders(part)

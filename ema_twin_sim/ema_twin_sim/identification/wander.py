@@ -1,7 +1,7 @@
-"""Wander: friction of a real machine that is a few per cent more or less from minute to minute.
+"""Wander: friction of a real machine that varies by a few per cent from minute to minute.
 
-No effect of a catalogue explains it. To a fit it is noise: large, slow, and in the directions that friction changes
-in. Taken as such, it neither drags the constants nor is dressed up as a load that happens to look alike.
+No effect of the catalogue explains it. For a fit it is noise: large, slow, and along the directions in which friction
+can change. Treated as noise, it neither shifts the constants nor appears as a load that happens to look alike.
 """
 
 from __future__ import annotations
@@ -13,23 +13,23 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Wander:
-    """By what share friction wanders, and the torque rows (m,) seen through the noise that this makes.
+    """The share by which friction wanders, and the whitening of torque rows (m,) that follows from it.
 
-    With a covariance of 1 + s² C Cᵀ, where C is what friction would add over time, rows are multiplied by its inverse
-    root: the more friction wanders, the less weight the rows along C get.
+    With covariance 1 + s² C Cᵀ, where the columns of C are what friction would add over time, rows are multiplied by
+    the inverse square root: the more friction wanders, the less weight the rows along C get.
     """
 
     share: float
     parts: tuple[tuple[slice, np.ndarray, np.ndarray], ...]  # rows of a recording, directions (m, k), spreads (k,)
-    gain: float  # twice the log-likelihood over a friction that does not wander
+    gain: float  # twice the log-likelihood gain over friction that does not wander
 
     @property
     def complexity_penalty(self) -> float:
-        """The logarithm of the covariance's determinant: what it costs to let so much happen."""
+        """Logarithm of the covariance's determinant: the cost of allowing this much variation."""
         return float(sum(np.sum(np.log1p((self.share * spreads) ** 2)) for _, _, spreads in self.parts))
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) or columns of rows (m, c), the wandering part of them made as small as the rest of the noise."""
+        """Rows (m,) or columns of rows (m, c), with the wandering part scaled down to the remaining noise."""
         return self._scaled(rows, -0.5)
 
     def as_measured(self, rows: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Wandering: by what share friction wanders, told by what a fit leaves over."""
+"""Wandering: the share by which friction wanders, estimated from the residual of a fit."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from .generic_bases import KNOT, KNOTS, MOST_KNOTS
 from .wander import Wander
 
 SHARES = tuple(0.0025 * 2.0 ** (k / 2.0) for k in range(12))
-"""Of the friction, by which it may wander: from a quarter of a per cent to eleven."""
+"""Shares of the friction by which it may wander: from 0.25 % to 11 %."""
 HARDLY = 1e-12
-"""Of the largest square of a spread: directions in which less happens are those of rounding."""
+"""Relative to the largest squared spread: directions below this are rounding errors."""
 
 
 def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
-    """How friction wanders, by what a fit leaves over: the share that is most likely; None where none is."""
+    """How friction wanders, from the residual of a fit: the most likely share; None if there is no wandering."""
     columns = _friction_over_time(problem, float(f.predicted.plant["asymmetry"][0]))
     if columns is None:
         return None
@@ -34,10 +34,10 @@ def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
     for part, c in columns:
         every[part, at : at + c.shape[1]] = c * f.weights[part][:, None]
         at += c.shape[1]
-    # what the numbers of the fit can do themselves tells nothing
+    # remove what the fit's own parameters can explain
     every -= known @ (known.T @ every)
     squared_spreads, axes = np.linalg.eigh(every.T @ every)
-    if not squared_spreads[-1] > 0.0:  # no friction that could
+    if not squared_spreads[-1] > 0.0:  # no friction that could wander
         return None
     squared_spreads = np.maximum(squared_spreads, HARDLY * squared_spreads[-1])
     spreads = np.sqrt(squared_spreads)
@@ -51,8 +51,9 @@ def wandering(problem: EquationErrorProblem, f: Fit) -> Wander | None:
 
 
 def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest: float, count: int) -> float:
-    """Of a residual whose power along some directions is ``square`` (k,) and ``rest`` in all, in rows of which every
-    second one counts; the size of the noise is the most likely one.
+    """Log-likelihood of a residual with power ``square`` (k,) along some directions and ``rest`` in total.
+
+    Every second row counts as independent; the noise level is the most likely one.
     """
     inflation = 1.0 + (share * spreads) ** 2
     left = rest - float(np.sum(square * (1.0 - 1.0 / inflation)))
@@ -61,10 +62,10 @@ def _log_likelihood(share: float, spreads: np.ndarray, square: np.ndarray, rest:
 
 
 def _friction_over_time(problem: EquationErrorProblem, asymmetry: float) -> list[tuple[slice, np.ndarray]] | None:
-    """Per recording its rows, and what the friction there (m, k), in units of noise, would add a while each.
+    """Per recording: its rows, and columns (m, k), in units of noise, of friction that acts for a while each.
 
-    Friction that a fit has found to be larger one way than the other, by a share ``asymmetry`` of itself, wanders as a
-    whole: a part of what wanders then drives one way and brakes the other, as a load does.
+    Friction that differs by direction, by a share ``asymmetry`` of itself, wanders as a whole: part of it then drives
+    in one direction and brakes in the other, as a load does.
     """
     moving = [o for o in problem.observations if len(o.rows) and not o.of_points]
     if not moving:
@@ -76,7 +77,7 @@ def _friction_over_time(problem: EquationErrorProblem, asymmetry: float) -> list
     by_speed = [hat_columns(np.abs(o.motion[:, SPEED]), knots) for o in problem.observations]
     sense = [np.sign(o.motion[:, SPEED])[:, None] for o in problem.observations]
     braking = at_rows(problem, [b * s for b, s in zip(by_speed, sense, strict=True)])[: problem.size]
-    # what does not brake in both directions, and what accelerates, is no friction
+    # what does not brake in both directions, or accelerates, is not friction
     driving = at_rows(problem, by_speed)[: problem.size]
     accelerating = (problem.acceleration / problem.noise)[:, None]
     slopes = np.concatenate([braking, driving, accelerating], axis=1)

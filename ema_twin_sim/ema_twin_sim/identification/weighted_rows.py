@@ -1,4 +1,4 @@
-"""Recordings under one weighting: what a prediction leaves of them, and how much each row of that counts."""
+"""Recordings under one weighting: residuals of a prediction, and the weight of each row."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ S = TypeVar("S", bound="WeightedRows")
 
 @dataclass(frozen=True, eq=False, init=False)
 class WeightedRows(RecordedRows):
-    """Recordings, their weighting, and whether the encoders count beside the torque.
+    """Recordings, their weighting, and whether the encoder rows count in addition to the torque rows.
 
-    It is never changed: ``under`` and the like give another one of the same rows, which cost nothing.
+    It is never changed: ``under`` and similar methods return another object that shares the rows.
     """
 
     weighting: Weighting
     use_encoder: bool
-    measured: np.ndarray  # (m,) in units of all that acts as noise, what wanders included
+    measured: np.ndarray  # (m,) in units of the total noise, wandering included
 
     def __init__(self, observations: Sequence[Observation]) -> None:
         super().__init__(observations)
@@ -42,11 +42,11 @@ class WeightedRows(RecordedRows):
         return self._but(weighting=weighting, measured=measured)
 
     def by_torque_alone(self: S) -> S:
-        """The same with the encoders' rows counting for nothing."""
+        """The same without the encoder rows."""
         return self._but(use_encoder=False)
 
     def with_encoders(self: S) -> S:
-        """The same with the encoders' rows counting too."""
+        """The same with the encoder rows."""
         return self._but(use_encoder=True)
 
     def _but(self: S, **changed: object) -> S:
@@ -55,7 +55,7 @@ class WeightedRows(RecordedRows):
         return other
 
     def compares_with(self, other: WeightedRows) -> bool:
-        """Whether misfits to both say the same: of the same rows, which count alike."""
+        """Whether misfits to both compare: same rows, same weights."""
         return (
             self.observations is other.observations
             and self.use_encoder == other.use_encoder
@@ -64,19 +64,19 @@ class WeightedRows(RecordedRows):
 
     @property
     def judged(self) -> int:
-        """How many rows are judged."""
+        """Number of rows that are judged."""
         return self.rows if self.use_encoder else self.size
 
     def whitened(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (m,) or columns of rows (m, k), in units of the sensors' noise, in those of all that acts as noise.
+        """Convert rows (m,) or columns of rows (m, k) from units of the sensors' noise to units of the total noise.
 
-        What stops may add to them is taken out.
+        The direction of stops is projected out.
         """
         rows = self.stops.taken_out(rows)
         return rows if self.weighting.wander is None else self.weighting.wander.whitened(rows)
 
     def unexplained(self, predicted: np.ndarray) -> np.ndarray:
-        """Measured minus predicted (m,), in units of noise; the encoders' offsets are taken out, robustly."""
+        """Measured minus predicted (m,), in units of noise, with the encoder offsets removed robustly."""
         rows = self.measured - predicted
         if not self.use_encoder:
             rows[self.size :] = 0.0
@@ -89,36 +89,36 @@ class WeightedRows(RecordedRows):
         return rows
 
     def weights(self, residual: np.ndarray) -> np.ndarray:
-        """Square roots (m,) of what each row counts: less and less as an outlier."""
+        """Square roots (m,) of the row weights, which decrease for outliers."""
         weights = 1.0 / np.sqrt(1.0 + (residual / self.weighting.cauchy_scale) ** 2)
         if not self.use_encoder:
             weights[self.size :] = 0.0
         return weights
 
     def misfit(self, residual: np.ndarray) -> float:
-        """Cauchy's sum: as squares for small residuals, as their logarithm for outliers."""
+        """Cauchy misfit: squared for small residuals, logarithmic for outliers."""
         return float(self.costs(residual).sum())
 
     def costs(self, residual: np.ndarray) -> np.ndarray:
-        """What each row (m,) adds to the misfit."""
-        with np.errstate(over="ignore"):  # what has blown up costs infinitely much
+        """Contribution of each row (m,) to the misfit."""
+        with np.errstate(over="ignore"):  # overflow means infinite cost
             return self.weighting.cauchy_scale**2 * np.log1p((residual / self.weighting.cauchy_scale) ** 2)
 
     def centred(self, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """Rows with the weighted mean of each recording's encoder rows taken out."""
+        """Rows minus the weighted mean of each piece of encoder rows."""
         rows = rows.copy()
         for e in self.encoder_pieces:
             noise = self.noise_of_encoders(e)
             w = weights[e] ** 2
-            if not w.any():  # the torque alone is looked at
+            if not w.any():  # torque only
                 continue
             rows[e] -= float(w @ (rows[e] / noise)) / float(w @ noise**-2.0) / noise
         return rows
 
     def reweighed(self, residual: np.ndarray, most: float = math.inf) -> Weighting:
-        """The weighting by which outliers begin where the bulk of a residual (m,) ends, at ``most`` at the latest.
+        """The weighting whose outliers begin where the bulk of a residual (m,) ends, at most at ``most``.
 
-        The same one where that is no other by much.
+        The current weighting is returned if it would hardly change.
         """
         scale = np.full(self.rows, FAR)
         for _, part in self.parts:

@@ -1,1 +1,1 @@
-"""A recording made ready to judge, once, for everybody: its signals, its noise, the scales of its machine."""
+"""Measured: a recording prepared once for all uses: its signals, its noise, and the scales of its machine."""

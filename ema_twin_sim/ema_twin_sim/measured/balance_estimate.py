@@ -1,7 +1,7 @@
-"""Inertia and friction by one linear regression of the drive's torque on the measured motion.
+"""Inertia and friction by one linear regression of the drive torque on the measured motion.
 
-A first estimate, for machines of which nothing is known: it sets the scale that everything else is told in, and where a
-search begins. It needs no start value, and no number with a unit.
+A first estimate for unknown machines. It sets the scale of everything else, and the start of a search. It needs no
+start value and no number with a unit.
 """
 
 from __future__ import annotations
@@ -20,13 +20,12 @@ from .smoothing import gaussian, smooth
 
 FIRST_WIDTH = 10.0  # sample periods: the kernel's standard deviation before a time scale is known
 LEAST_WIDTH = 2.5  # sample periods
-PASSES = 3  # estimates, each with the kernel that the one before suggests
+PASSES = 3  # estimates, each with the kernel that the previous one suggests
 KERNEL = 0.07  # of the machine's own time sqrt(J / T): the kernel's standard deviation
-ROWS = 200  # rows below which no estimate is made
-LOADS = ((3, 4, 5, 6), (6,))  # columns of what depends on the angle, and of a constant load
-"""What is tried beside inertia and friction. Where a motion swings about one angle, acceleration goes with it: then any
-load along the angle takes the inertia's place, and the order of its size shows without them only.
-"""
+ROWS = 200  # no estimate with fewer rows
+LOADS = ((3, 4, 5, 6), (6,))  # columns that depend on the angle, plus a constant load
+"""Loads that are tried with inertia and friction. If a motion swings about one angle, acceleration is proportional to
+the angle: any load over the angle then replaces the inertia, whose order of magnitude only shows without such loads."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class BalanceEstimate:
 
 
 def estimate_balance(recordings: Sequence[Recording], model: Model, torque: float) -> BalanceEstimate | None:
-    """The estimate from recordings of a motion; ``torque`` is the rms of the drive's. None where no inertia shows."""
+    """The estimate from recordings of a motion; ``torque`` is the drive's rms torque. None if no inertia shows."""
     moving = [r for r in spread(recordings) if r.has("current", "motor_position") and not r.of_points and len(r) > ROWS]
     found: BalanceEstimate | None = None
     for _ in range(PASSES):
@@ -56,7 +55,7 @@ def estimate_balance(recordings: Sequence[Recording], model: Model, torque: floa
 
 
 def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[np.ndarray, np.ndarray]:
-    """(columns (m, k), torque (m,)) of a recording, a kernel apart; the last column is the constant."""
+    """(columns (m, k), torque (m,)) of a recording, two kernel widths apart; the last column is the constant."""
     period = recording.sample_period
     time = np.arange(int(recording.duration / period) + 1) * period
     width = FIRST_WIDTH * period if own_time is None else max(KERNEL * own_time, LEAST_WIDTH * period)
@@ -74,7 +73,7 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
         speed = smooth(signals["motor_position"], slope)
         acceleration = smooth(signals["motor_position"], gaussian(width, period, 2))
     drive = model.value("machine.torque_constant") * smooth(signals["current"], plain)
-    if "load_torque" in signals:  # measured, it opposes positive motion
+    if "load_torque" in signals:  # a measured load opposes positive motion
         drive = drive - smooth(signals["load_torque"], plain)
     half = len(plain) // 2
     kept = np.arange(half, len(time) - half, max(1, round(2.0 * width / period)))
@@ -85,7 +84,7 @@ def _rows(recording: Recording, model: Model, own_time: float | None) -> tuple[n
 
 
 def _regressed(parts: Sequence[tuple[np.ndarray, np.ndarray]], loads: Sequence[int]) -> BalanceEstimate | None:
-    """Least squares over all recordings beside some ``loads``; None where the inertia does not show."""
+    """Least squares over all recordings with some ``loads``; None if the inertia is not significant."""
     columns = np.concatenate([part[0][:, [0, 1, 2, *loads]] for part in parts])
     torque = np.concatenate([part[1] for part in parts])
     if len(torque) < 3 * columns.shape[1]:

@@ -1,4 +1,4 @@
-"""Bandwidth: how narrow the kernels may be through which a recording is seen."""
+"""Bandwidth: how narrow the kernels for a recording may be."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from ..criteria import NEGLIGIBLE, SMALL
 from .smoothing import gaussian, smooth
 
-NARROWER = 0.7  # from one width that is tried to the next
+NARROWER = 0.7  # ratio of one tried width to the next
 
 
 def narrowest(position: np.ndarray, period: float, noise: float, widest: float, least: float) -> float:
-    """The least width [s], from ``least`` to ``widest``, whose second derivative of a position (n,) [rad] is quiet.
+    """Smallest width [s] between ``least`` and ``widest`` whose second derivative of a position (n,) [rad] is quiet.
 
     ``noise`` [rad] is the standard deviation of one sample.
     """
@@ -23,7 +23,7 @@ def narrowest(position: np.ndarray, period: float, noise: float, widest: float, 
 
 
 def narrowest_for_speed(period: float, noise: float, widest: float, least: float, standstill: float) -> float:
-    """The least width [s] whose first derivative tells the sign of a speed above ``standstill`` [rad/s]."""
+    """Smallest width [s] whose first derivative gives the sign of a speed above ``standstill`` [rad/s]."""
     width = widest
     while width * NARROWER >= least:
         if noise * float(np.linalg.norm(gaussian(width * NARROWER, period, 1))) > SMALL * standstill:

@@ -1,7 +1,7 @@
-"""Consistency: whether a recording's signals fit each other, and the model's inertia, before anything is fitted.
+"""Consistency: whether a recording's signals fit each other and the model's inertia, before anything is fitted.
 
-No effect makes a shaft turn by a multiple of its speed. A factor between two signals is a unit, a count, a sign or a
-gear ratio that is wrong in the import map; the usual ones are known by their size.
+No effect makes a shaft turn by a multiple of its speed. A factor between two signals means a wrong unit, count, sign or
+gear ratio in the import map; the usual mistakes are recognised by their size.
 """
 
 from __future__ import annotations
@@ -32,36 +32,37 @@ from .observation import Observation, observe
 from .smoothing import smooth_at
 from .twist import parts_by_angle
 
-WINDOW = 0.1  # own s over which ways are compared
-FEWEST = 30  # samples that do
-PIECE = 300.0  # own s that are judged at once: half an hour takes memory, and tells no more
+WINDOW = 0.1  # own s over which displacements are compared
+FEWEST = 30  # samples needed
+PIECE = 300.0  # own s that are judged at once: more takes memory and adds nothing
 
 _ALSO = {
     frozenset({"output_position", "motor_position"}): ", and machine.gear_ratio (with {ratio:.4g} they fit)",
     frozenset({"motor_position", "speed"}): ", and the time; or remove the line of the one that the trace has wrong",
 }
-"""What else may be wrong where two signals do not fit."""
+"""What else may be wrong if two signals do not fit."""
 
 DEGREES, RPM, TURN = 180.0 / math.pi, 60.0 / (2.0 * math.pi), 2.0 * math.pi
 
 
 @dataclass(frozen=True)
 class _Relation:
-    """How two signals belong together; shares are relative."""
+    """How two related signals are compared; limits are relative."""
 
-    off: float  # beyond which they do not fit
-    named: float  # within which a factor is a usual mistake
-    beyond: float  # beyond which any factor is a mistake: no machine does that
-    counted: bool  # whether counts, or the gear ratio, may stand between them
+    off: float  # beyond this deviation they do not fit
+    named: float  # within this distance a factor counts as a usual mistake
+    beyond: float  # beyond this any factor is a mistake: no machine does that
+    counted: bool  # whether encoder counts or the gear ratio may cause a factor
 
 
 WAY_AND_SPEED = _Relation(off=SMALL, named=NEGLIGIBLE, beyond=SMALL, counted=True)
-TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, beyond=math.sqrt(PART), counted=True)  # play and springs take a part
-SETPOINT = _Relation(off=0.5, named=SMALL, beyond=math.inf, counted=False)  # which a drive follows late, or not at all
+# backlash and compliance take a part
+TWO_SHAFTS = _Relation(off=PART, named=NEGLIGIBLE, beyond=math.sqrt(PART), counted=True)
+SETPOINT = _Relation(off=0.5, named=SMALL, beyond=math.inf, counted=False)  # a drive follows late, or not at all
 
 
 class _Factor(NamedTuple):
-    """``signal`` is so many times what ``other`` makes it."""
+    """``signal`` is ``value`` times what ``other`` implies."""
 
     signal: str
     other: str
@@ -74,7 +75,7 @@ class _Factor(NamedTuple):
 
 @dataclass(frozen=True)
 class Inconsistency:
-    """One signal that does not fit another, in words; ``remedy`` is what to look at."""
+    """One signal that does not fit another, in words; ``remedy`` says what to check."""
 
     recording: str
     what: str
@@ -92,10 +93,10 @@ def refuse_inconsistent(recordings: Sequence[Recording], model: Model) -> None:
 
 
 def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recording] = ()) -> Iterator[Inconsistency]:
-    """What does not fit, the plainest first. The recording and the model are in the machine's own units.
+    """What does not fit, the clearest first. Recording and model are in the machine's own units.
 
-    ``beside`` are recordings of the same machine. Where both shafts go the same way in one of these, or as far from end
-    to end in any, the gear ratio is right: an output that swings wider here does so on a shaft that winds up.
+    ``beside`` are recordings of the same machine. If both shafts move in proportion in one of these, or travel equally
+    far from end to end in any, the gear ratio is right: then an output that swings wider here is on a compliant shaft.
     """
     if recording.of_points:
         return
@@ -128,7 +129,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
     ]
     named = [name for factor in off for name in factor[:2]]
     for found in off:
-        # what fits none of two others is what is wrong
+        # if a signal fits neither of two others, that signal is wrong
         factor = found.turned() if named.count(found.other) > named.count(found.signal) else found
         pair = {factor.signal, factor.other}
         yield Inconsistency(
@@ -143,7 +144,7 @@ def inconsistencies(recording: Recording, model: Model, beside: Sequence[Recordi
 
 
 def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
-    """The factors between all signals that belong together and show one."""
+    """The factors between all related signals that have a steady ratio."""
     signals = recording.signals
     lag = _lag(recording)
 
@@ -171,7 +172,7 @@ def _factors(recording: Recording, model: Model) -> Iterator[_Factor]:
 
 
 def way_by_speed(recording: Recording) -> float | None:
-    """How many times the way that the speed makes the motor's position goes; None where that is no steady multiple."""
+    """Motor displacement over the displacement that the speed implies; None if that ratio is not steady."""
     if not recording.has("speed", "motor_position"):
         return None
     lag, position, travelled = _lag(recording), recording.signals["motor_position"], _travelled(recording)
@@ -179,13 +180,13 @@ def way_by_speed(recording: Recording) -> float | None:
 
 
 def is_usual_mistake(times: float) -> bool:
-    """Whether a factor between way and speed is one that units make."""
+    """Whether a factor between displacement and speed is one that units cause."""
     sizes = (size for unit in (DEGREES, RPM, TURN, 1000.0) for size in (unit, 1.0 / unit))
     return any(abs(abs(times) - size) <= WAY_AND_SPEED.named * size for size in sizes)
 
 
 def _goes_as_far(recording: Recording, model: Model) -> bool:
-    """Whether the output goes as far, from end to end, as the motor takes it."""
+    """Whether the output travels as far, from end to end, as the motor and gear ratio imply."""
     if not recording.has("output_position", "motor_position") or recording.of_points:
         return False
     spans = []
@@ -196,12 +197,12 @@ def _goes_as_far(recording: Recording, model: Model) -> bool:
 
 
 def _lag(recording: Recording) -> int:
-    """The samples that ways are taken over."""
+    """Number of samples over which displacements are taken."""
     return max(1, round(WINDOW / recording.sample_period)) if len(recording) > 1 else 1
 
 
 def _travelled(recording: Recording) -> np.ndarray:
-    """The way (n,) [rad] that the speed makes, across samples that are missing; NaN where there is no speed."""
+    """Displacement (n,) [rad] implied by the speed, bridging missing samples; NaN if there is no speed at all."""
     speed = recording.signals["speed"]
     known = np.isfinite(speed)
     if not known.any():
@@ -211,9 +212,9 @@ def _travelled(recording: Recording) -> np.ndarray:
 
 
 def steady_factor(values: np.ndarray, expected: np.ndarray, fewest: int = FEWEST) -> float | None:
-    """How many times what was expected (n,) the values (n,) are; None where they are no steady multiple of it.
+    """Ratio of the values (n,) to the expected ones (n,); None if it is not steady.
 
-    ``fewest`` of them must be large enough to tell.
+    At least ``fewest`` of the expected values must be large.
     """
     both = np.isfinite(values) & np.isfinite(expected)
     values, expected = values[both], expected[both]
@@ -227,7 +228,7 @@ def steady_factor(values: np.ndarray, expected: np.ndarray, fewest: int = FEWEST
 
 
 def _mistake(factor: _Factor, model: Model) -> str:
-    """What a factor is usually the sign of, in words; empty where it is none of these."""
+    """The usual cause of a factor, in words; empty if it is none of these."""
     signal, other, value, relation = factor
     ratio = model.value("machine.gear_ratio")
     timed = (signal, other) == ("motor_position", "speed")
@@ -262,7 +263,7 @@ def _mistake(factor: _Factor, model: Model) -> str:
 
 
 def _by_load(recording: Recording) -> Iterator[Inconsistency]:
-    """Whether the drive holds the load that was measured, and does not give way to it."""
+    """Whether the drive's torque holds the measured load instead of yielding to it."""
     if falls_with_load([recording]):
         yield Inconsistency(
             recording.name,
@@ -287,17 +288,17 @@ def _by_limit(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """Whether the current accelerates the machine as its inertia and its loads let it, where these are known."""
+    """Whether the current accelerates the machine as its inertia and loads require, if these are known."""
     parts = [model.constants[f"machine.{part}_inertia"] for part in ("motor", "gearbox", "output")]
     if any(math.isinf(part.tolerance) for part in (*parts, model.constants["machine.torque_constant"])):
         yield from _by_friction(recording, model)
         return
-    motor, output = origins_of(recording, model)  # unknown ones are zero of the whole, not of each piece
+    motor, output = origins_of(recording, model)  # unknown origins are zero for the whole recording, not for each piece
     recording = replace(recording, motor_angle_origin=motor, output_angle_origin=output)
     for start in PIECE * np.unique(recording.time // PIECE):
         factor = _times_inertia(recording, start, model, sum(part.value for part in parts))
         if factor is not None:
-            break  # the first piece that can tell does
+            break  # the first piece with an answer decides
     else:
         return
     usual = {
@@ -306,7 +307,7 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
         -1.0: "as if its sign were turned round",
     }
     why = next((text for times, text in usual.items() if abs(factor - times) <= PART * abs(times)), None)
-    if why is None:  # what a load or a disturbance makes of it has any size
+    if why is None:  # a load or a disturbance can cause any factor
         return
     yield Inconsistency(
         recording.name,
@@ -316,12 +317,12 @@ def _by_inertia(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _times_inertia(recording: Recording, start: float, model: Model, inertia: float) -> float | None:
-    """How many times the torque that the inertia [kg m^2] needs is there, from ``start`` [s] on; None: unknown."""
+    """Measured torque over what the inertia [kg m^2] needs, from ``start`` [s] on; None if unknown."""
     try:
         piece = recording.between(start, start + PIECE)
         seen = observe(piece, model)
     except InputError:
-        return None  # whoever needs the motion will say so
+        return None  # whatever needs the motion will report this
     speed = seen.motion[seen.rows, SPEED]
     needed = inertia * seen.acceleration + _load(piece, model, seen)
     columns = np.stack([needed, np.sign(speed), speed, np.ones(len(speed))], axis=1)
@@ -337,17 +338,17 @@ def _times_inertia(recording: Recording, start: float, model: Model, inertia: fl
     if float(left @ left) > SMALL * float(rest @ rest):
         return None
     factor = float(found[0] / size[0])
-    return factor if found[1] * factor >= 0.0 else None  # a spring that the model lacks turns no friction's sign round
+    return factor if found[1] * factor >= 0.0 else None  # a missing spring does not reverse friction
 
 
 def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
-    """Whether the current works against inertia and friction, whatever they are, and not with them."""
+    """Whether the current works against inertia and friction, of whatever size, and not with them."""
     ratio = model.value("machine.gear_ratio")
     for start in PIECE * np.unique(recording.time // PIECE):
         try:
             seen = observe(recording.between(start, start + PIECE), model)
         except InputError:
-            continue  # whoever needs the motion will say so
+            continue  # whatever needs the motion will report this
         speed, place = (seen.motion[seen.rows, column] for column in (SPEED, MOTOR_ANGLE))
         loads = np.stack([np.ones(len(speed)), place, np.sin(place / ratio), np.cos(place / ratio)], axis=1)
         if recording.has("load_torque"):  # which may drive the machine
@@ -366,7 +367,7 @@ def _by_friction(recording: Recording, model: Model) -> Iterator[Inconsistency]:
 
 
 def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) -> float:
-    """What is left (squared) of a torque (m,) beside columns of any sign (m, k) and such of which none takes away."""
+    """Least squared residual of a torque (m,), with columns (m, k) of any sign and others that must not be negative."""
     columns = np.hstack([positive, free])
     size = np.linalg.norm(columns, axis=0)
     columns = columns / np.where(size > 0.0, size, 1.0)
@@ -384,7 +385,7 @@ def _least_beside(free: np.ndarray, positive: np.ndarray, torque: np.ndarray) ->
 
 
 def _load(recording: Recording, model: Model, seen: Observation) -> np.ndarray:
-    """Torque [N m] (m,) of the loads that the model has, and of a measured one; none where its gearbox parts."""
+    """Torque [N m] (m,) of the model's loads, and of a measured one; zero if its gearbox can separate."""
     loads = effects_with(Trait.LOAD)
     effects = {name: instance for name, instance in model.active.items() if instance.effect in loads}
     assembly = assemble(replace(model, effects=effects))

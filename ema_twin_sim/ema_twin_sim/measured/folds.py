@@ -1,4 +1,4 @@
-"""A lone table of operating points as two recordings, so that each can be judged by the other."""
+"""Split a single table of operating points into two recordings, so that each can be judged by the other."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import FEWEST, directed
 
 FEWEST_OF_BOTH = 4 * FEWEST
-BLOCKS = 8  # of the positions, every other of which is judged by the rest
+BLOCKS = 8  # of the positions; every other block is judged by the rest
 
 #: Key of a half's metadata: the name of the whole.
 HALF_OF = "half_of"
 
 
 def operating_point_folds(recordings: Sequence[Recording]) -> list[Recording]:
-    """A lone recording of points as two, so that each can be judged by the other: every other eighth of its positions.
+    """Split a single recording of operating points in two, so that each can be judged by the other.
 
-    Where all its positions are one, every other point. Others, and few points, stay as they are.
+    Every other eighth of its positions goes to one half; if it has only one position, every other point. Other
+    recordings, and those with few points, are returned unchanged.
     """
     refuse_mixed(recordings)
     if len(recordings) != 1 or not recordings[0].of_points or len(recordings[0]) < FEWEST_OF_BOTH:
         return list(recordings)
-    whole = directed(recordings[0])  # in a part, the way to a point can no longer be seen
+    whole = directed(recordings[0])  # in a part, the direction of approach to a point is no longer visible
     position = whole.signals.get("motor_position")
     rank = np.arange(len(whole))
     if position is not None and np.nanmax(position) > np.nanmin(position):
@@ -54,9 +55,9 @@ def _part(whole: Recording, chosen: np.ndarray, name: str) -> Recording:
 
 
 def refuse_mixed(recordings: Sequence[Recording]) -> None:
-    """Raise InputError where recordings of different kinds stand side by side, since they are judged differently.
+    """Raise InputError if recordings of different kinds are given together, since they are judged differently.
 
-    These are operating points, two encoders without a torque, and all others.
+    The kinds are operating points, two encoders without torque data, and all others.
     """
     names = [recording.name for recording in recordings if recording.of_points]
     if names and len(names) < len(recordings):

@@ -1,5 +1,7 @@
-"""Whether a torque that a sensor measured behind the machine is its load: then the drive's torque follows it, and rises
-with it; one that falls where the load rises tells that the sensor counts the other way.
+"""Whether a torque measured by a sensor behind the machine is its load.
+
+Then the drive's torque follows it and rises with it. If the drive's torque falls where the load rises, the sensor has
+the opposite sign.
 """
 
 from __future__ import annotations
@@ -16,28 +18,29 @@ from ..reading_noise import reading_noise
 from .smoothing import gaussian, smooth
 from .spoilt_samples import despiked
 
-_WIDTH = 10.0  # samples over which all is smoothed, and
-_SHARE = 0.002  # of a recording's
-_ENDS = 4.0  # widths at either end that are left out
+_WIDTH = 10.0  # samples over which all is smoothed, at least
+_SHARE = 0.002  # the same as a share of the recording
+_ENDS = 4.0  # widths at each end that are left out
 _SPEED = 1  # column of a row
-_MOTION = 5  # columns of what the motion takes: acceleration, speed, its direction, a constant, and what drifts
+_MOTION = 5  # columns for the motion: acceleration, speed, its sign, a constant, and drift
 
 
 def follows_load(recordings: Sequence[Recording]) -> bool:
-    """Whether the drive's torque follows the load that was measured, beside what the motion takes.
+    """Whether the drive's torque follows the measured load, once the torque of the motion is regressed out.
 
-    True where that cannot be told. A sensor in an unloaded joint tells its own offset, which drifts; taken for a load,
-    that would stand in the friction's place.
+    True if that cannot be decided. A sensor in an unloaded joint measures its own offset, which drifts; taken for a
+    load, it would stand in for friction.
     """
     likeness = _likeness(recordings)
     return likeness is None or abs(likeness) >= PART
 
 
 def falls_with_load(recordings: Sequence[Recording]) -> bool:
-    """Whether the drive's torque falls where the load rises, as where the sensor counts the other way.
+    """Whether the drive's torque falls where the load rises, so that the sensor has the opposite sign.
 
-    Whatever moves a machine, its drive has to hold what stands against it beside inertia and friction. A screw that
-    locks itself is driven down against its load, though, but not up: asked of each direction by itself, surely.
+    Whatever moves a machine, its drive must hold the opposing load in addition to inertia and friction. A self-locking
+    screw, however, is driven down against its load but not up. So the fall must be significant in each direction
+    separately.
     """
     rows = _all_rows(recordings)
     forward = rows[:, _SPEED] > 0.0
@@ -45,16 +48,16 @@ def falls_with_load(recordings: Sequence[Recording]) -> bool:
 
 
 def _likeness(recordings: Sequence[Recording]) -> float | None:
-    """The correlation of load and drive's torque beside what the motion takes; None where it cannot be told.
+    """Correlation of load and drive torque with the motion regressed out; None if it cannot be determined.
 
-    That is without a drive's torque or a motion, or with a load that changes by no more than its sensor's noise.
+    That is without drive torque or motion data, or with a load that changes by no more than its sensor's noise.
     """
     rows = _all_rows(recordings)
     return _likeness_of(rows) if len(rows) >= FEWEST_ROWS and _load_shows(rows, recordings) else None
 
 
 def _surely_falls(rows: np.ndarray) -> bool:
-    """Whether torque falls as load rises, by more than chance lets it; rows of one kernel share some of their noise."""
+    """Whether torque falls with load by more than chance; rows within one kernel share some of their noise."""
     if len(rows) < FEWEST_ROWS:
         return False
     likeness = _likeness_of(rows)
@@ -62,7 +65,7 @@ def _surely_falls(rows: np.ndarray) -> bool:
 
 
 def _all_rows(recordings: Sequence[Recording]) -> np.ndarray:
-    """The rows (n, ``_MOTION`` + 2) of all recordings whose motion was recorded beside a load."""
+    """Rows (n, ``_MOTION`` + 2) of all recordings that have both motion and load."""
     parts = [_rows(r) for r in _loaded(recordings)]
     return np.concatenate([part for part in parts if part is not None] or [np.zeros((0, _MOTION + 2))])
 
@@ -86,7 +89,7 @@ def _likeness_of(rows: np.ndarray) -> float | None:
 
 
 def _load_noise(recording: Recording) -> float:
-    """Standard deviation that the noise of a load's sensor has once it is smoothed."""
+    """Standard deviation of the load sensor's noise after smoothing."""
     load = recording.signals["load_torque"]
     return reading_noise(_whole(load)) * float(np.linalg.norm(_kernel(recording))) if np.isfinite(load).any() else 0.0
 
@@ -100,7 +103,9 @@ def _width(recording: Recording) -> float:
 
 
 def _rows(recording: Recording) -> np.ndarray | None:
-    """Rows (n, ``_MOTION`` + 2) of a recording a kernel apart, load and drive's torque last; None without a motion."""
+    """Rows (n, ``_MOTION`` + 2) of a recording, a kernel width apart; load and drive torque last. None without
+    motion.
+    """
     drive = next((name for name in ("current", "motor_torque") if recording.has(name)), None)
     move = next((name for name in ("speed", "motor_position") if recording.has(name)), None)
     if drive is None or move is None:
@@ -121,13 +126,13 @@ def _rows(recording: Recording) -> np.ndarray | None:
 
 
 def _whole(values: np.ndarray) -> np.ndarray:
-    """The values (n,) without transmission errors; where one is missing, as a straight line has it."""
+    """Values (n,) without transmission errors, missing ones interpolated."""
     known = np.isfinite(values)
     return despiked(np.interp(np.arange(len(values)), np.flatnonzero(known), values[known]))
 
 
 def _beside(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """What columns (n, k) leave of values (n,)."""
+    """Residual of values (n,) after regression on columns (n, k)."""
     size = np.maximum(np.abs(columns).max(axis=0), np.finfo(float).tiny)
     found, *_ = np.linalg.lstsq(columns / size, values, rcond=None)
     left: np.ndarray = values - columns / size @ found

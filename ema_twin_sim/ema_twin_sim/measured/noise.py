@@ -1,4 +1,4 @@
-"""The one noise floor of a set of recordings: all that judges, compares or shows them tells this one."""
+"""Noise floor of a set of recordings: everything that judges, compares or shows them uses this one."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ..simulation.sensor_noise import noise_floors
 from .scales import begun_near, to_rotary_equivalent
 
 NoiseFloor = dict[str, float]
-"""RMSE per compared signal that remains where a twin is right, SI; of the drum where the machine is linear."""
+"""RMSE by compared signal that remains with a right twin, in SI; of the drum for a linear machine."""
 
 
 def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     """The noise floor of native recordings, pooled over their samples.
 
-    The sensors are those of the model's file. What is open in its inertia and friction is taken from the recordings, so
-    that a model has the same noise floor before and after a fit: a start value says nothing of the sensors.
+    The sensors are those of the model file. Open inertia and friction are estimated from the recordings, so that a
+    model has the same noise floor before and after a fit: a start value says nothing about the sensors.
     """
     if not recordings:
         return noise_floors(to_rotary_equivalent(recordings, model)[1])
@@ -29,7 +29,7 @@ def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     kinds = {(r.has("speed"), r.sample_period) for r in recordings}
     floors = {kind: noise_floors(near, has_speed=kind[0], period=kind[1]) for kind in kinds}
     each = [floors[r.has("speed"), r.sample_period] for r in recordings]
-    lengths = [len(r) for r in recordings]  # errors are pooled over samples, and so is this
+    lengths = [len(r) for r in recordings]  # errors are pooled over samples, so is this
     return {
         name: math.sqrt(sum(n * floor[name] ** 2 for n, floor in zip(lengths, each, strict=True)) / sum(lengths))
         for name in each[0]

@@ -1,4 +1,4 @@
-"""What recordings show of a machine, and what they do not: operating points, and two encoders without a torque."""
+"""What recordings can show of a machine: limits of operating points, and of two encoders without torque data."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from ..simulation.behind_motor import of_encoders_alone
 from ..simulation.operating_points import HOLDING
 
 PLACES = frozenset({"order", "output_position", "encoders"})
-"""What an effect shows over that does not show where no position is known."""
+"""Quantities whose effects do not show if no position is known."""
 
 
 def not_shown(recordings: Sequence[Recording]) -> frozenset[str]:
-    """Effects that recordings do not show, since none holds a torque, or all of them are of operating points."""
+    """Effects that the recordings cannot show, because none holds a torque or all are of operating points."""
     if all(map(of_encoders_alone, recordings)):
         return frozenset(id for id, effect in catalogue().items() if effect.depends_on != "encoders")
     return _not_at_points(recordings)
 
 
 def own_not_shown(recordings: Sequence[Recording], without: Collection[str]) -> tuple[str, ...]:
-    """One sentence where users' own effects, but those ``without``, were not looked for since no torque shows them."""
+    """One sentence if users' own effects (except ``without``) were not searched for, as no torque was measured."""
     hidden = not_shown(recordings) - {*without} if all(map(of_encoders_alone, recordings)) else frozenset()
     own = sorted(id for id in hidden if is_own(catalogue()[id]))
     if not own:
@@ -39,7 +39,7 @@ def own_not_shown(recordings: Sequence[Recording], without: Collection[str]) -> 
 
 
 def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
-    """Effects that operating points do not show, where all recordings are of such."""
+    """Effects that operating points cannot show, if all recordings are of this kind."""
     if not all(recording.of_points for recording in recordings):
         return frozenset()
     hidden = effects_with(Trait.TRANSIENT) | effects_with(Trait.BY_CURRENT)
@@ -53,7 +53,7 @@ def _not_at_points(recordings: Sequence[Recording]) -> frozenset[str]:
 
 
 def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
-    """The model less what recordings of points at rest do not show, switched off; ``restored`` switches it on again."""
+    """Disable the effects that operating points at rest cannot show; ``restored`` enables them again."""
     hidden = _not_at_points(recordings)
     sleeping = {
         name: replace(instance, enabled=False) for name, instance in model.active.items() if instance.effect in hidden
@@ -62,6 +62,6 @@ def at_rest(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def restored(found: Model, given: Model) -> Model:
-    """A model with what is on in the one ``given`` switched on."""
+    """Enable the effects that are enabled in the ``given`` model."""
     on = {name: replace(found.effects[name], enabled=True) for name in given.active if name in found.effects}
     return replace(found, effects={**found.effects, **on})

@@ -1,8 +1,8 @@
-"""What was observed in a recording, ready to be explained: the measured motion, the drive's torque, the encoders'
-difference, and the rows (instants) at which they are judged.
+"""Observation: the measured motion of a recording, the drive torque, the encoder difference, and the rows to judge.
 
-Measured and predicted values go through the same Gaussian kernel, so nothing is lost by it; the drive's own smoothing
-of the speed is undone. A row is not judged near standstill (dry friction has no sign there), near a gap, or at an end.
+Rows are the instants at which torque and encoder difference are judged. Measured and predicted values go through the
+same Gaussian kernel, so nothing is lost by it; the drive's own smoothing of the speed is undone. A row is not judged
+near standstill (dry friction has no sign there), near a gap, or at an end.
 """
 
 from __future__ import annotations
@@ -45,57 +45,57 @@ from .smoothed_motion import COUNTER_WIDTH, FEWEST, LEAST_PERIODS, NEEDED, WIDTH
 from .smoothing import gaussian, smooth, smooth_at
 from .spoilt_samples import counter_jumps
 
-START = 0.03  # own s at the ends that are not judged
-JITTER = 2e-4  # own s by which the two counters' samples, or an impact, may be apart
+START = 0.03  # own s at each end that are not judged
+JITTER = 2e-4  # own s of possible offset between the two counters' samples, or of an impact
 LEAST_NOISE = 1e-6  # of the torque limit: simulated recordings may have no noise at all
-LARGEST = 100.0  # times the largest torque: the limit of a drive whose own is not known
+LARGEST = 100.0  # times the largest torque: limit of a drive whose own is not known
 
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """One recording as a diagnosis sees it: n samples at full rate, m rows of torque, k rows of the encoders.
+    """One recording as used in a diagnosis: n samples at full rate, m torque rows, k encoder rows.
 
     Torques are in N m at the fast shaft, noises are standard deviations.
     """
 
     name: str
     period: float  # s
-    geared: bool  # whether something stands behind teeth or a spring
+    geared: bool  # whether an output inertia follows the gear teeth or a compliant shaft
     motion: np.ndarray  # (n, 7) with the columns MOTION
-    motor_origin: float  # rad, the motor counter's own angle where its position is zero
+    motor_origin: float  # rad, angle of the motor counter where its position is zero
     output_origin: float  # rad, the same of the output encoder
     kernel: np.ndarray
-    rows: np.ndarray  # int64 (m,), the samples at which the torque is judged
+    rows: np.ndarray  # int64 (m,), samples at which the torque is judged
     torque: np.ndarray  # (m,) nominal torque constant times current, smoothed
     torque_rate: np.ndarray  # (m,) its slope, N m/s
     acceleration: np.ndarray  # (m,) rad/s2, smoothed by the same kernel
     torque_noise: np.ndarray  # (m,)
-    torque_step: float  # N m, between two readings of the current next to each other
-    coarse: bool  # whether the current's steps are wide beside its noise: neighbouring rows are rounded alike
-    hit: np.ndarray  # (n,) rad/s2, the hardest acceleration shortly before; zero where nothing can be shaken
-    after_impact: np.ndarray  # bool (n,), a harder one before: an output with play rests anywhere
-    encoder_rows: np.ndarray  # int64 (k,), the samples at which the encoders' difference is judged
+    torque_step: float  # N m, between adjacent readings of the current
+    coarse: bool  # current steps are wide relative to its noise: neighbouring rows round alike
+    hit: np.ndarray  # (n,) rad/s2, largest acceleration shortly before; zero without gearing
+    after_impact: np.ndarray  # bool (n,), after an impact: an output with backlash may rest anywhere
+    encoder_rows: np.ndarray  # int64 (k,), samples at which the encoder difference is judged
     encoder: np.ndarray  # (k,) rad of the slow shaft: output encoder minus motor counter over ratio, smoothed
     encoder_noise: np.ndarray  # (k,)
-    encoder_piece: np.ndarray  # int64 (k,), rises by one where the difference jumps: a piece has its own offset
+    encoder_piece: np.ndarray  # int64 (k,), +1 where the difference jumps: each piece has its own offset
 
     @property
     def below_shock_limit(self) -> np.ndarray:
-        """Whether (m,) no hard acceleration was shortly before a row of torque."""
+        """Mask (m,) of the torque rows without hard acceleration shortly before."""
         return self.hit[self.rows] < HARD
 
     @property
     def shaken(self) -> np.ndarray:
-        """By how many times (n,) the noise is larger for what has been hit."""
+        """Factor (n,) on the noise after hard acceleration."""
         return _shaken(self.hit)
 
     @property
     def of_points(self) -> bool:
-        """Whether rows are operating points, each by itself."""
+        """Whether rows are operating points, each judged separately."""
         return len(self.kernel) == 1
 
     def without_encoders(self) -> Observation:
-        """The torque alone."""
+        """The observation with torque rows only."""
         none = np.zeros(0)
         return replace(
             self,
@@ -106,8 +106,8 @@ class Observation:
         )
 
     def window(self, first: int, last: int) -> Observation:
-        """The samples from ``first`` to before ``last``; times stay as they are."""
-        reach = len(self.kernel) // 2  # a row looks so far to both sides
+        """The samples from ``first`` up to ``last`` (exclusive); times are unchanged."""
+        reach = len(self.kernel) // 2  # a row uses samples this far to both sides
         rows = (self.rows >= first + reach) & (self.rows < last - reach)
         encoder = (self.encoder_rows >= first + reach) & (self.encoder_rows < last - reach)
         return replace(
@@ -128,11 +128,11 @@ class Observation:
 
 
 def observe(recording: Recording, model: Model, widest: float = math.inf, *, bridging: bool = False) -> Observation:
-    """Take from a recording what a diagnosis needs, through a kernel of a width of ``widest`` [own s] at most.
+    """Prepare a recording for a diagnosis, with a kernel of at most ``widest`` [own s].
 
-    Where ``bridging``, the kernel is wide enough for the steps of a log without an even clock, which are gaps else.
+    With ``bridging``, the kernel is wide enough for the steps of a log without an even clock; otherwise these are gaps.
 
-    Raises InputError where it lacks a signal that all stands on.
+    Raises InputError if a required signal is missing.
     """
     if recording.of_points:
         return _observe_points(recording, model)
@@ -166,7 +166,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
             "the right column of the trace? Name it in the import map"
         )
     width = max(min(WIDTH if "speed" in signals else COUNTER_WIDTH, widest), LEAST_PERIODS * period)
-    # where nothing stands behind teeth or a spring, nothing is shaken, and reversals are as good as anything else
+    # without teeth or compliance nothing is shaken, and reversals are as good as any other rows
     geared = model.value("machine.output_inertia") > 0.0
     reading = max(counter_noise(model, "motor"), 0.0 if geared else reading_noise(signals["motor_position"]))
     if not geared and "speed" not in signals:
@@ -174,7 +174,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     if bridging:
         width = max(width, min(2.0 * _usual_step(recording), widest))
     kernel = gaussian(width, period)
-    whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges what is much shorter than itself
+    whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges gaps much shorter than itself
     if len(time) < 4 * len(kernel):
         raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
     ratio = model.value("machine.gear_ratio")
@@ -186,7 +186,7 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     centres = np.arange(len(kernel) // 2, len(time) - len(kernel) // 2, max(1, round(2.0 * width / period)))
     judged = _judged(time, period, whole, kernel)
     slow = np.abs(motion[:, SPEED]) < STANDSTILL
-    # a machine without gearbox that passes quickly through standstill within a kernel's inner half does not stick there
+    # without a gearbox, a machine that crosses standstill quickly (within a kernel's inner half) does not stick there
     still = _spread(slow, len(kernel) // 2)
     moving = still == 0.0 if geared else still < _spread(~slow, len(kernel) // 2)
     driven = np.abs(signals["current"]) < (1.0 - NEGLIGIBLE) * min(
@@ -244,17 +244,17 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
 
 
 def _usual_step(recording: Recording) -> float:
-    """The step [s] that nearly all steps between samples keep to, in whole sample periods.
+    """Step [s] that nearly all steps between samples stay within, in whole sample periods.
 
-    A computer that logs beside other work keeps no even rate: its longer steps are no gaps, and a kernel that spans two
-    of them bridges each. Where a clock gives the samples and a few are missing, it is the sample period.
+    A computer that logs while doing other work has no even rate. Its longer steps are not gaps, and a kernel that spans
+    two of them bridges each. If the samples have a clock and a few are missing, this is the sample period.
     """
     steps = np.diff(recording.stamps) * 1e-9
     return float(np.rint(np.quantile(steps, NEARLY_ALL) / recording.sample_period)) * recording.sample_period
 
 
 def _observe_points(recording: Recording, model: Model) -> Observation:
-    """Operating points: rows that are judged as they are, each by itself."""
+    """Observation of operating points: rows that are judged as recorded, each separately."""
     motion = motion_at_points(recording, model)
     motion = motion[np.isfinite(motion).all(axis=1)]
     if len(motion) < FEWEST_POINTS:
@@ -290,29 +290,29 @@ def _observe_points(recording: Recording, model: Model) -> Observation:
 
 
 def _judged_rows(found: Sequence[Observation], recordings: Sequence[Recording]) -> list[np.ndarray]:
-    """The rows that are judged: where no torque was measured, those of the encoders' difference."""
+    """The rows that are judged; without torque data, the encoder rows."""
     return [o.rows if r.has("current") else o.encoder_rows for o, r in zip(found, recordings, strict=True)]
 
 
 def _missing(recording: Recording) -> list[str]:
-    """The signals without which a recording of a motion tells nothing: a torque, or the output beside the motor."""
+    """Signals missing for a diagnosis: motor position, and a torque or an output position."""
     missing = [name for name in NEEDED if not recording.has(name)]
     return missing if recording.has("current") or of_encoders_alone(recording) else ["current", *missing]
 
 
 def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
-    """All recordings. Raises InputError where together they hold too little motion to judge anything."""
+    """Observe all recordings. Raises InputError if together they hold too little motion to judge."""
     if not recordings:
         raise InputError("no recording is given; a diagnosis needs at least one")
-    # of a machine that creeps, whose own second is long, a usual kernel would leave a few rows of a long recording; two
-    # widths make a row, and some rows count as one
+    # For a slow machine, whose own second is long, the usual kernel would leave few rows of a long recording. Two
+    # widths make a row, and CORRELATION rows count as one.
     widest = sum(recording.duration for recording in recordings) / (2.0 * CORRELATION * LEAST_ROWS)
     found = [observe(recording, model, widest) for recording in recordings]
     if any(recording.of_points for recording in recordings):
         return found
     judged = _judged_rows(found, recordings)
     if sum(map(len, judged)) < LEAST_ROWS:
-        with suppress(InputError):  # too short for so wide a kernel: it is told of what it holds without one
+        with suppress(InputError):  # too short for so wide a kernel: reported as without it
             bridged = [observe(recording, model, widest, bridging=True) for recording in recordings]
             if sum(map(len, _judged_rows(bridged, recordings))) > sum(map(len, judged)):
                 found, judged = bridged, _judged_rows(bridged, recordings)
@@ -331,7 +331,7 @@ def observe_all(recordings: list[Recording], model: Model) -> list[Observation]:
 
 
 def _without_clock(recordings: list[Recording], model: Model) -> str:
-    """What an uneven rate of samples costs, and the remedy; empty where all have a clock."""
+    """What an uneven sample rate costs, and the remedy; empty if all recordings have a clock."""
     uneven = next((r for r in recordings if not r.of_points and _usual_step(r) > r.sample_period), None)
     if uneven is None:
         return ""
@@ -342,7 +342,7 @@ def _without_clock(recordings: list[Recording], model: Model) -> str:
 
 
 def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-    """Samples (n,) that are neither near an end nor near a gap."""
+    """Mask (n,) of samples that are neither near an end nor near a gap."""
     margin = len(kernel) // 2 + round(START / period)
     judged = _spread(~whole, len(kernel) // 2) == 0.0
     judged[:margin] = judged[len(time) - margin :] = False
@@ -350,25 +350,25 @@ def _judged(time: np.ndarray, period: float, whole: np.ndarray, kernel: np.ndarr
 
 
 def _spread(where: np.ndarray, reach: int) -> np.ndarray:
-    """Above zero within ``reach`` / 2 samples of where it is true: the kernel's outer half weighs next to nothing."""
+    """Positive within ``reach`` / 2 samples of true ones: a kernel's outer half has almost no weight."""
     return np.rint(np.convolve(where, np.ones(2 * round(0.5 * reach) + 1), "same"))
 
 
 def _shaken(hit: np.ndarray) -> np.ndarray:
-    """By how many times (n,) the noise is larger after the hardest acceleration (n,) [rad/s²] shortly before."""
+    """Factor (n,) on the noise after the largest acceleration (n,) [rad/s²] shortly before."""
     return np.sqrt(1.0 + (hit / HARD) ** 2)
 
 
 def _hardest(acceleration: np.ndarray, before: float, after: float, period: float) -> np.ndarray:
-    """The largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
+    """Largest acceleration (n,) from ``before`` [s] before each sample to ``after`` [s] after it."""
     return moving_maximum(np.abs(acceleration), round(before / period), round(after / period))
 
 
 def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, model: Model) -> float:
-    """Standard deviation [N m] of a smoothed current's torque: its white noise and its resolution.
+    """Standard deviation [N m] of a smoothed current's torque, from its white noise and its resolution.
 
-    Steps that are wide beside the noise are not white: smoothing takes nothing of them away. They are those of the
-    ``raw`` values, as they stand in the recording: between samples that were filled in, there are no steps.
+    Steps that are wide relative to the noise are not white: smoothing does not reduce them. They are taken from the
+    ``raw`` values as recorded, since interpolated samples have no steps.
     """
     smoothed = float(np.linalg.norm(kernel))
     resolution = _resolution(raw, model)
@@ -377,22 +377,22 @@ def _torque_noise(current: np.ndarray, raw: np.ndarray, kernel: np.ndarray, mode
 
 
 def _resolution(raw: np.ndarray, model: Model, read: float = 0.0) -> float:
-    """Standard deviation [A] of what a current's steps round off; zero where they are no wider than its noise.
+    """Standard deviation [A] of the rounding of a current; zero if its steps are no wider than its noise.
 
-    That is the model's, or what was ``read`` off the recording where the model tells of none.
+    The noise is the model's, or what was ``read`` off the recording if the model gives none.
     """
     step = _step(raw)
     return step / math.sqrt(12.0) if step > 2.0 * max(model.value("sensors.current_noise"), read) else 0.0
 
 
 def _step(raw: np.ndarray) -> float:
-    """The least difference of two readings."""
+    """The smallest difference between two readings."""
     levels = np.unique(raw[np.isfinite(raw)])
     return float(np.diff(levels).min()) if len(levels) > 1 else 0.0
 
 
 def _encoder_noise(model: Model) -> float:
-    """Standard deviation [rad, slow shaft] of the difference of both encoders."""
+    """Standard deviation [rad, slow shaft] of the encoder difference."""
     return math.hypot(counter_noise(model, "output"), counter_noise(model, "motor") / model.value("machine.gear_ratio"))
 
 

@@ -1,7 +1,7 @@
-"""Power over orders (cycles per turn of an angle), however far that turns: a line is one over the turns wide.
+"""Power over orders (cycles per turn of an angle); a spectral line is 1 / turns wide.
 
-A grid of orders that is coarser than a line would miss it, so each order of the grid stands for its cell, as far as
-half way to its neighbours, and counts the largest power in there; where in the cell that is, ``refined`` tells.
+A grid of orders coarser than a line would miss it. So each order of the grid stands for its cell, half way to its
+neighbours, and gets the largest power inside; ``refined`` finds where in the cell that is.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ import numpy as np
 from ema_bench_replay.long_columns import by_pieces, extremes, mean_of, pieces, release_pages
 
 _ANGLE_BINS = 512  # per turn: orders up to 256
-_LARGEST = 1 << 22  # angle bins of one transform, which then takes some 0.4 GB
+_LARGEST = 1 << 22  # angle bins of one transform, which then needs about 0.4 GB
 _FINER = 8  # orders tried within the width of a line
 
 
 def largest_in_cells(
     orders: np.ndarray, residual: np.ndarray, angle: np.ndarray, fewest_cycles: float = 0.0
 ) -> np.ndarray:
-    """The largest power (m,) of a residual (n,) over an angle (n,) [rad] in the cell of each of evenly spaced orders
-    (m,): a wave's mean square times n. Zero where there are fewer cycles of an order.
+    """Largest power (m,) of a residual (n,) over an angle (n,) [rad], in the cells of evenly spaced orders (m,).
 
-    What turns too far for one transform is cut into pieces by its angle, whose powers add.
+    The power of a wave is its mean square times n. It is zero for an order with fewer than ``fewest_cycles``. An angle
+    too long for one transform is cut into pieces, whose powers add.
     """
     power = np.zeros(len(orders))
-    mean = mean_of(residual)  # or a constant error would leak into low orders
+    mean = mean_of(residual)  # otherwise a constant error would leak into low orders
     for cut in _cuts(angle):
         power += np.where(orders * cut.turns >= fewest_cycles, _in_cells(orders, residual, mean, angle, cut), 0.0)
     return power
 
 
 def refined(order: float, step: float, parts: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
-    """The order of most power within half a step of one, to an eighth of a line's width.
+    """Order with the most power within half a step of ``order``, to an eighth of a line width.
 
-    Of parts (residual, angle [rad]), each (n,), whose powers add.
+    ``parts`` are pairs (residual, angle [rad]), each (n,), whose powers add.
     """
     longest = line_turns([angle for _, angle in parts])
     half = max(1, math.ceil(0.5 * step * _FINER * longest))
@@ -47,7 +47,8 @@ def refined(order: float, step: float, parts: Sequence[tuple[np.ndarray, np.ndar
     for residual, angle in parts:
         mean = mean_of(residual)
         for cut in _cuts(angle):
-            # what is within half a step of the order turns slowly beside it: sums over its boxes of angle tell that
+            # After demodulation by the order, what remains within half a step varies slowly: sums over boxes of angle
+            # suffice.
             boxes = math.ceil(_FINER * step * cut.turns) + 1
             sums = np.zeros(boxes, complex)
             for rows in cut.rows():
@@ -61,23 +62,23 @@ def refined(order: float, step: float, parts: Sequence[tuple[np.ndarray, np.ndar
 
 
 def line_turns(angles: Sequence[np.ndarray]) -> float:
-    """Turns of the longest piece of the angles, each (n,) [rad], that one transform takes: a line is 1 / turns wide."""
+    """Turns of the longest piece of the angles (n,) [rad] that one transform takes: a line is 1 / turns wide."""
     return max(turns / count for turns, count in (_turns(*extremes(angle)) for angle in angles))
 
 
 @dataclass(frozen=True)
 class _Cut:
-    """What of an angle one transform takes: all of it, or what lies between two angles."""
+    """The part of an angle that one transform takes: all of it, or a range between two angles."""
 
     turns: float
     count: int  # samples
     least: float  # rad, of these
     greatest: float
-    rows: Callable[[], Iterator[np.ndarray | slice]]  # which they are, piece by piece
+    rows: Callable[[], Iterator[np.ndarray | slice]]  # which rows these are, piece by piece
 
 
 def _turns(least: float, greatest: float) -> tuple[float, int]:
-    """Turns from an angle to another [rad], and the cuts that they are taken in."""
+    """Turns between two angles [rad], and the number of cuts they need."""
     turns = (greatest - least) / (2.0 * math.pi) + 1.0 / _ANGLE_BINS
     return turns, math.ceil(turns * _ANGLE_BINS / _LARGEST)
 

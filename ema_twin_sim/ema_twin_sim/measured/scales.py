@@ -1,8 +1,8 @@
-"""The scales of a machine: the units of time, torque, current and way in which it has the size that criteria are for.
+"""Scales of a machine: the units of time, torque, current and length in which it fits the criteria.
 
 In own units every machine has the inertia, the typical torque and the torque constant of the bench of the Politecnico
-di Torino, on which the criteria were calibrated. The unit of torque follows from the rms of the drive's torque, the
-unit of time from how long that torque takes to turn the inertia by a radian, sqrt(J / T).
+di Torino, on which the criteria were calibrated. The unit of torque follows from the rms drive torque. The unit of time
+is the time in which that torque turns the inertia by about a radian, sqrt(J / T).
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_
 
 
 def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
-    """Recordings and model as a twin takes them: matched, and of the drum where the machine is linear; else in SI.
+    """Recordings and model as a twin needs them: matched and in SI; a linear machine as an equivalent drum.
 
-    Raises InputError where they do not belong together.
+    Raises InputError if they do not belong together.
     """
     found = [matched(recording, model) for recording in recordings]
     if model.motion == "rotary":
@@ -44,9 +44,9 @@ def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple
 
 
 def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Recording], Model]:
-    """Recordings and model as a search takes them: matched, and in the machine's own units.
+    """Recordings and model as a search needs them: matched, and in the machine's own units.
 
-    Raises InputError where they do not belong together.
+    Raises InputError if they do not belong together.
     """
     found = [matched(recording, model) for recording in recordings]
     begun = begun_near(found, model)
@@ -55,9 +55,9 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
 
 
 def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
-    """The model with what is open in its inertia and friction near to what the recordings show.
+    """The model with its open inertia and friction set close to what the recordings show.
 
-    What is open has a value that somebody guessed: neither a scale nor an answer may hang on it.
+    Open values are guesses: neither a scale nor an answer may depend on them.
     """
     paths = [path for path in INERTIAS if model.value(path) > 0.0]
     if not model.is_open or not all(math.isinf(model.constants[path].tolerance) for path in paths):
@@ -81,9 +81,9 @@ def begun_near(recordings: Sequence[Recording], model: Model) -> Model:
 
 
 def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
-    """The units in which a machine has the reference's size; SI where its equations hold numbers of their own.
+    """Units in which a machine has the size of the reference bench; SI if its equations contain numbers of their own.
 
-    Those are machines whose wheels or phases are simulated, and users' own effects, whose functions may hold numbers in
+    These are machines with simulated wheels or phases, and users' own effects, whose functions may contain numbers in
     SI.
     """
     radius = drum_radius(recordings) if model.motion == "linear" else None
@@ -104,9 +104,9 @@ def own_units(recordings: Sequence[Recording], model: Model) -> OwnUnits:
 
 
 def standstill(recordings: Sequence[Recording], model: Model, source: str) -> float:
-    """The motor's speed [rad/s, of the drum where the machine is linear] below which a direction means little.
+    """Motor speed [rad/s; of the drum for a linear machine] below which its direction means little.
 
-    ``source`` is the input that drives the twin: beside operating points, a motor moves where it was told to.
+    ``source`` is the input that drives the twin: with operating points, a motor moves where it was told to.
     """
     if source == POINTWISE:
         return 0.5 * HOLDING
@@ -115,19 +115,21 @@ def standstill(recordings: Sequence[Recording], model: Model, source: str) -> fl
 
 
 def _quick_enough(recordings: Sequence[Recording], time: float, radius: float | None) -> float:
-    """A unit of time [s] in which a machine moves: where nobody knows its inertia, and it is moved so slowly that it
-    would stand still much of the time, its speed tells how quick it is. A torsion test is such a motion, and so is that
-    of a joint which is told at the joint.
+    """Unit of time [s] in which a machine moves noticeably.
+
+    If its inertia is unknown, and it moves so slowly that it would count as standing still much of the time, its speed
+    sets the unit of time. A torsion test is such a motion, and so is that of a joint whose data refer to the joint
+    side.
     """
     fastest = quantile(lambda: (speeds / (radius or 1.0) for speeds in _speeds(recordings)), NEARLY_ALL)
     return max(time, STANDSTILL / (SMALL * fastest)) if fastest > 0.0 else time
 
 
 def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
-    """A model in own units with so much open friction that its output comes to rest where nothing pushes it.
+    """Model in own units with enough open friction for its output to come to rest when nothing pushes it.
 
-    Where no torque was measured, that is: nobody knows it there, and behind play an output needs it. One that has play
-    or a spring already has the friction that these were found beside.
+    This is for recordings without torque data, where the friction is unknown but an output behind backlash needs it. A
+    model with backlash or compliance already has the friction that was found with these.
     """
     parted = any(effect.effect in COMPLIANT_EFFECTS for effect in model.active.values())
     if parted or not (recordings and all(map(of_encoders_alone, recordings))):
@@ -137,7 +139,7 @@ def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
         for name, effect in model.active.items()
         if effect.effect == DRY_FRICTION and effect.open and effect.options.get("side") == "output"
     }
-    # where these units are SI, a machine's size is another
+    # if own units are SI here, the machine's size must be taken into account
     torque = reference_bench.OUTPUT_FRICTION * typical_units(recordings, model).factor("N m") / max(len(held), 1)
     return replace(
         model,
@@ -149,10 +151,10 @@ def with_output_held(model: Model, recordings: Sequence[Recording]) -> Model:
 
 
 def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Recording]) -> Model:
-    """A native model that was ``found``, what two encoders without a torque do not show as the ``given`` one has it.
+    """The native model ``found``, with what two encoders without torque data cannot show taken from ``given``.
 
-    Without play or a spring they show no friction; with one they show the output's, and of the constants nothing but
-    where teeth meet, which was taken for as stiff as they tell.
+    Without backlash or compliance they show no friction. With it they show the output's friction, and of the constants
+    only the tooth contact, which was taken as stiff as the samples can resolve.
     """
     if not (recordings and all(map(of_encoders_alone, recordings))):
         return found
@@ -168,7 +170,7 @@ def with_hidden_as_given(found: Model, given: Model, recordings: Sequence[Record
 
 
 def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
-    """The rms of the drive's torque [N m, N where the machine is linear] over all recordings; 0 where none has one."""
+    """Rms drive torque [N m; N for a linear machine] over all recordings; 0 if none has one."""
     parts = joined_if_short(
         lambda: _sizes(recording.signals["current"] for recording in recordings if recording.has("current"))
     )
@@ -181,13 +183,13 @@ def rms_torque(recordings: Sequence[Recording], model: Model) -> float:
 
 
 def drum_radius(recordings: Sequence[Recording]) -> float:
-    """Radius [m] of a drum that turns at usual speeds beside a linear machine's recordings."""
+    """Radius [m] of a drum that turns at usual speeds for a linear machine's recordings."""
     fastest = quantile(lambda: _speeds(recordings), NEARLY_ALL)
     return 10.0 ** round(math.log10(fastest / reference_bench.DRUM_SPEED)) if fastest > 0.0 else 1.0
 
 
 def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:
-    """Sizes (m,) of all speeds [m/s]: measured, or of the motor's position where samples follow each other in time."""
+    """Absolute values (m,) of all speeds [m/s]: measured, or from the motor position if samples are in time order."""
     for recording in recordings:
         if recording.has("speed"):
             yield from _sizes([recording.signals["speed"]])
@@ -197,7 +199,7 @@ def _speeds(recordings: Sequence[Recording]) -> Iterator[np.ndarray]:
 
 
 def _sizes(columns: Iterable[np.ndarray]) -> Iterator[np.ndarray]:
-    """What is known of columns (n,) each without its sign, piece by piece."""
+    """Finite absolute values of columns (n,), piece by piece."""
     for column in columns:
         for rows in pieces(len(column)):
             sizes = np.abs(column[rows])

@@ -1,6 +1,6 @@
-"""Windows that slide over samples; where one reaches beyond an end, the samples stand there mirrored.
+"""Sliding windows over samples, mirrored beyond the ends.
 
-As scipy.ndimage has them, to the last digit, whose import takes longer than to read six recordings.
+Same results as scipy.ndimage to the last digit; importing that takes longer than reading six recordings.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 
 def moving_maximum(values: np.ndarray, before: int, after: int) -> np.ndarray:
-    """The largest (n,) of the values (n,) from so many samples ``before`` each to so many ``after`` it."""
+    """Maximum (n,) of the values (n,) from ``before`` samples before each to ``after`` samples after it."""
     maxima, count = np.pad(values, (before, after), mode="symmetric"), before + 1 + after
-    width = 1  # over which the maxima are: doubled, as long as the window is wider
+    width = 1  # window of the maxima so far, doubled as long as the full window is wider
     while 2 * width <= count:
         maxima = np.maximum(maxima[:-width], maxima[width:])
         width *= 2
@@ -20,6 +20,6 @@ def moving_maximum(values: np.ndarray, before: int, after: int) -> np.ndarray:
 
 
 def moving_median(values: np.ndarray, count: int) -> np.ndarray:
-    """The median (n,) of the values (n,) over ``count`` samples, an odd number, about each."""
+    """Median (n,) of the values (n,) over ``count`` samples (odd) around each."""
     padded = np.pad(values, count // 2, mode="symmetric")
     return np.sort(sliding_window_view(padded, count), axis=1)[:, count // 2]

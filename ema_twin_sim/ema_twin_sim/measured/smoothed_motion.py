@@ -17,16 +17,16 @@ from .smoothing import gaussian, smooth, smooth_way
 from .spoilt_samples import despiked
 
 NEEDED = ("motor_position",)
-WIDTH = 0.005  # own s, standard deviation of the kernel: some 30 Hz
-COUNTER_WIDTH = 0.012  # own s, where the acceleration is a counter's second difference
-COUNTER_SPEED_WIDTH = 0.004  # own s, for the speed that friction depends on there
-COUNTER_PULL = 0.06  # own s, the width over which the integrated speed follows the counter
-LEAST_PERIODS = 2.5  # a kernel is at least so many sample periods wide
+WIDTH = 0.005  # own s, standard deviation of the kernel: about 30 Hz
+COUNTER_WIDTH = 0.012  # own s, if the acceleration is a counter's second difference
+COUNTER_SPEED_WIDTH = 0.004  # own s, for the speed in that case, which friction depends on
+COUNTER_PULL = 0.06  # own s, width over which the integrated speed follows the counter
+LEAST_PERIODS = 2.5  # minimum kernel width in sample periods
 FEWEST = 10  # samples
 
 
 def even(recording: Recording) -> tuple[float, np.ndarray, dict[str, np.ndarray], np.ndarray]:
-    """(period, time, signals on an even grid without NaN, periods (n,) between the measured samples beside each)."""
+    """(period, time, signals on an even grid without NaN, periods (n,) between the measured samples around each)."""
     period = recording.sample_period
     steps = np.diff(recording.stamps) * 1e-9
     used = {
@@ -89,7 +89,7 @@ def smoothed_motion(
 
 
 def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
-    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, as little smoothed as may be."""
+    """(motion (n, 7) with the columns MOTION, sample period [s]) of a whole recording, with minimal smoothing."""
     if missing := [name for name in ("current", *NEEDED) if not recording.has(name)]:
         raise InputError(f"{recording.name}: has no {' and no '.join(missing)}")
     period, time, signals, _ = even(recording)
@@ -103,7 +103,7 @@ def full_rate(recording: Recording, model: Model) -> tuple[np.ndarray, float]:
 
 
 def _held(load: np.ndarray) -> np.ndarray:
-    """A measured load (n,) as a twin takes it where it has no value."""
+    """A measured load (n,), with missing values held as a twin does."""
     held = load.copy()
     hold(held)
     return held

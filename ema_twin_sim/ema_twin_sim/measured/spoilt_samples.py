@@ -1,4 +1,4 @@
-"""Spoilt samples: transmission errors of a single sample, and places where a counter has lost counts."""
+"""Spoilt samples: single-sample transmission errors, and places where a counter lost counts."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 from ..criteria import PART, SPIKE
 from .sliding import moving_maximum, moving_median
 
-NEIGHBOURS = 7  # samples, of which the middle one stands out where counts were lost
+NEIGHBOURS = 7  # samples; the middle one stands out where counts were lost
 
 
 def despiked(values: np.ndarray) -> np.ndarray:
-    """The values (n,) without single samples that stand far out of their neighbours' line: transmission errors."""
+    """Values (n,) without single samples far off the line between their neighbours: transmission errors."""
     middle = 0.5 * (values[:-2] + values[2:])
     out = values[1:-1] - middle
     spread = 1.4826 * float(np.median(np.abs(out)))
-    # beside a spike both neighbours stand out by half of it the other way; beside a corner they do not stand out
+    # next to a spike both neighbours deviate by half of it in the opposite direction; next to a corner they do not
     before, after = np.r_[0.0, out[:-1]], np.r_[out[1:], 0.0]
     wild = (np.abs(out) > SPIKE * spread) & (before * out < -PART * out**2) & (after * out < -PART * out**2)
     if spread == 0.0 or not wild.any():
@@ -28,13 +28,13 @@ def despiked(values: np.ndarray) -> np.ndarray:
 
 
 def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) -> np.ndarray:
-    """By how much (n,) [rad] the encoders' difference jumps for good at a sample, mostly zero.
+    """Permanent jumps (n,) [rad] of the encoder difference at each sample; mostly zero.
 
-    A counter has lost counts there, or its repair took a transmission error for that. ``travel`` (n,) [rad] is the way
-    of a sample: by so much the encoders may part where an output is hit; and by what is ``counted`` [rad] at a time.
-    An output that flies through its play is quicker than a motor that turns back: it may come back from its teeth as
-    fast as it parted a sample before, or does a sample after; and it flies for three samples or more, while counts may
-    be lost over two.
+    A counter lost counts there, or its repair took a transmission error for a loss. A step counts as a jump if it
+    exceeds the noise plus ``travel`` (n,) [rad] (the motion within a sample, by which the encoders may separate where
+    an output is hit) plus ``counted`` [rad] (the counting resolution) plus twice the rate of an output in flight. Such
+    an output is faster than a motor that reverses: it may return from its teeth as fast as it separated a sample
+    before, or a sample after. It flies for three samples or more, while counts may be lost over two.
     """
     step = np.diff(difference, prepend=difference[:1])
     out = step - moving_median(step, NEIGHBOURS)
@@ -44,8 +44,9 @@ def counter_jumps(difference: np.ndarray, travel: np.ndarray, counted: float) ->
 
 
 def _in_flight(step: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """How fast (n,) [rad a sample] the encoders part around each sample: back from the ``way`` (n,) that its step goes,
-    or that way for three samples.
+    """Rate (n,) [rad per sample] at which the encoders separate around each sample.
+
+    Against the direction ``way`` (n,) of its step, or along it for three samples.
     """
     long_before, before, _, after, long_after = np.lib.stride_tricks.sliding_window_view(np.pad(step, 2, "edge"), 5).T
     back = np.maximum(-way * before, -way * after)

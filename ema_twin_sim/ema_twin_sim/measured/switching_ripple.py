@@ -1,10 +1,11 @@
-"""What a switching drive's own ripple puts into a sampled current: no noise of a sensor, and no effect that is missing.
+"""Ripple of a switching drive in a sampled current: neither sensor noise nor a missing effect.
 
-The drive's comparators switch some thousands of times a second, at moments that follow the electrical angle. A trace of
-some milliseconds samples what the acquisition's filter leaves of it, and folds it down: at a slow steady speed into
-swings as slow as those of an effect, which repeat with the motor's angle. Third differences of the current, from which
-other noise is told, see little of that. The model of the drive tells how large it is: the simulated current as the
-trace samples it, less the same current sampled many times as often, both through the kernel of the diagnosis.
+The drive's comparators switch several thousand times a second, at moments that follow the electrical angle. A trace
+with a period of some milliseconds samples what the acquisition filter leaves of it, and aliases it: at a slow steady
+speed into oscillations as slow as those of an effect, which repeat with the motor angle. Third differences of the
+current, from which other noise is estimated, hardly show it. The model of the drive determines how large it is: the
+simulated current as the trace samples it, minus the same current sampled many times as often, both through the kernel
+of the diagnosis.
 """
 
 from __future__ import annotations
@@ -23,13 +24,13 @@ from .observation import Observation
 from .smoothing import gaussian, smooth
 
 _FINER = 16
-"""Times as often as the trace: every control cycle of 125 us, where the trace has 2 ms."""
+"""Oversampling relative to the trace: every control cycle of 125 us for a trace of 2 ms."""
 
 
 def with_switching_ripple(o: Observation, model: Model) -> Observation:
-    """An observation whose torque noise counts the ripple of the ``model``'s drive, which switches; else as it is.
+    """An observation whose torque noise includes the ripple of a switching drive; unchanged for other drives.
 
-    Raises InputError where the model's DC link cannot drive the recorded motion.
+    Raises InputError if the model's DC link cannot drive the recorded motion.
     """
     if model.kinds["drive"] != "switching" or o.of_points or not len(o.rows):
         return o
@@ -39,7 +40,7 @@ def with_switching_ripple(o: Observation, model: Model) -> Observation:
 
 
 def _folded(o: Observation, model: Model) -> float:
-    """RMS [A] over an observation's rows of what sampling folds into the smoothed current."""
+    """RMS [A] over an observation's rows of what sampling aliases into the smoothed current."""
     ticks = np.arange((len(o.motion) - 1) * _FINER + 1)
     stamps = np.round(ticks * (o.period / _FINER * 1e9)).astype(np.int64)
     signals = {
@@ -60,7 +61,7 @@ def _folded(o: Observation, model: Model) -> float:
         output_angle_origin=o.output_origin,
     )
     current = simulate(model, driven, "setpoint").signals["current"]
-    # the kernel's own width, as its second moment
+    # width of the kernel from its second moment
     places = np.arange(len(o.kernel)) - len(o.kernel) // 2
     width = o.period * math.sqrt(float(o.kernel @ places**2))
     whole = smooth(current, gaussian(width, o.period / _FINER))[::_FINER]

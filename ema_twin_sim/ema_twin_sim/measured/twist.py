@@ -1,5 +1,6 @@
-"""Whether two shafts part as a spring or play lets them, which follows the torque, or as a gear ratio does, which
-follows the angle alone.
+"""Whether two shafts differ because of compliance or backlash, or because of a wrong gear ratio.
+
+Compliance and backlash follow the torque; a wrong gear ratio follows the angle alone.
 """
 
 from __future__ import annotations
@@ -14,16 +15,15 @@ from .smoothing import gaussian, smooth, smooth_way
 
 SMOOTHED = 10.0  # samples
 FEWEST = 400  # samples
-AT_ENDS = 40  # samples at either end that the smoothing bends
+AT_ENDS = 40  # samples at each end that the smoothing distorts
 
 
 def parts_by_angle(recording: Recording, model: Model) -> bool:
-    """Whether the way by which both encoders part follows the motor's angle, and no torque would make it so.
+    """Whether the encoder difference follows the motor angle, without any torque that would cause it.
 
-    A shaft's twist is the torque over its stiffness, and play has the sign of the motion: the drive's torque, the
-    acceleration, the speed and its sign, of which these are made, explain it. Where a load follows the angle, as a
-    spring's does, or the motion is a single sine, whose acceleration goes with the angle, both explain it alike, and
-    the answer is no.
+    The twist of a shaft is torque over stiffness, and backlash has the sign of the motion. So drive torque,
+    acceleration, speed and its sign explain both. If the load follows the angle, as a spring's does, or the motion is a
+    single sine, whose acceleration is proportional to the angle, both explanations fit and the answer is no.
     """
     if not recording.has("motor_position", "output_position", "current") or len(recording) < FEWEST:
         return False
@@ -40,7 +40,7 @@ def parts_by_angle(recording: Recording, model: Model) -> bool:
     speed, acceleration = (smooth_way(turned, gaussian(SMOOTHED, 1.0, order)) for order in (1, 2))
     torque = smooth(current, gaussian(SMOOTHED, 1.0))
     columns = np.stack([torque, acceleration, speed, np.sign(speed), turned], axis=1)
-    moves = whole & (np.abs(speed) > SMALL * np.abs(speed).max())  # at rest the output lies anywhere in its play
+    moves = whole & (np.abs(speed) > SMALL * np.abs(speed).max())  # at rest the output may lie anywhere in its backlash
     moves[:AT_ENDS] = moves[-AT_ENDS:] = False
     if moves.sum() < FEWEST:
         return False

@@ -1,7 +1,7 @@
-"""Sizes that drives seldom have: they look like a wrong unit.
+"""Values unusual for drives, which suggest a wrong unit.
 
-The mechanics of a machine of which no constant is known does not tell milliamperes from amperes: inertia and friction
-would all be a thousand times as large. So what is far from usual is asked about; nothing is decided by it.
+If no constant of a machine is known, its mechanics do not distinguish milliamperes from amperes: inertia and friction
+would all be a thousand times as large. So unusual values lead to a question; they decide nothing.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ USUAL: dict[str, tuple[float, float, str, str]] = {
     "current": (0.02, 100.0, "A", "mA"),
     "speed": (0.0, 2500.0, "rad/s", "rpm"),
 }
-"""Of a signal, what its largest value usually is at least and at most, its unit, and what that is mistaken for."""
+"""By signal: usual lower and upper limit of its largest value, its unit, and the unit it is mistaken for."""
 
 
 def unusual_sizes(recording: Recording) -> Iterator[str]:
-    """Questions about the units of a rotary machine's recording by the largest current and speed, in words."""
+    """Questions about the units of a rotary machine's recording, from its largest current and speed."""
     if recording.motion != "rotary":
         return
     for signal, (least, most, unit, other) in USUAL.items():
@@ -44,9 +44,9 @@ def unusual_sizes(recording: Recording) -> Iterator[str]:
 
 
 def unusual_currents(recordings: Sequence[Recording], model: Model) -> tuple[str, ...]:
-    """The question about the current, of the recording with the largest, where a model's own numbers do not answer it.
+    """The question about the current, for the recording with the largest one, if the model does not answer it.
 
-    They do where its constants are known, and where it has a limit of its drive's current.
+    A model answers it if its constants are known, or if it has a limit of its drive's current.
     """
     with_current = [r for r in recordings if r.has("current") and BY_TORQUE not in r.metadata]
     if not with_current or not model.is_open or model.constants["drive.current_limit"].source != ABSENT:

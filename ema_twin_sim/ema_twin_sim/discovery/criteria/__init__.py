@@ -1,1 +1,1 @@
-"""Criteria: what an effect must gain to be named, and what an explanation must be to be believed."""
+"""Criteria: the gain an effect needs to be named, and the conditions under which an explanation is accepted."""

@@ -1,4 +1,4 @@
-"""Recordings that contradict each other: one alone would have far more friction, or inertia, than the others."""
+"""Recordings that contradict each other: one alone would need far more friction, or inertia, than the others."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ CONSTANTS = {
 
 
 def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """One sentence for each recording whose machine is not that of the others.
+    """One sentence for each recording that seems to come from another machine than the others.
 
-    Each recording is asked, to first order, by which share it alone would move inertia and frictions; the median of all
-    is what it is held against. What explains little of that recording's error is not said of it: beside play, in slow
-    motion, an inertia hardly shows, and takes on whatever impacts leave.
+    For each recording, to first order: by what share would it alone change inertia and friction? The reference is the
+    median over all recordings. A constant is not reported if it explains little of that recording's error: with
+    backlash, in slow motion, inertia hardly shows and absorbs whatever impacts leave.
     """
     places = {free.path: k for k, free in enumerate(f.hypothesis.free)}
     columns = {name: places[path] for name, path in CONSTANTS.items() if path in places}
     if len(problem.observations) < 2 or not columns:
         return ()
     scale = f.variance_inflation
-    # scales are free per unit of the file's, whose value is no more than a guess where it is open
+    # The scale parameters multiply the file's values, which are only guesses for open constants.
     guessed = np.array([free.prior is None for free in f.hypothesis.free])
     of_a_share = f.jacobian * np.where(guessed, f.hypothesis.values, 1.0)
     moves, errors, explain = [], [], []
@@ -52,8 +52,9 @@ def contradictions(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _explains(slopes: np.ndarray, which: int, residual: np.ndarray) -> float:
-    """The share of a residual (m,), squared, that one column of ``slopes`` (m, k) takes away: alone, or where that is
-    less, of what the other columns leave of it.
+    """Share of a residual's power (m,) that one column of ``slopes`` (m, k) removes.
+
+    Alone, or after the other columns were projected out of both; the smaller of the two.
     """
     column, others = slopes[:, which], np.delete(slopes, which, axis=1)
     beside, _ = np.linalg.qr(others)

@@ -1,4 +1,4 @@
-"""Episodes: stretches of time in which a machine was another than before and after."""
+"""Episodes: stretches of time in which a machine behaved differently than before and after."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ...identification.fit import Fit
 from ...plant.measured_motion import SPEED, TIME
 
 SHORTEST = 0.1  # own s
-HOLES = 0.2  # own s within an episode in which rows may be near again, or not judged
+HOLES = 0.2  # own s within an episode in which rows may be close again, or not judged
 
 
 @dataclass(frozen=True)
 class Episode:
-    """One stretch of a recording, and the mean torque [N m, fast shaft] that it asks for beyond the model.
+    """One stretch of a recording, and the mean torque [N m, fast shaft] that it needs beyond the model.
 
-    ``against`` counts it positive where it brakes the motion.
+    ``against`` is positive if that torque brakes the motion.
     """
 
     recording: str
@@ -31,11 +31,11 @@ class Episode:
 
 
 def episodes(problem: EquationErrorProblem, f: Fit) -> tuple[Episode, ...]:
-    """The stretches in which what is left over stands far out of the noise; none where it does so all along."""
+    """Stretches in which the residual is far above the noise; empty if it is so throughout."""
     found = []
     far_rows = in_episodes = 0
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
-        if o.of_points:  # whose order tells of no time
+        if o.of_points:  # operating points have no time order
             continue
         raw = f.raw[part]
         time = o.motion[o.rows, TIME]
@@ -55,7 +55,7 @@ def episodes(problem: EquationErrorProblem, f: Fit) -> tuple[Episode, ...]:
 
 
 def listed_episodes(found: Sequence[Episode], most: int = 6, second: float = 1.0) -> str:
-    """``RUN from 4.91 s to 6.72 s, …``, the longest of them in order of time; a ``second`` of theirs is so many s."""
+    """``RUN from 4.91 s to 6.72 s, …``: the longest ones in order of time; ``second`` is their unit of time in s."""
     longest = sorted(found, key=lambda e: e.start - e.end)[:most]
     told = [f"{e.recording} from {second * e.start:.2f} s to {second * e.end:.2f} s" for e in found if e in longest]
     more = len(found) - len(told)

@@ -1,4 +1,4 @@
-"""Explained: whether nothing is left that the sensors' noise does not account for, by an explanation to believe."""
+"""Explained: whether the residual is within the sensors' noise, and the explanation is plausible."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ from .worth import largest_rms_reduction, left_over
 
 
 def explained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
-    """Whether an end of a search, begun at ``start``, explains the recordings, and is plausible."""
+    """Whether the end of a search that began at ``start`` explains the recordings and is plausible."""
     if f.hypothesis.base.is_open:
         return _nearly(problem, f) and not apart(problem, f, start)
     return not (unexplained(problem, f, start) or apart(problem, f, start) or strained(f) or only_constants(problem, f))
 
 
 def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether what is left of the torque is small beside it: all that can be asked where no constant is known.
+    """Whether the remaining torque is small relative to the torque: the only test if no constant is known.
 
-    There neither the sensors' noise nor what a law of friction leaves of a real machine is known beforehand. Not asked
-    of the few rows in which it stops or breaks away: there no friction slides.
+    Then neither the sensors' noise nor the error of a friction law on a real machine is known beforehand. The few rows
+    in which the machine stops or breaks away are left out, because friction does not slide there.
     """
     slides = np.concatenate(
         [o.of_points | (np.abs(o.motion[o.rows, SPEED]) >= STANDSTILL) for o in problem.observations]
@@ -51,14 +51,14 @@ def _nearly(problem: EquationErrorProblem, f: Fit) -> bool:
 
 
 def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
-    """Whether some recording's encoders still part by far more than their noise, and than a large play excuses.
+    """Whether the encoder difference of any recording is far above its noise, and above what large backlash may leave.
 
-    And whether the output has lagged behind since the start, which nothing but play and springs lets it: a fit leaves
-    the encoders' zeros open, and in one direction no more than that shows.
+    Also whether the output has lagged since the start, which only backlash and compliance can cause. A fit leaves the
+    encoders' zeros free, and with motion in one direction nothing else shows.
     """
     before = problem.residual(start.predicted)[problem.size :]
     parted = float(np.sqrt(np.mean(before**2))) if len(before) else 0.0
-    if f.hypothesis.base.is_open:  # as with the torque: no more can be asked than that little is left
+    if f.hypothesis.base.is_open:  # as for the torque: the only test is that little is left
         return len(before) > 0 and float(np.sqrt(np.mean(f.raw[problem.size :] ** 2))) > max(PART * parted, APART)
     if lagging(problem, f):
         return True
@@ -69,9 +69,10 @@ def apart(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
 
 
 def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
-    """By recording, how far [rad, slow shaft] its output lies off the motor since the first sample, beyond its noise.
+    """By recording: how far [rad, slow shaft] the output has been off the motor since the first sample, beyond noise.
 
-    Nothing beside play or a spring, where it may begin anywhere, nor of a machine whose encoders are not known.
+    Empty if the model has backlash or compliance: then the output may start anywhere in the gap. Also empty for a
+    machine with open constants, whose encoders are not known.
     """
     found: dict[str, float] = {}
     if f.parted or f.hypothesis.base.is_open:
@@ -87,10 +88,10 @@ def lagging(problem: EquationErrorProblem, f: Fit) -> dict[str, float]:
 
 
 def depends(problem: EquationErrorProblem, f: Fit) -> bool:
-    """Whether what is left depends on anything.
+    """Whether the residual depends on anything.
 
-    The load is what a fit makes of it, by laws of friction that no machine follows to a per cent: what follows it must
-    be of a size that is worth a name, too.
+    The load is computed by the fit, from friction laws that no machine follows to 1 %. So a dependence on the load must
+    also be large enough to be named.
     """
     beside = beside_generic_bases(problem, f)
     telling = [name for gained, name in screen_generic_bases(beside, f) if gained > DEPENDS]
@@ -98,21 +99,21 @@ def depends(problem: EquationErrorProblem, f: Fit) -> bool:
 
 
 def _worth_a_name(problem: EquationErrorProblem, f: Fit, basis: str) -> bool:
-    """Whether a generic basis takes as much from some recording's rows as an effect must."""
+    """Whether a generic basis removes as much from some recording's rows as an effect must."""
     return largest_rms_reduction(problem, f, fit_with_basis(problem, f, basis)) >= LEAST_SIZE
 
 
 def coarse(problem: EquationErrorProblem) -> bool:
-    """Whether a current's steps are wide beside its noise: slow motion rounds alike for a while, which is no chance."""
+    """Whether current steps are wide relative to the noise; in slow motion the rounding is then not random."""
     return any(o.coarse for o in problem.observations if len(o.rows))
 
 
 def unexplained(problem: EquationErrorProblem, f: Fit, start: Fit) -> bool:
-    """Whether more is left over than the sensors' noise lets expect, of a recording or of moments of all.
+    """Whether the residual exceeds what the sensors' noise allows, in a recording or over all.
 
-    Where effects were added, it is always asked whether what is left depends on anything, however little that is: a
-    likeness of the true effect may leave less than the noise, but what it leaves has the shape of that. Not asked of a
-    coarse current, whose rounding has a shape too.
+    If effects were added, the residual is always tested for a dependence, however small it is: a look-alike of the true
+    effect may leave less than the noise, but what it leaves has the shape of the true one. This is skipped for a coarse
+    current, whose rounding has a shape as well.
     """
     bristled = f.predicted.plant["bristle_stiffness"][0] > 0.0
     if not f.parted and problem.size:

@@ -1,8 +1,8 @@
-"""Likeness: whether some dependence in an effect's place leaves nothing, where the effect leaves something for sure.
+"""Likeness: whether another dependence in an effect's place leaves nothing, while the effect clearly leaves something.
 
-Over a small angle, gravity is a constant load but for a few per cent, and a spring is gravity. What such a likeness
-leaves may be less than the noise, but it has the shape of what is really there: a basis over the true quantity, in the
-effect's place, explains all that the effect does and this too, and beside it the effect is needless.
+Over a small angle, gravity looks like a constant load to a few per cent, and a spring looks like gravity. The residual
+of such a look-alike may be below the noise, but it has the shape of the true cause. A basis over the true quantity, in
+place of the effect, explains both what the effect does and this residual; with it the effect is needless.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from .worth import ENCODER_ONLY, largest_rms_reduction, penalised_gain
 
 
 def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """The added effects that are the likeness of a dependence on something, by the generic bases of the problem.
+    """The added effects that only imitate a dependence on something, tested with the problem's generic bases.
 
-    None where play or a spring lets the encoders part, for which no basis stands; nor where the current is coarse.
+    Empty with backlash or compliance, for which there is no basis, and if the current is coarse.
     """
     if f.parted or coarse(problem):
         return ()
@@ -29,10 +29,10 @@ def likenesses(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the basis that fits best in an effect's place leaves nothing, and gains more than chance would.
+    """Whether another basis in an effect's place leaves nothing, gains more than chance, and makes the effect needless.
 
-    And whether the effect is needless beside it. What the effect leaves must be more than a small part of what it does:
-    a model of the right cause is off by as much on a real machine, whose friction never is as a law has it.
+    It is the best-fitting basis. What the effect leaves must be more than a small part of what it does: on a real
+    machine, whose friction follows no law exactly, a model of the right cause has such an error as well.
     """
     bare = fit(problem, f.hypothesis.without(name), 6, known=f)
     beside = problem.with_generic_bases({**problem.generic_bases, **load_bases(problem, bare)})
@@ -42,7 +42,7 @@ def _better_instead(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     instead = fit_with_basis(beside, bare, basis)
     refuse_different_weightings(instead, f)
     if dependence(basis) == "load" and largest_rms_reduction(problem, f, instead) < LEAST_SIZE:
-        return False  # as in ``explained.depends``: a load is known no better
+        return False  # as in ``explained.depends``: the load is known no better
     more = len(instead.hypothesis.free) - len(f.hypothesis.free)
     gained = (f.misfits[0] - instead.misfits[0]) / instead.variance_inflations[0] - by_chance(more)
     if instead.misfits[0] > MISFIT_DOUBTED * instead.judged[0] or gained <= DEPENDS:

@@ -1,12 +1,12 @@
-"""Own shape: whether an effect explains what any dependence on the same quantity would, beside something unknown.
+"""Own shape: whether an effect explains as much as any dependence on the same quantity, if something is unknown.
 
-Where something is left that no effect explains, an effect that was found may be nothing but its likeness: a bump of
-friction over the speed looks like Stribeck's. Then a basis of any shape over that quantity explains much more than the
-effect does. Where the effect's own shape explains what the basis explains, it is that effect, whatever else is left.
+If no effect explains the rest, an effect that was found may only imitate the unknown cause: a bump of friction over the
+speed looks like Stribeck friction. Then a basis of any shape over that quantity explains much more than the effect. If
+the effect's own shape explains what the basis explains, it is that effect, whatever else is left.
 
-An encoder that errs shows in the encoders' difference alone, and takes most of it away: what takes a part of it beside
-something unknown is the likeness of lines that are interpolated. One that is late is told from a gearbox that winds up
-by what it explains beside the torque that does so.
+An encoder error shows in the encoder difference alone and removes most of it. If it removes only a part while something
+is unknown, it imitates interpolation error between encoder lines. A late encoder is distinguished from a compliant
+gearbox by what it explains in addition to the torque that winds up the gearbox.
 """
 
 from __future__ import annotations
@@ -27,25 +27,26 @@ from ...identification.sensors import delay_shows
 from .worth import ENCODER_ONLY, is_lacked
 
 TEETH_STEPS = 8
-"""Iterations of a fit: the teeth begin where play had them."""
+"""Iterations of a fit; the teeth start from the values they had with backlash."""
 
 
 def by_own_shape(problem: EquationErrorProblem, f: Fit, names: Iterable[str] | None = None) -> tuple[str, ...]:
-    """Of the added effects, or of these, those that explain what they do by their own shape.
+    """Added effects that explain by their own shape what they do, and those over quantities without a basis.
 
-    Also those that act over a quantity for which there is no basis.
+    ``names`` limits this to some of the added effects.
     """
     return tuple(name for name in (f.hypothesis.added if names is None else names) if _own(problem, f, name))
 
 
 def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether play, a spring, or an encoder's angle error explains how the encoders part, whatever else is left.
+    """Whether backlash, compliance or an encoder's angle error explains the encoder difference, whatever else is left.
 
-    A spring or an angle error must explain most of it, and leave no more than an encoder's lines may: an encoder that
-    errs between its lines does so beside a gearbox that gives way, too; its likeness, a spring in the place of play,
-    leaves much more where the output is thrown. What play leaves in any recording must be little beside that, since
-    what is thrown against its teeth leaves more than lines do. Not so of a late encoder, which a gearbox that winds up
-    looks like.
+    * Compliance or an angle error must explain most of it and leave no more than interpolation error may. Interpolation
+      error occurs with a compliant gearbox as well; compliance in place of backlash leaves much more where the output
+      is thrown against the teeth.
+    * Backlash must leave little of the difference in every recording, because impacts leave more than interpolation
+      does.
+    * Never true of a late encoder, which looks like a compliant gearbox.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     if effect.id not in {*COMPLIANT_EFFECTS, *ENCODER_ONLY} or effect.delays:
@@ -54,7 +55,7 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
     bare = fit(problem, f.hypothesis.without(name))
     if is_play(f, name):
         parted = _of_the_encoders(problem, bare) / (problem.rows - problem.size)
-        if parted <= INTERPOLATED**2:  # as little as that, a spring or lines part them too
+        if parted <= INTERPOLATED**2:  # compliance or interpolation causes as little as that, too
             return False
         little = (1.0 - NEARLY_ALL) * parted
         return all(_of_these(f, part) <= little * (part.stop - part.start) for part in parts)
@@ -62,9 +63,9 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
 
 
 def explains_the_torque(f: Fit, name: str) -> bool:
-    """Whether much is left of the torque without an effect, and next to nothing with it.
+    """Whether much of the torque is unexplained without an effect, and almost nothing with it.
 
-    A gearbox that winds up draws such effects only so far as they resemble it: what they leave of it shows.
+    A compliant gearbox pulls in such effects only as far as they resemble it; the mismatch then remains visible.
     """
     problem = f.problem
     bare = fit(problem, f.hypothesis.without(name))
@@ -73,15 +74,16 @@ def explains_the_torque(f: Fit, name: str) -> bool:
 
 
 def is_play(f: Fit, name: str) -> bool:
-    """Whether an added effect is play: what lets the encoders part has a width."""
+    """Whether an added effect is backlash: a compliant effect whose size is a width in rad."""
     effect = catalogue()[f.hypothesis.instance(name).effect]
     return effect.id in COMPLIANT_EFFECTS and effect.parameters[0].unit == "rad"
 
 
 def only_teeth(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether play's teeth alone, without its width, explain a good part of how the encoders part as play does.
+    """Whether the teeth alone, with zero backlash width, explain much of the encoder difference that backlash explains.
 
-    They wind up as a spring does, and with a width besides they take up what is left of a spring beside such errors.
+    That is, the width removes less than ``MOSTLY`` of what the teeth leave. The teeth wind up as a shaft does. Together
+    with a width they absorb what a compliance leaves in the presence of encoder errors.
     """
     width = catalogue()[f.hypothesis.instance(name).effect].parameters[0]
     teeth = fit(problem, f.hypothesis.holding({f"effects.{name}.{width.name}": 0.0}), TEETH_STEPS)
@@ -97,7 +99,7 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     if effect.id in ENCODER_ONLY:
         return _mostly(problem, f, bare)
     shapes = _over(problem, bare, over)
-    if not shapes:  # of what shows over this, there is no other shape
+    if not shapes:  # no generic basis over this quantity
         return True
     refuse_different_weightings(bare, f)
     took = bare.misfits[0] - f.misfits[0]
@@ -111,19 +113,19 @@ def _own(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
     scale = f.variance_inflations[0]
     gained_by_any = _gained(bare, any_shape, scale, hidden=1 if over == "order" else 0)
     gained = _gained(bare, f, scale)
-    # what every machine has is there, as little as its law may fit where it warms up or wanders
+    # it exists on every machine, even if its law fits poorly while it warms up or wanders
     share = MOSTLY if is_lacked(f.hypothesis, effect.id) else NEARLY_ALL
     if gained >= share * gained_by_any:
         return True
-    # what explains as much beside that shape as it does alone is no likeness of it: both are there
+    # if it explains as much with that shape as alone, it does not imitate it: both are there
     return gained > 0.0 and _gained(any_shape, fit_with_basis(beside, f, best), scale) >= MOSTLY * gained
 
 
 def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:
-    """What a fit gains by the torque and by constants that come nearer to their file, in units of what is left.
+    """Gain of a fit from the torque and from constants closer to their file, in units of the remaining noise.
 
-    Less what its numbers gain by chance: of a basis, which has many, that is soon more than two per cent. ``hidden``
-    numbers were chosen before the fit, as the order of a wave is: the one that the residual shows most.
+    Reduced by what the additional numbers gain by chance; for a basis with many columns that soon exceeds 2 %.
+    ``hidden`` numbers were chosen before the fit, such as the order of a wave (the one strongest in the residual).
     """
     refuse_different_weightings(before, after)
     gained = (before.misfits[0] - after.misfits[0]) / scale + before.prior_cost - after.prior_cost
@@ -131,27 +133,27 @@ def _gained(before: Fit, after: Fit, scale: float, hidden: int = 0) -> float:
 
 
 def _mostly(problem: EquationErrorProblem, f: Fit, bare: Fit) -> bool:
-    """Whether most of how the encoders part beside a ``bare`` fit is gone."""
+    """Whether most of the encoder difference of a ``bare`` fit is removed."""
     return _of_the_encoders(problem, f) <= (1.0 - MOSTLY) * _of_the_encoders(problem, bare)
 
 
 def _of_these(f: Fit, rows: slice) -> float:
-    """Power of some of the encoders' rows beyond their noise."""
+    """Power of some encoder rows beyond their noise."""
     return max(float(np.sum(f.raw[rows] ** 2)) - (rows.stop - rows.start), 0.0)
 
 
 def _lines(rows: slice) -> float:
-    """The same of an encoder that errs between its lines as far as one may."""
+    """Largest such power that interpolation error between encoder lines may leave."""
     return (APART**2 - 1.0) * (rows.stop - rows.start)
 
 
 def _of_the_encoders(problem: EquationErrorProblem, f: Fit) -> float:
-    """Power of the encoders' difference beyond its noise, far rows in full: they are what an encoder's error makes."""
+    """Power of the encoder difference beyond its noise; outliers count in full, since an encoder error makes them."""
     return _of_these(f, slice(problem.size, problem.rows))
 
 
 def _over(problem: EquationErrorProblem, bare: Fit, over: str) -> dict[str, np.ndarray]:
-    """The bases over a quantity; over the time one for all recordings together."""
+    """The bases over a quantity; for time, one basis for all recordings together."""
     if over == "load":
         return load_bases(problem, bare)
     if over == "order":

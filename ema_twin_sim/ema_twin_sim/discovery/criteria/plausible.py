@@ -1,8 +1,8 @@
-"""Plausible: what an explanation must be beside fitting well, so that a wrong model is not dressed up.
+"""Plausible: conditions beyond a good fit, so that a wrong model is not made to look right.
 
-Where the true cause is in no catalogue, two or three effects together can stand in for it. They give themselves away:
-constants of the machine end far from what its file says, a size is hardly known to be there at all, or each constant
-has a cause of its own.
+If the true cause is not in the catalogue, two or three effects together can imitate it. The signs are: constants of the
+machine end far from the values of its file, the size of an effect is barely distinguishable from zero, or each constant
+gets an effect of its own.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ OVER = {"inertia": "acceleration"} | {id: catalogue()[id].depends_on for id in F
 
 
 def strained(f: Fit) -> tuple[str, ...]:
-    """What the constants act over that ended far from what the model's file says, one alone or all together.
+    """Quantities that the constants far from the model file act on; each constant is tested alone and all together.
 
-    Of inertia and friction that a gearbox parts, it is the sums: their shares are hardly known.
+    With backlash or compliance, inertia and friction are tested by their sums: their shares are poorly known.
     """
     values = {**f.hypothesis.by_path, **f.hypothesis.as_the_file_shares()}
     off = {
@@ -45,20 +45,27 @@ def strained(f: Fit) -> tuple[str, ...]:
 
 
 def insignificant(problem: EquationErrorProblem, f: Fit) -> str | None:
-    """The added effect that is the least sure to be there, where that is not sure enough; see ``uncertain``."""
+    """The least certain added effect, if it is not certain enough; see ``uncertain``."""
     return next(uncertain(problem, f), None)
 
 
 def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
-    """The added effects that are not sure enough to be there, the first to go first.
+    """The added effects that are not certain enough, the first to be removed first.
 
-    A size is judged with the effect's own shape (a speed, an angle) held: next to nothing has no shape. With its shape
-    free it must still be told from nothing, 49 ± 57 mN m is no number to give anybody, unless it is a share, which has
-    bounds to both sides; and so must what the effect does, surely where constants are open, which leaves more than
-    noise over. Not asked of what constants off their file show: how far they are off was that effect's worth; nor,
-    beside a generic basis, which fits anything, of what every machine has. Where constants are open, no shape may stand
-    on its bound either, and what turns with a shaft must show elsewhere than beside standstill. Of two that take each
-    other's place it is the later one, which explains less.
+    The rules:
+
+    * The size must differ from nothing with the effect's own shape (a speed, an angle) held, because an effect of no
+      size has no shape.
+    * With its shape free, the size must still differ from nothing: 49 ± 57 mN m is not a reportable number. Exception:
+      a share, which is bounded on both sides.
+    * What the effect does in the rows must differ from nothing as well; with open constants by more, because more than
+      noise is left there.
+    * Effects that show only in constants off their file are exempt: how far these were off was the effect's gain. So
+      are effects that every machine has, in the presence of a generic basis, which fits anything.
+    * With open constants no shape may end on its bound, and an effect over a shaft angle must show away from
+      standstill.
+
+    If two effects can replace each other, the later one goes first, because it explains less.
     """
     away = {}
     sure = SIGNIFICANT if f.hypothesis.base.is_open else LIKELY
@@ -79,10 +86,10 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
             shape = others if size.neutral is not None else []
             with_shape = spread[k, shape]
             variance = spread[k, k] - with_shape @ scaled_inverse(spread[np.ix_(shape, shape)]) @ with_shape
-            # of a stiffness, it is the softness that is there or not: as many standard errors from none
+            # for a stiffness, the compliance is tested: as many standard errors from zero
             off = instance.parameters[size.name] - (0.0 if size.neutral is None else size.neutral)
             away[name] = abs(off) / math.sqrt(max(float(variance), 1e-300))
-            # over a part of a turn, an amplitude and its angle take each other's place
+            # over part of a turn, an amplitude and its angle trade off against each other
             periodic = any(p.periodic for p in effect.parameters)
             needed = 1.0 if periodic else 0.0 if shape and math.isfinite(size.upper) else LIKELY
             hardly_known = abs(off) < needed * math.sqrt(max(float(spread[k, k]), 0.0))
@@ -93,9 +100,9 @@ def uncertain(problem: EquationErrorProblem, f: Fit) -> Iterator[str]:
 
 
 def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether the shape of an added effect (a speed, a time) ran against the end of what the recordings reach.
+    """Whether the shape of an added effect (a speed, a time) ended on the limit of what the recordings reach.
 
-    Where constants are open, what has no shape of its own there is a part of them that they do not fit.
+    With open constants, an effect without a shape of its own fits a part of them that the constants do not.
     """
     effect = catalogue()[f.hypothesis.instance(name).effect]
     shape = {f"effects.{name}.{p.name}" for p in effect.parameters[1:] if not p.periodic}
@@ -107,23 +114,23 @@ def _shape_on_bound(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 
 
 def _sureness(f: Fit, spread: np.ndarray, off: float, size: int, shape: Sequence[int]) -> float:
-    """Standard errors by which what an effect does in the rows that were judged is away from nothing.
+    """Standard errors by which the action of an effect in the judged rows differs from nothing.
 
-    ``spread`` (k, k) is the covariance of all free numbers, ``size`` and ``shape`` are the effect's among them, ``off``
-    how far its size is from none. Where a size and its shape take each other's place, each is hardly known and what
-    they do together well: a lubricant that thins by a share at one speed, or by more at a higher one.
+    ``spread`` (k, k) is the covariance of all free numbers, ``size`` and ``shape`` are the effect's indices in it,
+    ``off`` is how far its size is from neutral. If size and shape trade off, each is poorly known but their joint
+    action is well known: a lubricant that thins by some share at one speed, or by more at a higher one.
     """
     own = [size, *shape]
-    done = off * f.jacobian[:, size]  # what the effect does, to first order
+    done = off * f.jacobian[:, size]  # action of the effect, to first order
     changes = f.jacobian[:, own].T @ done / max(float(done @ done), 1e-300)
     return 1.0 / math.sqrt(max(float(changes @ spread[np.ix_(own, own)] @ changes), 1e-300))
 
 
 def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """Added effects that nothing but constants far from their file calls for, where these are several.
+    """Added effects that are supported only by constants far from their file, if there are several.
 
-    One cause may stand behind one constant; a cause for each is no explanation. And what is to stand behind all of
-    them must do so: where one constant alone is off, and only half put right, it is not what all have in common.
+    One cause may explain one constant; a separate cause for each constant is no explanation. A common cause must
+    explain all of them: if only one constant is off, and only half corrected, it is not the common cause.
     """
     for name, instance in f.hypothesis.added.items():
         if instance.effect == TORQUE_FACTOR:
@@ -140,6 +147,6 @@ def only_constants(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
 
 
 def _beside_the_worst(f: Fit) -> float:
-    """What the constants cost that are off their file, but for the one that is off the most."""
+    """Prior cost of the constants off their file, without the one that is off the most."""
     residuals, _ = prior_rows(f.hypothesis)
     return float(residuals @ residuals - np.max(residuals**2, initial=0.0))

@@ -1,7 +1,7 @@
-"""Reversals: what lies beside standstill is friction that gives way, by a law that no model has exactly.
+"""Reversals: residuals near standstill come from presliding friction, which no model describes exactly.
 
-A machine that goes to and fro over the same way reverses at the same angles, so that what happens there repeats with
-the angle as a damaged tooth does.
+A machine that moves back and forth over the same range reverses at the same angles. What happens there repeats with the
+angle, as a damaged tooth does.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from ...plant.measured_motion import SPEED, TIME
 
 
 def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether an added effect over a shaft's angle explains the slowest of the moving rows and no others.
+    """Whether an added effect over a shaft angle explains only the slowest of the moving rows.
 
-    Not asked of operating points, most of which stand still, nor of a wave so fine that whole cycles of it pass while
-    the machine is slow: nothing else would show what smoothing hides at higher speeds.
+    Not tested for operating points, most of which stand still. Not tested either for a wave so fine that whole cycles
+    pass while the machine is slow: only slow motion shows what smoothing hides at higher speeds.
     """
     instance = f.hypothesis.added[name]
     if catalogue()[instance.effect].depends_on != "order" or "order" not in instance.options or not problem.size:
@@ -31,7 +31,7 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
     speed = np.concatenate([np.abs(o.motion[o.rows, SPEED]) for o in problem.observations])
     limit = float(np.quantile(speed, SMALL))
     slowest = speed <= limit
-    if slowest.mean() > PART:  # it went at one speed, and was never slow
+    if slowest.mean() > PART:  # it ran at one speed and was never slow
         return False
     if f.hypothesis.model().motor_order(name) * _way_when_slow(problem, limit) >= 2.0 * math.pi:
         return False
@@ -41,7 +41,7 @@ def shows_where_slowest(problem: EquationErrorProblem, f: Fit, name: str) -> boo
 
 
 def _way_when_slow(problem: EquationErrorProblem, limit: float) -> float:
-    """How far [rad] the motor turns, on average, each time that it is no faster than a limit [rad/s]."""
+    """How far [rad] the motor turns, on average, each time it stays at or below a speed limit [rad/s]."""
     way, times = 0.0, 0
     for o in problem.observations:
         speed, step = np.abs(o.motion[:, SPEED]), np.diff(o.motion[:, TIME], prepend=o.motion[0, TIME])

@@ -1,7 +1,8 @@
-"""Worth: what an effect must gain to be named. Every effect and every number that it brings has a price.
+"""Worth: the gain an effect needs to be named. Every effect and every parameter has a complexity penalty.
 
-Prices are in units of the noise, a chi-square over the rows' correlation: what is not there gains a few by chance, and
-more where the best of many is taken. They were set on benches with nothing hidden, so that none of these is accused.
+Penalties are in units of the noise: a chi-square corrected for the rows' correlation. An absent effect gains a few
+units by chance, and more if the best of many is taken. The penalties were set on benches with nothing hidden, so that
+no effect is accused there.
 """
 
 from __future__ import annotations
@@ -33,18 +34,18 @@ from ...identification.hypothesis import COMPLIANT_EFFECTS, Hypothesis
 from ...identification.sensors import delay_shows
 from ...model.roles import SENSOR_DELAY, SENSOR_WAVE
 
-STRAY_ROWS = 2  # of a recording, or a hundredth of it: what a single start or spike leaves is no dependence
+STRAY_ROWS = 2  # of a recording, or 1 % of it: a single start or spike is no dependence
 BY_CONSTANTS = frozenset({"speed", "acceleration", "current"})
-"""What the constants of a model act over: effects over these may show in nothing but a constant off its file."""
+"""Quantities that a model's constants act on: effects over these may show only as a constant off its file."""
 NOTHING_ELSE = frozenset({"acceleration", "current"})
-"""Over these, no effect shows in anything but constants off their file."""
+"""For these quantities an effect shows only as constants off their file."""
 NEARLY_CONSTANT = frozenset({"direction", "output_position"})
-"""Over these, an effect may be as good as constant."""
-ENCODER_ONLY = frozenset({SENSOR_DELAY, SENSOR_WAVE})  # effects that no torque shows
+"""For these quantities an effect may be practically constant."""
+ENCODER_ONLY = frozenset({SENSOR_DELAY, SENSOR_WAVE})  # effects that do not show in the torque
 
 
 def complexity_penalty(f: Fit) -> float:
-    """What a hypothesis costs beside its misfit: priors, effects, parameters."""
+    """Complexity penalty of a hypothesis (added to its misfit): priors, number of effects and parameters."""
     parameters = sum(fr.path.startswith("effects.") for fr in f.hypothesis.free)
     generic_bases = sum(fr.path.startswith("basis.") for fr in f.hypothesis.free)
     return (
@@ -56,9 +57,9 @@ def complexity_penalty(f: Fit) -> float:
 
 
 def penalised_gain(before: Fit, after: Fit) -> float:
-    """How much better one fit is than another, prices paid; what remains of misfit makes differences count less.
+    """Gain of one fit over another, net of complexity penalties, in units of the remaining noise.
 
-    Raises DifferentWeightings where they do not compare, as do all that hold one fit against another.
+    Raises DifferentWeightings if the two do not compare, as every comparison of fits does.
     """
     fall = np.subtract(before.misfits, after.misfits)
     gained = float(np.sum(fall / noise_per_unit(before, after)))
@@ -66,8 +67,9 @@ def penalised_gain(before: Fit, after: Fit) -> float:
 
 
 def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
-    """The difference of misfits, of the torque's rows and of the encoders' (2,), that counts as one: beside an output
-    that bounces, more is fitted by chance.
+    """Difference of misfits that counts as one, for torque rows and encoder rows (2,).
+
+    It is larger with an output that bounces, because more is fitted by chance there.
     """
     refuse_different_weightings(before, after)
     shaky = SHAKY if before.parted and after.parted else 1.0
@@ -75,10 +77,10 @@ def noise_per_unit(before: Fit, after: Fit) -> np.ndarray:
 
 
 def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit) -> float:
-    """The largest rms, in units of noise, that an effect takes from some recording's rows.
+    """Largest rms, in units of noise, that an effect removes from any one recording's rows.
 
-    Beside a gearbox that bounces or rings, a torque must show in the torque, and not right after an impact: what lies
-    there, and where the output comes to rest, no contact law gets right.
+    With backlash or compliance, a torque effect must show in the torque and not right after an impact: no contact law
+    is accurate there, nor where the output comes to rest.
     """
     refuse_different_weightings(before, after)
     came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
@@ -96,7 +98,7 @@ def largest_rms_reduction(problem: EquationErrorProblem, before: Fit, after: Fit
 
 
 def is_lacked(h: Hypothesis, effect: str) -> bool:
-    """Whether an added effect is one that every machine has, and the model it was added to lacks."""
+    """Whether an added effect is one that every machine has and that the base model lacks."""
     there = [i.effect for i in (*h.base.active.values(), *h.added.values())]
     return catalogue()[effect].every_machine and there.count(effect) == 1
 
@@ -117,15 +119,15 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
     if over == {"encoders"} and _hardly_parts(problem, before, after):
         return False
     if over <= NOTHING_ELSE and not after.parted and penalised_gain(before, after) > 0.0:
-        # constants could do the same: what rows gain is what these were kept from by their file; beside impacts it may
-        # be what no contact gets right
+        # Constants could do the same: the rows gain what their priors kept the constants from doing. With impacts it
+        # may be what no contact law gets right.
         return True
     relief = before.prior_cost - after.prior_cost
     if relief > COST_EFFECT + COST_PARAMETER and over <= BY_CONSTANTS:
         return True
     if before.parted != after.parted or "encoders" in over:
         count, misfit, remains = problem.judged, before.misfit, after.misfit
-    else:  # encoders that do not fit are no matter of torques
+    else:  # encoder residuals do not affect torque effects
         count = problem.size
         misfit, remains = before.misfits[0], after.misfits[0]
     fall, excess = misfit - remains, max(misfit - count, 0.0)
@@ -135,25 +137,25 @@ def has_effect_size(problem: EquationErrorProblem, before: Fit, after: Fit) -> b
         if all(catalogue()[id].depends_on != "output_position" for id in after.hypothesis.held):  # no load varies
             floor = max(floor, LEAST_SIZE_LIKE_FRICTION)
         elif after.parted and penalised_gain(before, after) > DEPENDS:
-            # a few per cent of a load are less than any other effect, and nothing else follows the load's size
+            # a few per cent of a load are smaller than other effects, but nothing else follows the load's size
             floor *= 0.5
     if over == {"order"} and not after.parted:
-        # a wave over the angle is like nothing else that a model gets slightly wrong
+        # no typical model error looks like a wave over the angle
         floor *= 0.5
-    # an encoder that errs between its lines may part from the other by far more than a delay makes it
+    # Interpolation error of an encoder may separate the encoders far more than a delay does.
     late = problem.size > 0 and bool(came) and not after.parted and all(catalogue()[id].delays for id in came.values())
     considerable = fall >= SMALL * excess or (late and delay_shows(problem, before))
     return considerable and largest_rms_reduction(problem, before, after) >= floor * left
 
 
 def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
-    """Torque [N m] that each recording keeps unexplained beyond its noise, where nothing has been shaken."""
+    """Torque [N m] that each recording leaves unexplained beyond its noise, outside impacts."""
     parted = f.parted
     found = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         z = f.raw[part][
             o.below_shock_limit & ~o.after_impact[o.rows] if parted else o.below_shock_limit
-        ]  # rows at standstill were left out before
+        ]  # standstill rows were left out before
         if len(z) < FEWEST_ROWS:
             found.append(0.0)
             continue
@@ -164,12 +166,12 @@ def left_over(problem: EquationErrorProblem, f: Fit) -> list[float]:
 
 
 def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> bool:
-    """Whether next to nothing of how far the encoders part is gone: all that can be asked where they are not known."""
+    """Whether almost none of the encoder difference was removed. With open constants nothing stricter can be tested."""
     if not after.hypothesis.base.is_open:
         return False
     parted, gone = 0.0, 0.0
     came = set(after.hypothesis.effects) - set(before.hypothesis.effects)
-    # an encoder's error may be far larger than the play beside it, which is judged by what that error leaves
+    # An encoder's error may be far larger than the backlash, so backlash is judged by what that error leaves.
     beside_errors = not problem.size and not came.isdisjoint(COMPLIANT_EFFECTS)
     for part in problem.encoder_parts:
         noise = problem.noise_of_encoders(part)
@@ -180,7 +182,7 @@ def _hardly_parts(problem: EquationErrorProblem, before: Fit, after: Fit) -> boo
 
 
 def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether an effect's torque is beyond all that was measured: smoothing leaves next to nothing of fast waves."""
+    """Whether an effect's torque exceeds everything measured: smoothing removes nearly all of a fast wave."""
     instance = f.hypothesis.instance(name)
     size = catalogue()[instance.effect].parameters[0]
     most = LARGEST_EFFECT * float(np.abs(problem.torque).max(initial=0.0))
@@ -188,7 +190,7 @@ def _too_large(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 
 
 def _within_counts(f: Fit, name: str) -> bool:
-    """Whether an angle error is less than half a count of the coarser encoder: rounding looks like it, too."""
+    """Whether an angle error is below half a count of the coarser encoder: rounding looks the same."""
     instance = f.hypothesis.instance(name)
     size = catalogue()[instance.effect].parameters[0]
     if catalogue()[instance.effect].depends_on != "encoders" or size.name != "amplitude":
@@ -201,10 +203,10 @@ def _within_counts(f: Fit, name: str) -> bool:
 
 
 def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
-    """Whether a load, or what differs by direction, is less than a step of the torque that was read: what a drive
-    rounds down looks like one.
+    """Whether a load, or a torque that differs by direction, is below one step of the torque reading.
 
-    Asked where constants are open: else the model's file tells how the sensor reads.
+    A drive that rounds down looks like such a load. Tested only with open constants; otherwise the model file says how
+    the sensor reads.
     """
     instance = f.hypothesis.instance(name)
     if catalogue()[instance.effect].depends_on not in NEARLY_CONSTANT or not f.hypothesis.base.is_open:
@@ -218,7 +220,7 @@ def _within_steps(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 
 
 def _does_nothing(f: Fit, name: str) -> bool:
-    """Whether an effect's stiffness is as high as it may be, where it does not show: it stands in for another."""
+    """Whether an effect's stiffness is at its upper limit, where it has no action: it stands in for another effect."""
     size = catalogue()[f.hypothesis.added[name].effect].parameters[0]
     path = f"effects.{name}.stiffness"
     if size.name != "stiffness" or size.neutral is not None:

@@ -1,1 +1,1 @@
-"""What to record next, and what it would show."""
+"""What to record next, and what that recording would show."""

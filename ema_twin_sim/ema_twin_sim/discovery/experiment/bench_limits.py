@@ -16,7 +16,7 @@ from ...model import Model
 from ...model.own_units import shown
 from ...plant.measured_motion import ACCELERATION, MOTOR_CURRENT, OUTPUT_ANGLE, SPEED
 
-_SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation is not the bench to the last digit
+_SLACK = {"speed": 1.05, "acceleration": 1.15, "current": 1.1}  # a simulation differs slightly from the bench
 _SLACK_TRAVEL = 0.02  # of the range
 _LONG = 20.0  # own s for which a shaft without end stops may turn one way
 _NONE = 1e-12  # in place of a limit of zero
@@ -24,21 +24,21 @@ _NONE = 1e-12  # in place of a limit of zero
 
 @dataclass(frozen=True)
 class Limits:
-    """What a command may reach: rad/s, rad/s² and rad (from the start on) of the slow shaft, A of the motor."""
+    """Limits of a command: rad/s, rad/s² and rad (from the start) of the slow shaft, A of the motor."""
 
     speed: float
     acceleration: float
     lower: float
     upper: float
     current: float
-    motion: str = "rotary"  # or linear: m in place of rad
+    motion: str = "rotary"  # or linear: m instead of rad
 
     def shown(self, model: Model) -> Limits:
-        """Limits that are told in a model's own units, in SI."""
+        """Convert limits in a model's own units to SI."""
         return self._times(model, 1)
 
     def told(self, model: Model) -> Limits:
-        """Limits in SI, in a model's own units."""
+        """Convert limits in SI to a model's own units."""
         return self._times(model, -1)
 
     def _times(self, model: Model, sign: int) -> Limits:
@@ -58,7 +58,7 @@ class Limits:
         }
 
     def effort(self, done: Limits) -> float:
-        """The largest share of these limits that something which reached ``done`` has used."""
+        """Largest share of these limits that a motion which reached ``done`` has used."""
         span = max(self.upper - self.lower, _NONE)
         outside = max(self.lower - done.lower, done.upper - self.upper, 0.0) / span
         return max(
@@ -70,7 +70,7 @@ class Limits:
         )
 
     def exceeded(self, done: Limits) -> tuple[str, ...]:
-        """Which of these limits (SI) something has gone beyond, with what it reached and what they are."""
+        """The limits (SI) that ``done`` exceeds, with the value reached and the limit."""
         found = [
             f"{name} {reached:.2g} {unit_in(unit, self.motion).replace('^2', '²')} (so far {limit:.2g})"
             for name, reached, limit, unit in (
@@ -90,7 +90,7 @@ class Limits:
         return tuple(found)
 
     def _further(self, done: Limits) -> str:
-        """How much longer the way was, where it was."""
+        """How many times longer the travel was; empty if it was not longer."""
         times = (done.upper - done.lower) / max(self.upper - self.lower, _NONE)
         return f", {times:.2g} times as far" if times > 1.0 + _SLACK_TRAVEL else ""
 
@@ -106,7 +106,7 @@ def reached(o: Observation, ratio: float) -> Limits:
 
 
 def driven_limits(observations: Sequence[Observation], ratio: float) -> Limits:
-    """What recordings of a machine with this gear ratio have driven already, each counted from its own start."""
+    """What recordings of a machine with this gear ratio have reached, each counted from its own start."""
     every = [reached(o, ratio) for o in observations]
     return Limits(
         max(r.speed for r in every),
@@ -120,13 +120,13 @@ def driven_limits(observations: Sequence[Observation], ratio: float) -> Limits:
 def widened(limits: Limits, model: Model, origin: float, faster: float = LARGEST_EFFECT) -> Limits:
     """Limits for a bench that can do more than it has done: up to twice the current.
 
-    The current is what drive, motor and gears feel. A slow recording says nothing of how fast a bench may turn: what
-    limits the speed is the current that friction takes at it, and ``faster`` times what was driven. Travel ends before
-    the model's end stops, and the drive's own limits are kept well away from. A bench may have stops that its model
-    lacks: there it turns no further either way than it has turned in all, or than twice the speed so far leads in the
-    usual time, however much faster it turns.
+    The current is what loads drive, motor and gears. A slow recording says nothing about how fast a bench may turn: the
+    speed is limited by the current that friction then takes, and to ``faster`` times the driven speed. Speed and
+    current stay well below the drive's own limits, and travel ends before the model's end stops. A bench may have stops
+    that its model lacks. So without stops in the model, travel either way is at most the larger of two: the total
+    travel so far, and the distance that up to twice the speed so far covers in the usual time.
 
-    ``origin`` [rad] is the output's angle at the start, from which the model's end stops are seen.
+    ``origin`` [rad] is the output's angle at the start, relative to which the model's end stops are placed.
     """
     ratio = model.value("machine.gear_ratio")
     torque = model.value("drive.torque_limit") / model.value("machine.torque_constant")

@@ -1,4 +1,4 @@
-"""The commands that a plan chooses from: every kind that the virtual bench knows, over sizes and paces."""
+"""The commands that a plan chooses from: every kind that the virtual bench has, over sizes and paces."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from dataclasses import dataclass
 from .bench_limits import Limits
 
 LONGEST = 20.0
-"""Own s: what a recording lasts, as long as travel allows."""
-_SHORTEST = 4.0  # own s of a ramp worth recording
+"""Own s: duration of a recording, if travel allows."""
+_SHORTEST = 4.0  # own s: shortest ramp worth recording
 _NICE = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 _FEW_SPEEDS = (1.0, 0.3)
 _SPEEDS = (1.0, 0.5, 0.25, 0.1)
 _FEW_HALVES = (0.5, 2.5, 5.0)  # own s
 _HALVES = (0.5, 1.0, 2.5, 5.0, 10.0)  # own s
 _TIME_OF_SIZE = {"ramp": -1, "triangle": -1, "sine": 0, "step": 0, "speed-triangle": -2, "speed-sine": -1}
-"""Of each kind of command, the power of time in the unit of its size: rad, rad/s or rad/s²."""
+"""By kind of command: the power of time in the unit of its size (rad, rad/s or rad/s²)."""
 
 
 @dataclass(frozen=True)
 class Planned:
-    """A command, and for how long it is worth recording: in own units, and in SI as ``simulate`` takes it."""
+    """A command and how long to record it: in own units, and in SI as ``simulate`` takes it."""
 
     command: str
     seconds: float
-    turns: int  # how often its half periods end
+    turns: int  # half periods completed
     asked: str  # the command in SI
     lasts: float  # s
 
@@ -44,11 +44,11 @@ def command_grid(
     second: float = 1.0,
     radian: float = 1.0,
 ) -> tuple[Planned, ...]:
-    """Commands whose speed and travel keep within limits; ``few`` takes a handful of them.
+    """Commands whose speed and travel stay within limits; ``few`` returns a handful of them.
 
-    ``slowest`` [rad/s] is the speed of the slow shaft below which nothing can be judged, ``position_gain`` [1/s of the
-    slow shaft] tells how fast the position loop answers a step. All these are in own units, of which one is so many
-    ``second`` and ``radian`` in SI, where the commands have round numbers.
+    ``slowest`` [rad/s] is the speed of the slow shaft below which nothing can be judged. ``position_gain`` [1/s of the
+    slow shaft] gives how fast the position loop answers a step. Both are in own units; ``second`` and ``radian`` are
+    the size of one own unit in SI, in which the commands have round numbers.
     """
     velocity = radian / second
 
@@ -79,7 +79,7 @@ def command_grid(
             if seconds >= _SHORTEST:
                 offer("ramp", sign * speed, None, math.inf, speed, seconds)
             for half in halves:
-                slow = min(speed, nice(room / half, velocity))  # where that speed has no room, the one that has
+                slow = min(speed, nice(room / half, velocity))  # if that speed needs too much travel, a lower one
                 if sign > 0.0 or limits.upper < slow * half:
                     offer("triangle", sign * slow, half, half, slow)
         for half in halves:
@@ -90,7 +90,7 @@ def command_grid(
             if position_gain > 0.0:
                 step = nice(share * min(limits.speed / position_gain, limits.upper), radian)
                 offer("step", step, half, half, step * position_gain)
-            # speed that rises and falls in one direction, and a swing of speed that turns round
+            # speed that rises and falls in one direction, and a sine of speed that reverses
             top = nice(share * min(limits.speed, 2.0 * limits.upper / longest) / half, velocity / second) * half
             offer("speed-triangle", top / half, half, half, top)
             top = nice(share * min(limits.speed, 0.5 * math.pi * limits.upper / half), velocity)
@@ -99,7 +99,7 @@ def command_grid(
 
 
 def round_number(value: float) -> float:
-    """The next round number at or below a value; 0 where it is not above zero."""
+    """The largest round number at or below a value; 0 if the value is not above zero."""
     if not value > 0.0:
         return 0.0
     decade = 10.0 ** math.floor(math.log10(value))

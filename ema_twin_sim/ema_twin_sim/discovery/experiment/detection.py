@@ -1,9 +1,9 @@
-"""What recordings would show: by how many standard errors each effect of the catalogue stands out at its typical size.
+"""Detection: by how many standard errors recordings would show each effect of the catalogue at its typical size.
 
-To first order in all sizes, what a recording tells is its Fisher information about the sizes of all effects and the
-free numbers of the explanation beside them. That of several recordings adds up, so that of a command that is yet to be
-recorded is added to that of the recordings so far. An effect stands out as far as neither the free numbers nor any one
-other effect, of whatever size, makes up for it. Effects of shape and sum are taken at their typical shape.
+To first order in all sizes, a recording contributes Fisher information about the sizes of all effects and the free
+numbers of the explanation. The information of several recordings adds up, so that of a planned command is added to that
+of the recordings so far. An effect stands out by what neither the free numbers nor any one other effect, of any size,
+can compensate. The shape parameters of an effect are held at their typical values.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from ...model import EffectInstance
 
 @dataclass(frozen=True, eq=False)
 class Showing:
-    """How far apart effects (n, n) are: standard errors of each at its typical size from each other of whatever size.
+    """Separation of effects (n, n): standard errors of each, at its typical size, from each other of any size.
 
-    On the diagonal from nothing but the explanation's free numbers. ``matters`` (n, n) are those that some recording
-    within reach would tell apart: what none does is no reason to prefer one to another.
+    The diagonal holds the separation from no effect, with the explanation's free numbers. ``matters`` (n, n) marks
+    pairs that some recording within reach would separate: what none separates is no reason to prefer one recording.
     """
 
     effects: tuple[str, ...]
@@ -41,33 +41,33 @@ class Showing:
 
     @property
     def named(self) -> float:
-        """How many of the effects would be named if all were there, one at a time.
+        """Expected number of effects that would be named if each were there, one at a time.
 
-        Each counts as a share: one half where it stands out by what decides between rivals, at its worst rival.
+        Each counts as a share: one half if it stands out from its worst rival by DECIDED.
         """
         return float(np.sum(self.standing_out**2 / (self.standing_out**2 + DECIDED**2)))
 
     @property
     def standing_out(self) -> np.ndarray:
-        """Standard errors (n,) by which each effect stands out from the one that is likest it, or from nothing."""
+        """Standard errors (n,) by which each effect differs from its closest rival, or from no effect."""
         worst = np.min(np.where(self.matters, self.apart, math.inf), axis=1, initial=math.inf)
         return np.where(np.isfinite(worst), worst, 0.0)
 
     def of(self, effect: str, other: str = "") -> float:
-        """Standard errors of an effect from another, or from nothing."""
+        """Standard errors of an effect from another, or from no effect."""
         k = self.effects.index(effect)
         return float(self.apart[k, self.effects.index(other) if other else k])
 
     def hidden(self) -> tuple[str, ...]:
-        """The effects that would not show by what it takes to name them, though other recordings would show them."""
+        """Effects that would not show clearly enough to be named, although other recordings would show them."""
         shown = np.diag(self.apart)
         within_reach = np.diag(self.matters)
         return tuple(id for k, id in enumerate(self.effects) if within_reach[k] and shown[k] < SIGNIFICANT)
 
     def confused(self) -> dict[str, tuple[str, ...]]:
-        """By effect that shows, those that show too and look like it, though other recordings would tell them apart.
+        """By effect that shows: others that show and look like it, although other recordings would separate them.
 
-        Each pair once.
+        Each pair is listed once.
         """
         shown = np.diag(self.apart) >= SIGNIFICANT
         either_way = self.matters | self.matters.T
@@ -78,15 +78,15 @@ class Showing:
 
 @dataclass(frozen=True)
 class _Column:
-    """An effect at one angle, a small step of its typical size from where it does nothing."""
+    """An effect at one angle, a small step of its typical size from its neutral value."""
 
     effect: str
     instance: EffectInstance
-    second: bool  # of two angles
+    second: bool  # whether it is the second of two angles
 
 
 class Detection:
-    """The effects that may be added to an explanation, and how far recordings would show them."""
+    """The effects that may be added to an explanation, and how clearly recordings would show them."""
 
     def __init__(self, found: Fit, excluded: frozenset[str]) -> None:
         self.hypothesis = without_generic_bases(found.hypothesis)
@@ -102,10 +102,10 @@ class Detection:
         self.so_far = marginal(information, np.array([*physical, *(True for _ in self._columns)]))
 
     def of(self, recording: Observation) -> np.ndarray:
-        """The information (m, m) that a recording adds about the free numbers, and the sizes of all effects.
+        """Information (m, m) that a recording adds about the free numbers and the sizes of all effects.
 
-        That friction wanders in it is not looked at, as it is in what the recordings so far tell: how it will is found
-        by a fit to what was measured. Of a machine whose friction wanders this promises a little too much.
+        Wandering friction in the new recording is ignored, because how it wanders is only found by a fit to measured
+        data. For a machine with wandering friction the result is slightly too optimistic.
         """
         problem = EquationErrorProblem([recording])
         even = np.ones(problem.rows)
@@ -115,9 +115,9 @@ class Detection:
         return _information(rows, self._found.row_variance_inflations_in(problem))
 
     def apart(self, information: np.ndarray) -> np.ndarray:
-        """Standard errors (n, n) as ``Showing`` has them; of an effect of any angle, at the angle that shows least."""
+        """Standard errors (n, n) as in ``Showing``; for an effect with a free angle, at the angle that shows least."""
         sizes = marginal(information, np.arange(len(information)) >= len(self.hypothesis.free))
-        # an effect that has one column is given another, that all is known of and that nothing else looks like
+        # an effect with one column gets a second that is perfectly known and unlike all others
         count = len(self.effects)
         places = [2 * self.effects.index(c.effect) + c.second for c in self._columns]
         full = np.diag(np.where(np.isin(np.arange(2 * count), places), 0.0, 1e30))
@@ -138,7 +138,7 @@ class Detection:
         weights: np.ndarray,
         slopes: np.ndarray,
     ) -> np.ndarray:
-        """Weighted rows (m, k) of the free numbers' slopes, and of every effect at its typical size."""
+        """Weighted rows (m, k): slopes of the free numbers, then every effect at its typical size."""
         found = []
         for column in self._columns:
             rows = problem.beside(h, predicted, column.instance)
@@ -150,19 +150,19 @@ class Detection:
 
 
 def _information(rows: np.ndarray, variance_inflations: np.ndarray) -> np.ndarray:
-    """Of rows (m, k) that count as much as their variance inflations (m,) allow: (k, k)."""
+    """Information (k, k) of rows (m, k), reduced by their variance inflations (m,)."""
     scaled = rows / np.sqrt(variance_inflations)[:, None]
     return np.asarray(scaled.T @ scaled)
 
 
 def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:
-    """The effects that may be added, under their usual options; of those of any angle, two angles whose sum is any."""
+    """The effects that may be added, with default options; two angles for an effect with a free angle."""
     found: list[_Column] = []
     for c in candidates(h, excluded | set(COMPLIANT_EFFECTS) | h.held):
         effect = catalogue()[c.effect]
         size, turning = effect.parameters[0], regressed_angle(effect)
         if c.options != effect.default_options() or size.neutral is None or size.default == size.neutral:
-            continue  # what does not grow in proportion has no information
+            continue  # no information about an effect that is not proportional to its size
         small = {**effect.default_parameters(), size.name: size.neutral + STEP * (size.default - size.neutral)}
         angles = [{}] if turning is None else [{turning.name: 0.0}, {turning.name: 0.5 * math.pi}]
         found += [
@@ -173,7 +173,7 @@ def _columns(h: Hypothesis, excluded: frozenset[str]) -> tuple[_Column, ...]:
 
 
 def marginal(information: np.ndarray, keep: np.ndarray) -> np.ndarray:
-    """The information (k, k) about the numbers that are kept, whatever the others are; ``keep`` (m,) is a mask."""
+    """Information (k, k) about the kept numbers, with all others free; ``keep`` (m,) is a mask."""
     if keep.all():
         return information
     size = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-30))
@@ -184,7 +184,7 @@ def marginal(information: np.ndarray, keep: np.ndarray) -> np.ndarray:
 
 
 def without_generic_bases(h: Hypothesis) -> Hypothesis:
-    """A hypothesis less all that stands for nothing but what its recordings show."""
+    """A hypothesis without its generic bases, which describe only their own recordings."""
     for name in h.generic_bases:
         h = h.without_generic_basis(name)
     return h

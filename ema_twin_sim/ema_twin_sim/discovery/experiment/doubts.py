@@ -1,8 +1,8 @@
-"""Doubts: which explanations the recordings leave open, each as a hypothesis that can be simulated.
+"""Doubts: explanations that the recordings leave open, each as a hypothesis that can be simulated.
 
-A found effect is in doubt where something else in its place explains the recordings nearly as well: another effect,
-another kind of the same, or nothing but constants within their tolerance. An effect that was too small to be named is
-in doubt too; and where no recording reverses, a load is, found or not.
+A found effect is in doubt if something else in its place explains the recordings nearly as well: another effect,
+another kind of the same, or only constants within their tolerance. An effect that was too small to be named is in doubt
+as well. So is a load if no recording reverses, found or not.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from ..search.rivals import Rivalry
 from ..search.trace import Search
 
 ALTERNATIVES = 3
-"""Explanations that are held against a found effect."""
+"""Explanations that are compared with a found effect."""
 NOTHING = "none"
-_MOVING = 0.1  # own s of motion that make a direction
+_MOVING = 0.1  # own s of motion that count as motion in a direction
 
 
 @dataclass(frozen=True, eq=False)
 class Rival:
-    """One explanation of all recordings: what it is called among its rivals, and its fit."""
+    """One explanation of all recordings: its name among its rivals, and its fit."""
 
     name: str  # an effect with its kind, or ``none``
     fit: Fit
@@ -43,15 +43,15 @@ class Rival:
 
 @dataclass(frozen=True, eq=False)
 class Doubt:
-    """Rivals of which the recordings do not tell which is right, the leading one first."""
+    """Rivals between which the recordings do not decide, the leading one first."""
 
     rivals: tuple[Rival, ...]
-    behind: tuple[float, ...]  # how much each loses by to the first, prices paid, in units of noise
+    behind: tuple[float, ...]  # how far behind the first, penalties included, in noise units
     reason: str
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the rivals are called."""
+        """The names of the rivals."""
         return tuple(rival.name for rival in self.rivals)
 
 
@@ -63,17 +63,17 @@ def doubts(
     *,
     thorough: bool = True,
 ) -> tuple[Doubt, ...]:
-    """What the recordings of ``problem`` leave in doubt after a search and the look at its rivals.
+    """What the recordings of ``problem`` leave in doubt after a search and the comparison with its rivals.
 
-    ``thorough`` holds every effect of the catalogue against each found one, and not its known rivals only, unless a
-    gearbox with play or spring has to be simulated for that.
+    ``thorough`` compares every effect of the catalogue with each found one, instead of only its known rivals. It is
+    ignored for a model with backlash or compliance, where that would take too long.
     """
     best = found.fit
     standing = {rivalry.effect: rivalry for rivalry in rivals}
     held = []
     for name, instance in best.hypothesis.added.items():
         if instance.effect in COMPLIANT_EFFECTS:
-            continue  # what parts the encoders was decided by their difference
+            continue  # decided by the encoder difference
         wanted: set[str] = set()
         fits: tuple[Fit, ...] = ()
         if instance.effect in standing:
@@ -82,7 +82,7 @@ def doubts(
             wanted = {*rivalry.group} - {instance.effect}
             if rivalry.behind < SIGNIFICANT**2:
                 wanted.add(rivalry.runner_up)
-        if thorough and not best.parted:  # a gearbox takes too long to try everything on
+        if thorough and not best.parted:  # a gearbox takes too long to try every effect
             wanted |= {*catalogue()} - {instance.effect, *ENCODER_ONLY}
         doubt = _about(problem, best, name, wanted, without, fits)
         if doubt is not None:
@@ -98,14 +98,14 @@ def doubts(
 
 
 def reverses(problem: EquationErrorProblem) -> bool:
-    """Whether the recordings show motion in both directions."""
+    """Whether the recordings contain motion in both directions."""
     forward = sum(float(np.sum(o.motion[:, SPEED] > STANDSTILL)) * o.period for o in problem.observations)
     backward = sum(float(np.sum(o.motion[:, SPEED] < -STANDSTILL)) * o.period for o in problem.observations)
     return min(forward, backward) > _MOVING
 
 
 def information(f: Fit) -> np.ndarray:
-    """How sharply the recordings and the priors hold the free numbers (k, k), in units of noise."""
+    """Information matrix (k, k) of the free numbers from recordings and priors, in units of noise."""
     _, pj = prior_rows(f.hypothesis)
     scaled = f.jacobian / np.sqrt(f.row_variance_inflations)[:, None]
     return scaled.T @ scaled + pj.T @ pj
@@ -114,7 +114,7 @@ def information(f: Fit) -> np.ndarray:
 def _about(
     problem: EquationErrorProblem, best: Fit, name: str, wanted: set[str], without: frozenset[str], fits: Sequence[Fit]
 ) -> Doubt | None:
-    """The doubt about a found effect: what of its alternatives, none included, loses by little; some have ``fits``."""
+    """The doubt about a found effect: its close alternatives, no effect included; ``fits`` are already fitted ones."""
     instance = best.hypothesis.added[name]
     kinds = _other_kinds(best.hypothesis, name, without)
     if not (wanted or kinds or fits or _may_be_nothing(best, name)):
@@ -159,7 +159,7 @@ def _in_full(instance: EffectInstance) -> str:
 
 
 def _other_kinds(h: Hypothesis, name: str, without: frozenset[str]) -> list[Candidate]:
-    """The same effect with one option chosen differently, numbers apart: these show themselves."""
+    """The same effect with one option different; numeric options are excluded, since they show by themselves."""
     instance = h.added[name]
     excluded = without | (frozenset(catalogue()) - {instance.effect})
 
@@ -171,7 +171,7 @@ def _other_kinds(h: Hypothesis, name: str, without: frozenset[str]) -> list[Cand
 
 
 def _may_be_nothing(best: Fit, name: str) -> bool:
-    """Whether an effect's size is so uncertain that the recordings may do without it."""
+    """Whether an effect's size is so uncertain that the recordings may be explained without it."""
     size = catalogue()[best.hypothesis.added[name].effect].parameters[0]
     if size.neutral is None:
         return False
@@ -182,9 +182,9 @@ def _may_be_nothing(best: Fit, name: str) -> bool:
 
 
 def _too_small(found: Search) -> Doubt | None:
-    """The doubt about an effect that would have been worth its price, but was too small to be named.
+    """The doubt about an effect that was worth its penalty but too small to be named.
 
-    Beside generic bases, or an output that bounces, such a one is what no effect explains.
+    None with generic bases or an output that bounces: there such an effect is part of what no effect explains.
     """
     best = found.fit
     if found.stopped is None or best.hypothesis.generic_bases or best.parted:
@@ -200,7 +200,7 @@ def _too_small(found: Search) -> Doubt | None:
 
 
 def _one_direction(problem: EquationErrorProblem, best: Fit, without: frozenset[str], named: set[str]) -> Doubt | None:
-    """The doubt that recordings of one direction leave: friction that is a little less, and a load that is its rest."""
+    """The doubt left by recordings in one direction: slightly less friction, with a load that makes up for it."""
     alike = effects_with(Trait.SHOWN_BY_REVERSALS)
     if best.hypothesis.held & alike or named & alike:
         return None
@@ -213,7 +213,7 @@ def _one_direction(problem: EquationErrorProblem, best: Fit, without: frozenset[
 
 
 def _as_large_as_may_be(problem: EquationErrorProblem, best: Fit, id: str) -> Fit:
-    """An effect as large as the recordings allow, the constants giving way to it."""
+    """Fit with an effect as large as the recordings allow; the constants adjust to it."""
     size = catalogue()[id].parameters[0]
     free = fit(problem, best.hypothesis.with_effect(id, {}, {size.name: 1e-3 * size.default}), 4, known=best)
     k = [f.path for f in free.hypothesis.free].index(f"effects.{id}.{size.name}")

@@ -1,7 +1,7 @@
-"""The next command: of many that are simulated under all rivals, the one that would best tell these apart.
+"""The next command: of many that are simulated under all rivals, the one that separates these best.
 
-Of commands that decide as much between rivals, the best is the one after which most effects of the catalogue would show
-that the recordings so far cannot have shown (``detection``).
+Among commands that decide as much between rivals, the best is the one that would show most effects of the catalogue
+which the recordings so far cannot show (``detection``).
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from .detection import Detection, Showing
 from .doubts import Doubt
 from .rival_field import STEPS, Evaluated, Pair, RivalField
 
-_TURNS = 8  # half periods in a recording that are liked best
-_FINALISTS = 8  # commands that are looked at again, without linearising
+_TURNS = 8  # preferred number of half periods in a recording
+_FINALISTS = 8  # commands that are evaluated again, without linearising
 _FEW_FINALISTS = 2
 _RUNNERS_UP = 3
-_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # not that of side_by_side, which works for each of the commands
+_SIDE_BY_SIDE = ThreadPoolExecutor(2)  # separate from that of side_by_side, which works within each command
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """A command to record next, and what it would tell."""
+    """A command to record next, and what it would show."""
 
     command: str  # as ``simulate --command`` takes it
     seconds: float
-    separation: Mapping[Pair, float]  # standard deviations by which each pair of rivals would come apart
-    beyond: tuple[str, ...]  # what it would exceed of what the recordings have driven
+    separation: Mapping[Pair, float]  # standard deviations by which it separates each pair of rivals
+    beyond: tuple[str, ...]  # limits of the recordings so far that it would exceed
     why: str
-    shows: Mapping[str, tuple[float, float]]  # standard errors that hidden effects stand out by, so far and with it
-    hides: tuple[str, ...] = ()  # effects that would not show even with it, though another recording would show them
+    shows: Mapping[str, tuple[float, float]]  # standard errors of hidden effects: so far, and with it
+    hides: tuple[str, ...] = ()  # effects hidden even with it, though another recording would show them
 
     def as_json(self) -> dict[str, object]:
         """SI units."""
@@ -58,12 +58,12 @@ class Proposal:
 
 @dataclass(frozen=True)
 class Choice:
-    """The best command, if any decides or shows something, those that come after it, and what none can tell apart."""
+    """The best command, if any decides or shows something, the runners-up, and the pairs that none separates."""
 
     best: Proposal | None
     runners_up: tuple[Proposal, ...]
     inseparable: tuple[Pair, ...]
-    so_far: Showing | None = None  # what the recordings so far show of other effects, where that is asked for
+    so_far: Showing | None = None  # what the recordings so far show of other effects; None if not needed
 
 
 def best_command(
@@ -77,19 +77,19 @@ def best_command(
     few: bool = False,
     progress: Callable[[str], None] = lambda text: None,
 ) -> Choice:
-    """The command that decides most of these doubts about what was ``found``, by the largest smallest separation.
+    """The command that decides most doubts about ``found``, with the largest minimum separation.
 
-    With ``detection``, of those the one that shows most of what the recordings so far do not show; there need be no
-    doubt then. ``signals`` are those that the bench records, ``limits`` are in own units. Without them it stays within
-    what the recordings have driven, unless only a command beyond that decides more doubts or shows more effects.
-    ``few`` tries a handful only.
+    With ``detection``, among those the one that shows most of what the recordings so far do not show; ``held`` may then
+    be empty. ``signals`` are those that the bench records; ``limits`` are in own units. Without limits, the command
+    stays within what the recordings have driven, unless only a command beyond that decides more doubts or shows more
+    effects. ``few`` tries only a handful.
     """
     field = RivalField(problem, found, held, signals, detection)
     allowed = limits or driven_limits(problem.observations, field.base.value("machine.gear_ratio"))
     tried = _evaluate_all(field, allowed, few, (), progress)
     if limits is None and (detection is not None or not any(_decides_all(e) for e in tried)):
-        # whether more would show beyond is told by trying; what does not show at all in slow motion may take much
-        # more speed than what is in doubt between rivals
+        # Whether more would show beyond the limits is found by trying. An effect that slow motion does not show at all
+        # may need much more speed than a doubt between rivals.
         faster = LARGEST_EFFECT if detection is None else SEARCHED_UP_TO
         more = widened(allowed, field.base, field.origins[1], faster)
         tried += _evaluate_all(field, more, few, tried, progress)
@@ -124,7 +124,7 @@ def _decides_all(e: Evaluated) -> bool:
 
 
 def _told_apart(field: RivalField, tried: Sequence[Evaluated]) -> tuple[list[Evaluated], Showing | None]:
-    """The same commands with what each would show, and what the recordings so far do."""
+    """The same commands with what each would show, and what the recordings so far show."""
     detection = field.detection
     if detection is None or not detection.effects or not tried:
         return list(tried), None
@@ -135,7 +135,7 @@ def _told_apart(field: RivalField, tried: Sequence[Evaluated]) -> tuple[list[Eva
 
 
 def _shows(e: Evaluated, so_far: Showing | None) -> dict[str, tuple[float, float]]:
-    """The effects that would stand out with a command and do not so far, the clearest first, and how far both times."""
+    """Effects that stand out with a command but not so far, clearest first, with both values."""
     if so_far is None or e.showing is None:
         return {}
     found = {
@@ -147,12 +147,12 @@ def _shows(e: Evaluated, so_far: Showing | None) -> dict[str, tuple[float, float
 
 
 def _tells(e: Evaluated, so_far: Showing | None) -> bool:
-    """Whether a command decides between rivals, or shows what is hidden so far."""
+    """Whether a command decides between rivals, or shows a hidden effect."""
     return max(e.separation.values(), default=0.0) >= DECIDED or bool(_shows(e, so_far))
 
 
 def _there_and_back(field: RivalField, limits: Limits) -> Proposal | None:
-    """A triangle, not faster and not further than half of what is allowed; no rival tells what it would show."""
+    """A triangle with at most half the allowed speed and travel; its outcome cannot be predicted."""
     half = replace(limits, speed=0.5 * limits.speed, lower=0.5 * limits.lower, upper=0.5 * limits.upper)
     triangles = [trial for trial in field.grid(half, few=True) if trial.kind == "triangle"]
     if not triangles:
@@ -164,7 +164,7 @@ def _there_and_back(field: RivalField, limits: Limits) -> Proposal | None:
 def _evaluate_all(
     field: RivalField, limits: Limits, few: bool, before: Sequence[Evaluated], progress: Callable[[str], None]
 ) -> list[Evaluated]:
-    """All commands of the grid that keep within limits and were not evaluated before."""
+    """All commands of the grid that stay within limits and were not evaluated before."""
     known = {e.trial for e in before}
     trials = [trial for trial in field.grid(limits, few=few) if trial not in known]
     rivals = "" if len(field.contenders) < 2 else f" under {len(field.contenders)} rivals"
@@ -173,10 +173,12 @@ def _evaluate_all(
 
 
 def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None) -> list[Evaluated]:
-    """Best first: most pairs decided, then what keeps within limits, or decides or shows more than all that does.
+    """Best first, by these criteria in turn.
 
-    Of those what shows all effects best; where effects are not asked for, of the largest smallest separation. Among
-    equals the gentlest.
+    * Most pairs decided.
+    * Within limits; if a command beyond them decides or shows more than all within, those that do.
+    * How clearly all effects show; if effects are not requested, the largest minimum separation.
+    * Among nearly equal ones, the gentlest.
     """
     separable = {pair for e in found for pair, value in e.separation.items() if value >= DECIDED}
     least = min((e.showing.named for e in found if e.showing is not None), default=0.0)
@@ -199,7 +201,7 @@ def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None)
         most, liked, best = ranks[left[0]]
         share = MOSTLY if left[0].showing is None else NEARLY_ALL
         alike = [e for e in left if ranks[e][:2] == (most, liked) and ranks[e][2] >= share * best]
-        # half of what was driven is gentle, and some turns average over what drifts
+        # at most half the driven limits counts as gentle, and several reversals average out drift
         gentlest = min(
             alike,
             key=lambda e: (
@@ -214,7 +216,7 @@ def _ranked(found: Sequence[Evaluated], allowed: Limits, so_far: Showing | None)
 
 
 def _varied(ranked: Sequence[Evaluated]) -> list[Evaluated]:
-    """The same, but the best of each kind of command first."""
+    """The same, with the best of each kind of command first."""
     first = {e.trial.kind: e for e in reversed(ranked)}
     return sorted(ranked, key=lambda e: first[e.trial.kind] is not e)
 

@@ -1,8 +1,8 @@
-"""How far rivals come apart under a command: each is simulated under it, and the others try to explain what it shows.
+"""How well a command separates rivals: each is simulated, and the others try to explain what it shows.
 
-A rival may move every free number of its own, as far as the recordings so far and its tolerance leave it free. What it
-still cannot explain of another's simulated recording, and what it has to give up for the rest, is how far the two would
-come apart: in standard deviations, of the noise and of what no rival explains.
+A rival may change every free number, as far as the recordings so far and its tolerance allow. The separation of two
+rivals is what one still cannot explain of the other's simulated recording, plus the cost of changing its numbers. It is
+in standard deviations of the noise and of what no rival explains.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ from .command_grid import Planned, command_grid
 from .detection import Detection, Showing, marginal, without_generic_bases
 from .doubts import NOTHING, Doubt, Rival, information, reverses
 
-_STEP = 1.25e-4  # own s of integration: a plan needs no more
-STEPS = 3  # of a rival's fit to what another would show
+_STEP = 1.25e-4  # own s, integration step: a plan needs no finer one
+STEPS = 3  # iterations of a rival's fit to what another would show
 
 Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """A rival with what the recordings so far leave open about it."""
+    """A rival, with how well the recordings so far determine it."""
 
     name: str
     hypothesis: Hypothesis
@@ -51,17 +51,17 @@ class Explanation:
 
 @dataclass(frozen=True, eq=False)
 class Evaluated:
-    """A command with what simulating it under all rivals came to."""
+    """A command, with the results of simulating it under all rivals."""
 
     trial: Planned
-    done: Limits  # the furthest that a rival went
+    done: Limits  # the limits reached by the rival that went furthest
     separation: Mapping[Pair, float]
-    information: np.ndarray | None = None  # that its recording adds, where it is asked for
-    showing: Showing | None = None  # of effects, with the recordings so far
+    information: np.ndarray | None = None  # that its recording adds; None if not needed
+    showing: Showing | None = None  # of effects, together with the recordings so far
 
 
 class RivalField:
-    """The rivals, the pairs of them that are to be told apart, and the bench that they are simulated on."""
+    """The rivals, the pairs to be separated, and the bench that they are simulated on."""
 
     def __init__(
         self,
@@ -79,7 +79,7 @@ class RivalField:
         if detection is not None:
             self.contenders[id(found)] = _contender(Rival(NOTHING, found))
         self.nested: set[Pair] = set()
-        self.pairs: dict[Pair, tuple[int, int]] = {}  # by name; the first may be true, and the second, if not nested
+        self.pairs: dict[Pair, tuple[int, int]] = {}  # by name: (true, explaining); if not nested, also vice versa
         for doubt in held:
             known = zip(doubt.rivals, doubt.behind, strict=True)
             for (one, _), (other, behind) in itertools.combinations(known, 2):
@@ -94,13 +94,13 @@ class RivalField:
             for rival in doubt.rivals:
                 self.contenders.setdefault(id(rival.fit), _contender(rival))
         of_torque = [o.torque_noise.min() for o in problem.observations if len(o.rows)]
-        self.noise = float(np.median(of_torque)) if of_torque else math.nan  # what is not measured has none
+        self.noise = float(np.median(of_torque)) if of_torque else math.nan  # NaN if no torque was measured
         self.signals = signals
         self.reversed = reverses(problem)
         self.origins = (problem.observations[0].motor_origin, problem.observations[0].output_origin)
 
     def _named(self, one: Rival, other: Rival) -> Pair:
-        """What a pair is called: of two effects of one kind beside the same rival, the second is numbered."""
+        """Name of a pair; a second effect of the same kind against the same rival gets a number."""
         pair, number = (one.name, other.name), 2
         while self.pairs.get(pair, (id(one.fit), id(other.fit))) != (id(one.fit), id(other.fit)):
             pair, number = (f"{one.name}_{number}", other.name), number + 1
@@ -114,37 +114,37 @@ class RivalField:
         return command_grid(limits, 2.0 * STANDSTILL / ratio, gain, few=few, second=second, radian=radian)
 
     def simulated(self, rival: int, trial: Planned) -> tuple[Observation, Limits]:
-        """What a rival would show under a command, seen as the recordings are, and what the bench would reach."""
+        """What a rival would show under a command, in the signals of the recordings, and what the bench would reach."""
         model = with_stand_in_drive(self.contenders[rival].hypothesis.model())
         command = parse_command(trial.command)
         bench = virtual_bench(lumped_model(model), command, trial.seconds, seed=None, step=_STEP, origins=self.origins)
         seen = {name: values for name, values in bench.signals.items() if name in self.signals}
         o = observe(replace(bench, signals=seen), self.base)
         if len(o.rows):
-            # the simulated current is free of noise: the bench's will be what it was
+            # The simulated current has no noise: use that of the recordings.
             o = replace(o, torque_noise=o.torque_noise * (self.noise / o.torque_noise.min()))
         return o, reached(o, model.value("machine.gear_ratio"))
 
     def evaluate(self, trial: Planned, limits: Limits) -> Evaluated | None:
-        """How far all pairs would come apart; None where a rival cannot do it or would leave the limits."""
+        """Separation of all pairs; None if a rival cannot follow the command or would exceed the limits."""
         shown: dict[int, EquationErrorProblem] = {}
         furthest: Limits | None = None
         for rival in self.contenders:
             try:
                 o, done = self.simulated(rival, trial)
             except InputError:
-                return None  # the machine that this rival describes does not follow such a command
+                return None  # the machine of this rival cannot follow the command
             if limits.effort(done) > 1.0:
                 return None
             if furthest is None or limits.effort(done) > limits.effort(furthest):
                 furthest = done
             shown[rival] = EquationErrorProblem([o])
-        assert furthest is not None  # what was found is one of them, and a doubt has rivals
+        assert furthest is not None  # the found explanation is a contender, and a doubt has rivals
         adds = None if self.detection is None else self.detection.of(shown[self.found].observations[0])
         return Evaluated(trial, furthest, self._separation(shown, 1), adds)
 
     def separation(self, trial: Planned, steps: int) -> dict[Pair, float]:
-        """How far all pairs would come apart under a command that they can follow."""
+        """Separation of all pairs under a command that they can follow."""
         return self._separation(
             {rival: EquationErrorProblem([self.simulated(rival, trial)[0]]) for rival in self.contenders}, steps
         )
@@ -153,17 +153,17 @@ class RivalField:
         found = {}
         for pair, (one, other) in self.pairs.items():
             found[pair] = self.apart(shown[one], one, other, steps)[0]
-            if pair not in self.nested:  # what holds a rival and more can do all that the rival can
+            if pair not in self.nested:  # a larger nested rival can do all that the smaller can
                 found[pair] = min(found[pair], self.apart(shown[other], other, one, steps)[0])
         return found
 
     def apart(self, problem: EquationErrorProblem, true: int, other: int, steps: int) -> tuple[float, np.ndarray]:
-        """(standard deviations, rows (m,)) by which a rival misses what a true one shows, at its best."""
+        """(standard deviations, rows (m,)) by which a rival misses what the true one shows, at its best fit."""
         truth = problem.predict(self.contenders[true].hypothesis).rows
         contender = self.contenders[other]
         h, known = contender.hypothesis, contender.information
         even = np.ones(problem.rows)
-        # each row counts by what the best of the rivals leaves over in rows of its kind
+        # each row is scaled by what the best rival leaves in rows of its kind
         damped = 1.0 / np.sqrt(np.min([f.row_variance_inflations_in(problem) for f in self.fits], axis=0))
         lower, upper = problem.bounds(h)
         moved = np.zeros(len(h.values))
@@ -176,7 +176,7 @@ class RivalField:
             scale = 1.0 / np.sqrt(np.maximum(np.diag(a), 1e-30))
             g = (slopes.T @ missed - known @ moved) * scale
             move = scale * np.linalg.solve(a * np.outer(scale, scale) + 1e-9 * np.eye(len(g)), g)
-            if steps == 1:  # as far as straight lines tell
+            if steps == 1:  # linear estimate
                 left = missed - slopes @ move
                 value = float(left @ left) + float(move @ known @ move)
                 return (math.sqrt(max(value, 0.0)) if math.isfinite(value) else 0.0), left
@@ -195,7 +195,7 @@ class RivalField:
         return (math.sqrt(best) if math.isfinite(best) else 0.0), rows
 
     def why(self, e: Evaluated, shows: Mapping[str, tuple[float, float]]) -> str:
-        """A sentence: what would come apart, how far, and where in the recording; else what would show."""
+        """A sentence: which pair separates, by how much, and where in the recording; else which effects would show."""
         pair = next((p for p, value in e.separation.items() if value >= DECIDED), None)
         if pair is None:
             least = min(then for _, then in shows.values())
@@ -220,7 +220,7 @@ def _turns(o: Observation) -> bool:
 
 
 def _place(o: Observation, rows: np.ndarray) -> str:
-    """In which part of a recording most of a difference lies that is spread over rows (m,)."""
+    """The part of a recording that holds most of a difference, given as rows (m,)."""
     power = rows**2
     count = len(o.rows)
     total = float(power.sum())
@@ -251,6 +251,6 @@ def _holds(one: Rival, other: Rival) -> bool:
 
 def _contender(rival: Rival) -> Explanation:
     h = rival.fit.hypothesis
-    # generic bases stand for what these recordings show, and say nothing of another
+    # generic bases describe only their own recordings
     physical = np.array([not free.path.startswith("basis.") for free in h.free])
     return Explanation(rival.name, without_generic_bases(h), marginal(information(rival.fit), physical))

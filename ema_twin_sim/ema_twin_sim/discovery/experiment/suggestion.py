@@ -1,4 +1,4 @@
-"""What to record next, in a line."""
+"""What to record next, in one line."""
 
 from __future__ import annotations
 
@@ -20,10 +20,9 @@ from .doubts import NOTHING, doubts
 from .next_command import best_command, signals_of
 
 SLOW, FAST = 1000, 250
-"""Samples from one reversal to the next. Where no torque was recorded, the rate at which a machine was sampled is all
-that tells how quick it is: its own second follows from how fast it was moved, and a slow triangle and two quick sines
-of ``tests/discovery/test_two_encoders.py`` take 4.6 and 5.3 of them, but 2700 and 400 samples.
-"""
+"""Samples from one reversal to the next. Without torque data, the sample rate is the only measure of how quick a
+machine is: its own second follows from how fast it was moved. A slow triangle and two quick sines of
+``tests/discovery/test_two_encoders.py`` take 4.6 and 5.3 own s, but 2700 and 400 samples."""
 
 
 def suggest(
@@ -33,7 +32,7 @@ def suggest(
     recordings: Sequence[Recording],
     without: frozenset[str] = frozenset(),
 ) -> str:
-    """What to record next, in a line that begins with the command; empty where nothing is in doubt."""
+    """What to record next, in a line that begins with the command; empty if nothing is in doubt."""
     if not problem.size:
         return _of_encoders(problem, rivals)
     held = doubts(problem, found, rivals, without, thorough=False)
@@ -52,7 +51,7 @@ def suggest(
 
 
 def _of_encoders(problem: EquationErrorProblem, rivals: Sequence[Rivalry]) -> str:
-    """The next recording beside two encoders without a torque: the motion that was not driven, else the torque."""
+    """Next recording for two encoders without torque data: the missing kind of motion, else the torque."""
     between = [_between_reversals(o) for o in problem.observations]
     if any(len(rivalry.group) > 1 for rivalry in rivals) or min(between) > SLOW:
         return "reversals as fast as the machine allows: in slow motion a shaft that friction winds up looks like play"
@@ -62,7 +61,7 @@ def _of_encoders(problem: EquationErrorProblem, rivals: Sequence[Rivalry]) -> st
 
 
 def _between_reversals(o: Observation) -> float:
-    """Samples that a recording takes from one reversal to the next, on average; infinite where it has none."""
+    """Average number of samples from one reversal to the next; infinite without reversals."""
     speed = o.motion[:, SPEED]
     count = int(np.count_nonzero(np.diff(np.sign(speed[np.abs(speed) > STANDSTILL]))))
     return len(speed) / count if count else math.inf

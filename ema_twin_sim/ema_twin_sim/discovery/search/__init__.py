@@ -1,1 +1,1 @@
-"""The search: effects added, dropped and swapped, until none is worth its price."""
+"""The search: effects are added, removed and swapped until none is worth its complexity penalty."""

@@ -1,4 +1,4 @@
-"""Adding: one effect a round. What enters, which of it is taken, and what is needless beside that."""
+"""Adding: one effect a round. Which effects are tried, which is taken, and what becomes needless."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ from .found_orders import order_candidates, resolved
 from .trace import Round, Trial, new_names
 
 ENTRANTS = 8  # effects that are fitted in a round, of all that were screened
-SECOND_LOOKS = 2  # trials that are fitted in full before a round is given up
+SECOND_LOOKS = 2  # trials that are fitted in full before a round gives up
 NEXT_TO_NOTHING = 1e-3  # of an effect's size
 
 
 def settle(f: Fit) -> Fit:
-    """Take weight from outliers, fit again: the fit under a weighting that suits what it leaves over."""
+    """Down-weight outliers and fit again until the weighting suits the residual."""
     for _ in range(4):
         weighting = f.problem.reweighed(f.raw, BESIDE_IMPACTS if f.parted else math.inf).inflated(f.variance_inflation)
         if weighting is f.problem.weighting:
@@ -51,7 +51,7 @@ def settle(f: Fit) -> Fit:
 
 
 def beside_impacts(problem: EquationErrorProblem) -> EquationErrorProblem:
-    """The problem under the weighting that play and springs are looked for under."""
+    """The problem with the weighting used to search for backlash and compliance."""
     return problem.under(problem.weighting.from_outliers(BESIDE_IMPACTS))
 
 
@@ -61,12 +61,12 @@ def add_effects(
     progress: Callable[[str], None] = lambda text: None,
     most: int = MOST_EFFECTS,
 ) -> tuple[Fit, list[Round]]:
-    """One effect a round, until none is worth its price."""
+    """One effect a round, until none is worth its complexity penalty."""
 
     def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
         progress("trying all effects")
         entering = entrants(current.problem, current, without | excluded)
-        current.differentiate()  # once, for all of them
+        current.differentiate()  # once for all of them
         return list(predictions(current.problem.samples, lambda h: with_one_more(current, h), entering))
 
     return add_best(current, entering, most, progress)
@@ -78,12 +78,15 @@ def add_best(
     most: int,
     progress: Callable[[str], None] = lambda text: None,
 ) -> tuple[Fit, list[Round]]:
-    """The best of those ``entering`` a round, until none is worth its price; less what went as soon as it came."""
+    """Add the best of those ``entering`` in each round until none is worth its penalty.
+
+    An effect that is removed in the round that added it is not tried again.
+    """
     rounds: list[Round] = []
     excluded: frozenset[str] = frozenset()
     for _ in range(most):
         if len(current.hypothesis.added) >= MOST_EFFECTS and not current.hypothesis.base.is_open:
-            break  # what takes more of them is something else
+            break  # a cause that needs more effects is something else
         turn = take_best(current, entering(current, excluded))
         rounds.append(turn)
         if not turn.added:
@@ -95,9 +98,9 @@ def add_best(
 
 
 def with_one_more(current: Fit, h: Hypothesis) -> Fit:
-    """A fit of a hypothesis that has one effect more, from where a regression would start it.
+    """Fit of a hypothesis with one more effect, from the start value given by a regression.
 
-    Or, if a straight line led too far, from a typical size, or from where the effect does next to nothing.
+    If the linear estimate went too far, start from a typical size, or from almost no effect.
     """
     name = next(n for n in h.added if n not in current.hypothesis.added)
     size = catalogue()[h.added[name].effect].parameters[0]
@@ -113,7 +116,7 @@ def with_one_more(current: Fit, h: Hypothesis) -> Fit:
 
 
 def add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Round]]:
-    """Play, spring, both, or an encoder that is late or off its centre: whatever explains the encoders best."""
+    """Backlash, compliance, both, or a late or eccentric encoder: whatever explains the encoders best."""
     tried, problem = [], current.problem
     if gearbox_shows(problem, current):
         tried = structural_fits(problem, current, without)
@@ -127,12 +130,12 @@ def add_structure(current: Fit, without: frozenset[str]) -> tuple[Fit, list[Roun
 
 
 def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
-    """Take the best of what was tried, if it is worth its price, and drop what it makes needless."""
+    """Take the best trial if it is worth its penalty, and remove what it makes needless."""
     choices = Counter(c.effect for c in candidates(current.hypothesis))
     trials = _ranked((trial_of(current, g) for g in tried), choices)
     took = _best(current, trials)
     if took is None and not current.parted:
-        # a trial keeps the slopes of what was there before: what is worth its price, but small, deserves its own
+        # A trial keeps the slopes of the earlier effects; a small one that is worth its penalty gets a full fit.
         near = [t for t in trials if t.gain > 0.0][:SECOND_LOOKS]
         whole = predictions(current.problem.samples, lambda t: fit(t.fit.problem, t.fit.hypothesis), near)
         again = [trial_of(current, f) for f in whole]
@@ -147,7 +150,7 @@ def take_best(current: Fit, tried: Sequence[Fit]) -> Round:
 
 
 def trial_of(before: Fit, after: Fit) -> Trial:
-    """What a fit holds that another has not, and what that gains."""
+    """The effects that ``after`` has and ``before`` has not, and what they gain."""
     problem = before.problem
     return Trial(
         new_names(before, after),
@@ -158,17 +161,17 @@ def trial_of(before: Fit, after: Fit) -> Trial:
 
 
 def _ranked(trials: Iterable[Trial], choices: Mapping[str, int]) -> tuple[Trial, ...]:
-    """Best first; a generic basis fits anything: an effect that does nearly as well goes before it.
+    """Best first. A generic basis fits anything, so an effect that does nearly as well goes before it.
 
-    So does, before any other effect, what every machine has and this model lacks: where nothing reverses, friction is
-    a load, and a load would be no friction. And of two that do equally well, the one that had fewer ``choices`` of its
-    options to be the best of.
+    An effect that every machine has and this model lacks goes before any other effect: without a reversal, friction
+    looks like a load, and a load would leave the model without friction. Of two equal trials, the one with fewer
+    ``choices`` of options goes first.
     """
     return tuple(sorted(trials, key=lambda t: _by_choice(t, choices) - t.gain * _favour(t)))
 
 
 def _by_choice(t: Trial, choices: Mapping[str, int]) -> float:
-    """What the best of several choices gains by chance, as twice a log-likelihood."""
+    """Gain by chance of the best of several choices, as twice a log-likelihood."""
     came = (t.fit.hypothesis.added[name].effect for name in t.names if name in t.fit.hypothesis.added)
     return sum(2.0 * math.log(max(choices.get(id, 1), 1)) for id in came)
 
@@ -181,7 +184,7 @@ def _favour(t: Trial) -> float:
 
 
 def _best(current: Fit, trials: Iterable[Trial]) -> Trial | None:
-    """The first that is worth its price, and large enough to be named."""
+    """The first trial that is worth its penalty and large enough to be named."""
     return next((t for t in trials if t.gain > 0.0 and has_effect_size(current.problem, current, t.fit)), None)
 
 
@@ -199,17 +202,17 @@ def entrants(problem: EquationErrorProblem, current: Fit, without: frozenset[str
 
 
 def with_screened(problem: EquationErrorProblem, h: Hypothesis, s: Screened) -> Hypothesis:
-    """A hypothesis with one effect more, from where a regression would have it and the others make room for it."""
+    """Hypothesis with one more effect, at its regressed start; the other effects are adjusted for it."""
     lower, upper = problem.bounds(h)
     room = h.at(np.clip(h.values + s.give_way(), lower, upper))
     return room.with_effect(s.candidate.effect, s.candidate.options, s.start)
 
 
 def prune(f: Fit) -> Fit:
-    """Take out effects that are not, or no longer, worth their price, the last added included.
+    """Remove effects that are not, or no longer, worth their penalty, the last added included.
 
-    A generic basis fits anything: beside it, what every machine has and the model lacked stays. So does, beside
-    wandering that has taken some of it, an effect that still gains clearly, however small it became.
+    A generic basis fits anything: in its presence, an effect that every machine has and the model lacked stays. With
+    wandering friction, which has absorbed some of it, an effect that still gains clearly also stays, however small.
     """
     problem = f.problem
     certain = math.inf if problem.weighting.wander is None else DEPENDS
@@ -228,14 +231,15 @@ def prune(f: Fit) -> Fit:
         if not needless:
             break
         best = max(needless, key=lambda g: penalised_gain(f, g))
-        f = fit(problem, best.hypothesis) if best.parted else best  # a trial beside a gearbox is to first order
+        f = fit(problem, best.hypothesis) if best.parted else best  # a trial was to first order only
     return f
 
 
 def less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
-    """Fits less one of the added effects each.
+    """Fits without each of the named effects in turn.
 
-    To first order in what stays; but where play and a spring are there, each takes the other's place in its own way.
+    To first order in the effects that stay. If both backlash and compliance are there, these are fitted in full, since
+    each replaces the other in its own way.
     """
     less = fits(f.problem, [without_effect(f.hypothesis, n) for n in names], 6, known=f)
     compliant = [k for k, n in enumerate(names) if f.hypothesis.added[n].effect in COMPLIANT_EFFECTS]
@@ -246,17 +250,17 @@ def less_each(f: Fit, names: Sequence[str]) -> list[Fit]:
 
 
 def _on_the_other_side(h: Hypothesis, name: str) -> bool:
-    """Whether an added friction is one that every machine has, found on both sides of play or a spring.
+    """Whether an added friction that every machine has was found on both sides of backlash or compliance.
 
-    The torque shows the sum of both; how they are shared, which winds the spring up and holds the output within the
-    gap, the encoders show.
+    The torque shows the sum of both sides. The encoders show how it is shared, since the output friction winds up the
+    shaft and holds the output within the gap.
     """
     alike = [i.effect for i in h.added.values() if name in h.added and i.effect == h.added[name].effect]
     return len(alike) > 1 and catalogue()[alike[0]].every_machine
 
 
 def without_effect(h: Hypothesis, name: str) -> Hypothesis:
-    """A hypothesis less one effect, from where the others make up for it."""
+    """Hypothesis without one effect, at a start where the others compensate for it."""
     instance = h.instance(name)
     rest = h.without(name)
     if instance.effect != TORQUE_FACTOR:
@@ -265,5 +269,5 @@ def without_effect(h: Hypothesis, name: str) -> Hypothesis:
 
 
 def added_and_removed(rounds: Iterable[Round]) -> frozenset[str]:
-    """Effects that went as soon as they came."""
+    """Effects that were removed in the round that added them."""
     return frozenset(turn.effect_of(name) for turn in rounds for name in turn.removed if name in turn.added)

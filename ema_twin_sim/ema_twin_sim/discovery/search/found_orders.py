@@ -1,4 +1,4 @@
-"""Orders that a residual shows, on a machine of which not all are known: they are found, not assumed."""
+"""Orders found in a residual, for a machine whose orders are not all known."""
 
 from __future__ import annotations
 
@@ -23,26 +23,25 @@ HIGHEST = 160
 HIGHEST_OF_MOTOR = 24  # of the motor's encoder
 MOST = 3  # orders that are tried in a round
 FEWEST_TURNS = 0.4  # of the motor
-SLOW = 0.1  # quantile of the speeds: what is fast passes over a wave, what is slow resolves it
-LEAST_DIGITS, MOST_DIGITS = 3, 15  # that an order is written with
-SAME = 1e-4  # rad, within which two points are of one angle
+SLOW = 0.1  # quantile of the speeds: slow motion resolves a wave that fast motion skips
+LEAST_DIGITS, MOST_DIGITS = 3, 15  # digits that an order is written with
+SAME = 1e-4  # rad, within which two points count as one angle
 
 
 def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
-    """Effects whose order is free, at the orders that stand out of a fit's residual.
+    """Effects with a free order, at the orders that stand out in a fit's residual.
 
-    None where the machine has no others than the usual.
+    Empty if the machine has only the usual orders.
 
-    What the motor's own turns bring about repeats with each of them: its orders are whole numbers, and those of its
-    electrical angle among them. What turns with the output has whole orders there; what its gears, or a bearing, bring
-    about repeats with turns of its own.
+    What the motor's own turns cause repeats with each turn: its orders are whole numbers, including those of the
+    electrical angle. What turns with the output has whole orders there. Gears and bearings have orders of their own.
     """
     base = f.hypothesis.base
     if not base.other_orders:
         return []
     ratio = base.value("machine.gear_ratio")
     found = [(the_effect(Trait.MOTOR_WAVE), str(order)) for order in standing_out(problem, f)]
-    if ratio != 1.0:  # else the output's angle is the motor's
+    if ratio != 1.0:  # otherwise the output's angle is the motor's
         found += [(the_effect(Trait.OUTPUT_WAVE), str(order)) for order in standing_out(problem, f, ratio)]
     found += [(SENSOR_WAVE, order) for order in of_the_encoders(problem, f, ratio)]
     if (order := of_the_gears(problem, f)) is not None:
@@ -58,15 +57,13 @@ def order_candidates(problem: EquationErrorProblem, f: Fit) -> list[Candidate]:
 
 
 def motor_order(effect: str, order: float, gear_ratio: float) -> float:
-    """An effect's order in cycles per turn of the motor."""
+    """An effect's order in cycles per motor turn."""
     found = catalogue()[effect]
     return order / gear_ratio if found.where(found.default_options()) == OUTPUT_TORQUE else order
 
 
 def of_the_gears(problem: EquationErrorProblem, f: Fit) -> str | None:
-    """The strongest order, of all that are resolved, as it is written; None where it is unclear, or whole as those of
-    a shaft are.
-    """
+    """The strongest of all resolved orders, as text; None if it is unclear, or whole (then it belongs to a shaft)."""
     parts = []
     for o, part in zip(problem.observations, problem.torque_parts, strict=True):
         angle, speed = o.motor_origin + o.motion[o.rows, MOTOR_ANGLE], o.motion[o.rows, SPEED]
@@ -81,9 +78,9 @@ def of_the_gears(problem: EquationErrorProblem, f: Fit) -> str | None:
 
 
 def written_order(order: float, std: float) -> str:
-    """An order to a tenth of its standard error, which is what a model's file keeps and what is fitted with it.
+    """An order, rounded to a tenth of its standard error, as the model file keeps it and as it is fitted.
 
-    Over many turns an error of the fifth digit would put a wave out of phase with itself.
+    Over many turns an error in the fifth digit would shift a wave out of phase.
     """
     digits = MOST_DIGITS
     if std > 0.0:
@@ -92,7 +89,7 @@ def written_order(order: float, std: float) -> str:
 
 
 def of_the_encoders(problem: EquationErrorProblem, f: Fit, gear_ratio: float) -> list[str]:
-    """The orders, in cycles per turn of the output, at which the encoders part most: whole ones of either shaft."""
+    """Orders, in cycles per output turn, at which the encoders differ most: whole orders of either shaft."""
     own = np.arange(1, HIGHEST + 1, dtype=float)
     orders = np.unique(np.concatenate([own, own[:HIGHEST_OF_MOTOR] * gear_ratio]).round(6))
     power = np.zeros(len(orders))
@@ -110,7 +107,7 @@ def of_the_encoders(problem: EquationErrorProblem, f: Fit, gear_ratio: float) ->
 
 
 def highest_order(o: Observation) -> float:
-    """The order from which on the rows of an observation no longer resolve a wave: two rows a cycle, and no aliases."""
+    """The order from which on an observation's rows do not resolve a wave: two rows per cycle, no aliases."""
     if not o.of_points:
         step = float(np.quantile(np.abs(o.motion[o.rows, SPEED]), SLOW)) * o.period if len(o.rows) else 0.0
         return np.pi / step if step > 0.0 else np.inf
@@ -123,10 +120,11 @@ def highest_order(o: Observation) -> float:
 
 
 def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model: Model) -> list[Candidate]:
-    """The candidates without those that repeat with each turn where the motor made too little of one, and without the
-    orders that points do not resolve. On a machine of unknown orders, two cycles must have been recorded.
+    """The candidates that the recordings can resolve.
 
-    Over a part of a turn, as in a torsion test, waves of several orders stand in for any shape.
+    Left out are: effects that repeat with each turn, if the motor made too little of one; orders that operating points
+    do not resolve; and, on a machine with unknown orders, waves of which less than two cycles were recorded. Over part
+    of a turn, as in a torsion test, waves of several orders imitate any shape.
     """
     turns = max((float(np.ptp(o.motion[:, MOTOR_ANGLE])) for o in problem.observations), default=0.0) / (2.0 * np.pi)
     of_points = all(o.of_points for o in problem.observations)
@@ -137,7 +135,7 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
         repeats = effect.depends_on != "encoders" and any(p.periodic for p in effect.parameters)
         by_turns = repeats and effect.depends_on != "output_position"
         order = motor_order(c.effect, float(c.options.get("order", 1.0)), model.value("machine.gear_ratio"))
-        # a slow bend of the torque over the angle looks like a wave; gravity, which has no other orders, is known to be
+        # Gravity, which has no free order, is known to exist; a slow bend of torque over angle looks like a wave.
         unseen = model.other_orders and turns * order < 2.0 and (by_turns or "order" in c.options)
         if (by_turns and turns < FEWEST_TURNS) or (repeats and unseen):
             return False
@@ -147,10 +145,10 @@ def resolved(problem: EquationErrorProblem, options: Iterable[Candidate], model:
 
 
 def standing_out(problem: EquationErrorProblem, f: Fit, gear_ratio: float | None = None) -> list[int]:
-    """The orders with the most power, as far up as the samples resolve them, in cycles per turn of the motor.
+    """The orders with the most power, in cycles per motor turn, up to what the samples resolve.
 
-    Where a ``gear_ratio`` is given, in cycles per turn of the output, less those that are whole for the motor too; and
-    less the first, which is gravity's.
+    With a ``gear_ratio``: in cycles per output turn, without those that are also whole for the motor, and without order
+    1, which is gravity.
     """
     at_output = gear_ratio is not None
     per_turn = gear_ratio or 1.0

@@ -1,4 +1,4 @@
-"""Removing: what is not sure to be there goes, and what gave its place to it may come back."""
+"""Removing: uncertain effects are removed, and what they had replaced may be added again."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Search
 
 
 def significant(found: Search) -> Search:
-    """The search less what is not sure to be there; with what had made room for that.
+    """Remove uncertain effects, and try again what was removed for their sake.
 
-    An effect that explains much may be uncertain only beside another, without which little of that is lost: friction
-    that thins from standstill on takes the place of viscous friction. Then it is the other that goes. Or by its own
-    shape: play of hardly any width, whose teeth wind up as the shaft does that stands in its place.
+    An effect that explains much may be uncertain only in the presence of another whose removal costs little: friction
+    that thins from standstill on takes the place of viscous friction. Then the other one is removed. Or it is uncertain
+    by its own shape: backlash of almost no width, whose teeth wind up like the shaft that it replaces.
     """
     while name := insignificant(found.problem, found.fit):
         names = [*found.fit.hypothesis.added]
@@ -36,7 +36,7 @@ def significant(found: Search) -> Search:
 
 
 def _sure_instead(found: Search, name: str) -> Search | None:
-    """The search with an uncertain effect's place taken by one that came as near in its round and is sure; or None."""
+    """The search with an uncertain effect replaced by one that was as good in its round and is certain; or None."""
     turn = next((turn for turn in found.taken if name in turn.added), None)
     alone = None if turn is None else next((trial for trial in turn.tried if trial.names == (name,)), None)
     if turn is None or alone is None:
@@ -49,12 +49,12 @@ def _sure_instead(found: Search, name: str) -> Search | None:
 
 
 def with_what_made_room(found: Search) -> Search:
-    """The search with what was needless beside something that is no longer there, where it is worth its price again.
+    """Try again what was needless in the presence of something that is no longer there.
 
-    And with an encoder's own error where that something came in its place, and with what wandering friction explained
-    beside play or a spring that is gone. What was taken out for a reason of its own does not come back.
+    Also an encoder's own error, if the removed effect was added in its place, and what wandering friction explained in
+    a model whose backlash or compliance is gone. What was removed for a reason of its own is not tried again.
     """
-    reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # which is asked beside play and springs alone
+    reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # WANDERS is for backlash and compliance only
     once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
     held = {*found.fit.hypothesis.added}
     for turn in found.taken:
@@ -71,9 +71,9 @@ def with_what_made_room(found: Search) -> Search:
 
 
 def less(found: Search, names: Sequence[str], reason: str) -> Search:
-    """The search with one more round, in which effects were taken out, and what is needless without them.
+    """The search with one more round, in which effects and what is needless without them were removed.
 
-    What gave its place to them as better rivals has it back: the end is the one before that.
+    If they had replaced others as better rivals, the end is the one before that swap.
     """
     if not names:
         return found
@@ -86,10 +86,10 @@ def less(found: Search, names: Sequence[str], reason: str) -> Search:
 
 
 def _before_swap(found: Search, names: Sequence[str]) -> Fit | None:
-    """The end before effects of these ``names`` took the place of others; None where more has gone since then."""
+    """The end before effects of these ``names`` replaced others; None if more has been removed since."""
     last = next((turn for turn in reversed(found.changes) if turn.reason != NEEDLESS), None)
     if last is None or last.reason != BEATEN or not {*names} <= {*last.added}:
         return None
     if last.before.problem.weighting.wander is found.problem.weighting.wander:
         return last.before
-    return settle(fit(found.problem, last.before.hypothesis))  # that friction wanders was found since
+    return settle(fit(found.problem, last.before.hypothesis))  # wandering friction was found since

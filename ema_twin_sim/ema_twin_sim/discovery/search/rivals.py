@@ -1,4 +1,4 @@
-"""Rivals: what could stand in for a found effect and explain the recordings as well."""
+"""Rivals: effects that could replace a found effect and explain the recordings as well."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ SWAPS = 3
 
 @dataclass(frozen=True, eq=False)
 class Rivalry:
-    """One found effect, the best that could stand in for it, and those that the data cannot tell from it."""
+    """One found effect, its best rival, and the effects that the data cannot distinguish from it."""
 
     effect: str
-    runner_up: str  # empty: nothing else came near
+    runner_up: str  # empty: no other effect was close
     behind: float  # how much the runner-up loses by, in units of noise
-    group: tuple[str, ...]  # the effect and what the data cannot tell from it, sorted
-    fits: tuple[Fit, ...]  # the substitutes beside all other effects, best first
+    group: tuple[str, ...]  # the effect and those that the data cannot distinguish from it, sorted
+    fits: tuple[Fit, ...]  # the substitutes together with all other effects, best first
 
     def beside(self, end: Fit) -> Rivalry:
-        """The rivalry with its substitutes under the weighting of an ``end`` that the search came to later."""
+        """The rivalry with its substitutes under the weighting of a later ``end`` of the search."""
         return replace(self, fits=tuple(as_compares(f, end.problem) for f in self.fits))
 
 
 def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) -> tuple[Search, tuple[Rivalry, ...]]:
-    """The search with every effect that a rival beats replaced by it, and what still comes near.
+    """Replace every effect that a rival beats; return the search and the rivals that are still close.
 
-    Effects ``without`` which it was made are no rivals.
+    Effects in ``without`` are no rivals.
     """
     rivals = rivalries(found, without)
     for _ in range(SWAPS):
@@ -62,22 +62,23 @@ def judged_against_rivals(found: Search, without: frozenset[str] = frozenset()) 
 
 
 def _needed(found: Search, rivalry: Rivalry) -> float:
-    """By how much a rival must be better to take an effect's place: surely, where every machine has that effect.
+    """By how much a rival must be better to replace an effect: by a clear margin if every machine has that effect.
 
-    Where nothing reverses, friction is a constant load but for chance, and the model would be left without friction.
+    Without a reversal, friction looks like a constant load except for chance, and the model would be left without
+    friction.
     """
     return RIVAL_MARGIN if is_lacked(found.fit.hypothesis, rivalry.effect) else 1.0
 
 
 def with_displaced(before: Search, other: Search) -> Search:
-    """The search after a rival took the place of an effect, with that effect where it is worth its price beside it."""
+    """After a rival replaced an effect, add that effect again if it is worth its penalty in addition to the rival."""
     held = before.fit.hypothesis.added
     back = {held[name].effect for name in new_names(other.fit, before.fit) if name in held}
     return other.further(*add_effects(other.fit, frozenset(catalogue()) - back, most=1))
 
 
 def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Rivalry, ...]:
-    """For each effect of the end, what came near it when it was added, refitted in its place beside all the others."""
+    """For each effect at the end: what was close when it was added, refitted in its place with all the others."""
     best, problem = found.fit, found.problem
     judged = []
     for name, instance in best.hypothesis.added.items():
@@ -101,19 +102,20 @@ def rivalries(found: Search, without: frozenset[str] = frozenset()) -> tuple[Riv
 
 
 def substitutes(best: Fit, name: str, turn: Round) -> list[Fit]:
-    """The end of the search with an effect replaced by each that came near it in its round."""
+    """The end of the search with an effect replaced by each that was close to it in its round."""
     winner = max(trial.gain for trial in turn.tried if name in trial.names)
     effect = best.hypothesis.added[name].effect
     return [
         fit(best.problem, h, 8, known=best)
         for other, h in came_near(best.hypothesis, name, turn, 0.5 * winner)
-        if not ENCODER_ONLY & {effect, other}  # what no torque shows stands in for no torque
+        if not ENCODER_ONLY & {effect, other}  # an effect that does not show in the torque cannot replace one that does
     ]
 
 
 def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterator[tuple[str, Hypothesis]]:
-    """The effects that alone gained ``least`` or more in a round, each with the hypothesis that has it in the place of
-    the one called ``name``; what is there besides is not among them.
+    """Effects that gained ``least`` or more alone in a round, each with the hypothesis that has it instead of ``name``.
+
+    Effects that are already there are left out.
     """
     bare = best.without(name)
     for trial in turn.tried:
@@ -126,10 +128,11 @@ def came_near(best: Hypothesis, name: str, turn: Round, least: float) -> Iterato
 
 
 def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -> list[Fit]:
-    """The end of the search with an effect replaced by the best of those that its round could not ask for.
+    """The end of the search with an effect replaced by the best of those that its round excluded.
 
-    While a gearbox is in doubt the torque is not asked for what that looks like; beside the play or spring that was
-    found it can be: a constant load may stand where friction of the teeth belongs, which follows a weight.
+    While a gearbox is in doubt, the search by torque excludes what looks like it. With the backlash or compliance
+    found, these effects can be tried: a constant load may stand where friction of the teeth belongs, which follows a
+    weight.
     """
     if not best.parted or turn.before.parted:
         return []
@@ -147,10 +150,10 @@ def not_asked_then(best: Fit, name: str, turn: Round, without: frozenset[str]) -
 
 
 def made_uncertain(found: Search, name: str) -> list[Fit]:
-    """The end of the search with an effect replaced by each that was too uncertain beside it, and went.
+    """The end of the search with an effect replaced by each that was uncertain in its presence and was removed.
 
-    Two that take each other's place are both uncertain together, and the one that went may be the right one: over a
-    part of a turn, a constant load beside the gravity that joined it later.
+    Two effects that can replace each other are both uncertain together, and the removed one may be the right one: over
+    part of a turn, a constant load in the presence of the gravity that was added later.
     """
     best = found.fit
     effect = best.hypothesis.added[name].effect
@@ -163,7 +166,7 @@ def made_uncertain(found: Search, name: str) -> list[Fit]:
             other = turn.before.hypothesis.instance(gone)
             if other.effect in best.hypothesis.effects or ENCODER_ONLY & {effect, other.effect}:
                 continue
-            if other.effect in COMPLIANT_EFFECTS:  # what it explains of the encoders says nothing of a torque
+            if other.effect in COMPLIANT_EFFECTS:  # what it explains of the encoders says nothing about a torque
                 continue
             beside = bare.with_effect(other.effect, other.options, other.parameters)
             stands_in.append(fit(best.problem, beside, 8, known=best))
@@ -171,10 +174,10 @@ def made_uncertain(found: Search, name: str) -> list[Fit]:
 
 
 def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]:
-    """The end of a search of two encoders alone with play in the place of a spring, or a spring in that of play.
+    """With two encoders alone: the end of the search with backlash and compliance exchanged for each other.
 
-    A shaft that the output's friction winds up parts slow encoders as play does: what no torque tells apart, only fast
-    motion does. None where both were found, or the other was not looked for (``without``).
+    A shaft that the output's friction winds up separates slow encoders as backlash does; without torque data only fast
+    motion distinguishes them. Empty if both were found, or if the other was excluded (``without``).
     """
     effect = best.hypothesis.added[name].effect
     if {*COMPLIANT_EFFECTS} <= best.hypothesis.held:
@@ -186,25 +189,25 @@ def other_structures(best: Fit, name: str, without: frozenset[str]) -> list[Fit]
     for f in tried:
         came = list(f.hypothesis.added)[-1]
         starts = [f.hypothesis]
-        if effect == PLAY:  # of a spring and the friction that winds it up, slow motion tells but the ratio
+        if effect == PLAY:  # slow motion determines only the ratio of a stiffness to the friction that winds it up
             paths = (f"effects.{came}.stiffness", "scale.output_coulomb")
             starts = [starting(f.hypothesis, dict.fromkeys(paths, share)) for share in DAMPED]
         found.append(hopped(cheapest(fit(problem, h) for h in starts), [came]))
-    # one that comes near, or gains, only by rows that count little is told apart where it was not fitted
+    # a rival that is close, or better, only through down-weighted rows is rejected by held-out recordings
     return [f for f in found if penalised_gain(best, f) <= -RIVAL_MARGIN or not _farther(best, f, CLEARLY_MORE)]
 
 
 def _farther(best: Fit, rival: Fit, times: float = 1.0) -> bool:
-    """Whether, of two encoders alone, a rival leaves them farther apart in recordings that it was not fitted to.
+    """Whether, with two encoders alone, a rival leaves a larger encoder difference on held-out recordings.
 
-    Rows that are far off count little in a fit, and may be just where play parts from a spring: a rival that explains
-    more of the others has not explained more.
+    Outliers have little weight in a fit, and may be exactly where backlash and compliance differ. A rival that explains
+    more of the other rows has then not explained more.
     """
     return not best.problem.size and parting_where_unseen(rival) > times * parting_where_unseen(best)
 
 
 def swapped(found: Search, rival: Fit, reason: str = BEATEN) -> Search:
-    """The search with one more round, in which a rival took the place of one effect, or of several."""
+    """The search with one more round, in which a rival replaced one effect or several."""
     best, problem = found.fit, found.problem
     added, removed = new_names(best, rival), new_names(rival, best)
     bare = best.hypothesis

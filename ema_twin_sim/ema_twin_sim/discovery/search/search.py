@@ -38,7 +38,7 @@ from .trace import Round, Search
 
 
 def parted_encoders(f: Fit) -> bool:
-    """Whether the encoders part by more than their noise."""
+    """Whether motor and output encoder differ by more than their noise."""
     return any(
         p.stop > p.start and float(np.sqrt(np.mean(f.raw[p] ** 2))) > CLEARLY_MORE for p in f.problem.encoder_parts
     )
@@ -46,9 +46,10 @@ def parted_encoders(f: Fit) -> bool:
 
 @dataclass(frozen=True)
 class _Asked:
-    """What a search is asked: where it begins, what its rounds may not add, and how many there may be.
+    """Inputs of a search: where it begins, what its rounds may not add, and how many rounds a phase may have.
 
-    ``by_torque`` are the effects that stay out while the torque alone is looked at, ``without`` those that always do.
+    ``by_torque`` are the effects excluded while only the torque is searched, ``without`` those that are always
+    excluded.
     """
 
     null: Hypothesis
@@ -66,12 +67,12 @@ def search(
     most: int = MOST_EFFECTS,
     may_wander: bool = True,
 ) -> Search:
-    """Add effects to ``null``, each worth its price, and drop what later ones make needless.
+    """Add effects to ``null``, each worth its complexity penalty, and remove those that later ones make needless.
 
-    In each of its phases a search goes ``most`` rounds; where constants are known, it ends with seven effects in all.
-    Where the encoders part, what the torque alone tells is found first, then play and spring, then all together: a
-    gearbox can only be simulated with the right loads. Where what is left of the torque is friction that wanders, and
-    ``may_wander``, the search begins anew with that as part of the noise.
+    Each phase of a search has at most ``most`` rounds; with known constants a search stops at seven effects in all. If
+    the encoders differ, the search is first by torque alone, then for backlash and compliance, then for everything
+    together: a gearbox can only be simulated with the right loads. If what remains of the torque is wandering friction,
+    and ``may_wander``, the search restarts with wandering as part of the noise.
     """
     bare = settle(fit(problem.under(problem.weighting.begun_anew(FAR)), null))
     if null.base.value("machine.output_inertia") == 0.0:
@@ -79,7 +80,7 @@ def search(
     if not problem.size:
         return _by_encoders_alone(bare, without, progress, most)
     parts = parted_encoders(bare) and not without >= {*COMPLIANT_EFFECTS, *ENCODER_ONLY}
-    # without the encoders calling for it, what they alone show has no place
+    # effects that only the encoders show are considered only if the encoders differ
     by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
     if parts:
         progress("looking at the torque alone")
@@ -93,17 +94,17 @@ def search(
 
 
 def _misleading(null: Hypothesis) -> frozenset[str]:
-    """Effects that the torque alone must not be asked for while the gearbox is in doubt."""
+    """Effects that the search by torque alone must exclude while the gearbox is in doubt."""
     return ENCODER_ONLY | effects_with(Trait.LIKE_PLAY_OR_SPRING) | (null.held & {*FRICTION})
 
 
 def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
-    """What the torque alone told, then play and spring, then all together.
+    """Search for backlash and compliance after the search by torque, then for everything together.
 
-    Where a rigid train would take suspiciously many effects and wandering explains the torque instead, the encoders are
-    asked beside that.
+    If a rigid drivetrain would need suspiciously many effects and wandering friction explains the torque instead, the
+    encoders are searched with wandering as part of the noise.
     """
-    # of what the torque alone took so many effects for, it was asked already
+    # the search by torque has already tried wandering in place of so many effects
     may_wander = may_wander and current.problem.weighting.wander is None and not _many(current)
     current = fit(beside_impacts(current.problem.with_encoders()), current.hypothesis)
     if parted_encoders(current):
@@ -119,10 +120,10 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
 
 
 def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
-    """More effects beside play or a spring, until none is worth its price.
+    """Add further effects once backlash or compliance is in the model, until none pays its complexity penalty.
 
-    Where friction that wanders gains more than the first of them, they are looked for beside that, if it leaves nothing
-    of the torque: one after another, friction curves would take its place.
+    If wandering friction gains more than the first of them, they are searched with wandering as part of the noise,
+    provided that this explains the torque. Without it, one friction curve after another would take its place.
     """
     after, first = add_effects(current, asked.without, asked.progress, most=1)
     if may_wander and first and first[0].added and (wander := _rather_wander(first[0])) is not None:
@@ -141,17 +142,17 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
 
 
 def _explains_the_torque(plain: EquationErrorProblem, beside: Fit, wander: Wander) -> bool:
-    """Whether friction that wanders leaves nothing of the torque, and no dependence on anything else does as well."""
+    """Whether the torque is explained with wandering friction, and not as well by a dependence on something else."""
     left = torque_left(beside)
     paid = left + CORRELATION * wander.complexity_penalty / plain.size
     return left <= MISFIT_LEFT and not depends_on_more(plain, beside.hypothesis, paid)
 
 
 def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[str], None], most: int) -> Search:
-    """The search where no torque was measured: what lets the encoders part, and what is amiss with them."""
+    """The search without torque data: what lets the encoders differ, and errors of the encoders."""
     current = bare
     rounds: list[Round] = []
-    # an encoder's error may be larger than the play beside it, which shows once that error is found
+    # An encoder's error may be larger than the backlash, which shows only once that error is found.
     while len(rounds) < most and parted_encoders(current) and not _gives_way(current):
         progress("looking at the gearbox")
         current, turns = add_structure(current, without)
@@ -163,26 +164,26 @@ def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[s
 
 
 def _gives_way(f: Fit) -> bool:
-    """Whether play or a spring was found."""
+    """Whether backlash or compliance was found."""
     return not {*f.hypothesis.effects}.isdisjoint(COMPLIANT_EFFECTS)
 
 
 def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_wander: bool) -> tuple[Fit, list[Round]]:
-    """More effects after ``rounds``, until none is worth its price; or anew, by the torque, beside wandering friction.
+    """Add effects after ``rounds`` until none is worth its penalty; or restart by torque, with wandering friction.
 
-    Wandering is asked for in each round, until it is refused once: where it gains more by the torque than the effect
-    that the round took, the search begins anew beside it. (Where much is left, an effect's gain counts more than the
-    same fall of the misfit does for wandering: effects come first.) It is asked for again where something is left in
-    the end, or as soon as suspiciously many effects leave nothing. More of them only make what they explain cheaper:
-    what is refused beside that many is refused beside more.
+    Each round tests for wandering until it is refused once. If wandering gains more by torque than the effect of the
+    round, the search restarts with it. (While much is left, an effect's gain counts more than the same decrease of
+    misfit does for wandering: effects come first.) Wandering is tested again if something is left at the end, or as
+    soon as suspiciously many effects leave nothing. Further effects only lower the cost of the explanation without
+    wandering, so what is refused with that many is refused with more.
     """
-    later = bool(rounds)  # what the torque alone leaves was asked before
+    later = bool(rounds)  # the residual of the torque alone was tested before
     without = asked.without if later else asked.by_torque
     if not may_wander:
         current, more = add_effects(begun, without, asked.progress, most=asked.most)
         return current, [*rounds, *more]
     current, more = begun, []
-    weaker, refused = later, False  # whether wandering explains less than effects do, and than many of them do
+    weaker, refused = later, False  # whether wandering explains less than one effect, and less than many
     while len(more) < asked.most:
         after, turns = add_effects(current, without | added_and_removed(more), asked.progress, most=1)
         if not turns or not turns[0].added:
@@ -207,28 +208,29 @@ def _add_effects_or_wander(asked: _Asked, begun: Fit, rounds: list[Round], may_w
 
 
 def _rather_wander(turn: Round) -> Wander | None:
-    """How friction wanders, where that gains more by the torque than the effect that a round took; None where less."""
+    """How friction wanders, if that gains more by torque than the effect that a round took; else None."""
     wander = wandering(turn.before.problem, turn.before)
     took = next(trial for trial in turn.tried if trial.names == turn.added)
     return wander if wander is not None and wander.gain > took.gain else None
 
 
 def _by_torque(f: Fit, later: bool) -> EquationErrorProblem:
-    """The problem that is asked for wandering: of the torque alone where the encoders' part came ``later``."""
+    """The problem to test for wandering: the torque alone if the encoders were added ``later``."""
     return f.problem.by_torque_alone() if later else f.problem
 
 
 def _many(f: Fit) -> bool:
-    """Whether more effects that a torque shows were added than a machine may usually lack."""
+    """Whether more effects that act on the torque were added than a machine may usually lack."""
     return sum(i.effect not in ENCODER_ONLY for i in f.hypothesis.added.values()) > USUAL_EFFECTS
 
 
 def _beside_wander(
     asked: _Asked, plain: EquationErrorProblem, current: Fit, rounds: list[Round], wander: Wander | None = None
 ) -> tuple[Fit, list[Round]] | None:
-    """The end and the rounds begun anew beside friction that wanders; None where that does not explain the torque.
+    """End and rounds of a search restarted with wandering friction; None if that does not explain the torque.
 
-    How it wanders is told by the end, or before many effects hid it, where it is not known yet (``wander``).
+    How friction wanders is given (``wander``), or estimated from the end of the search. If that end holds many effects,
+    the fit after the second one is used instead: later effects hide the wandering.
     """
     if wander is None:
         taken = [turn.after for turn in rounds if turn.added]
@@ -244,9 +246,9 @@ def _beside_wander(
 
 
 def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float) -> bool:
-    """Whether, with no wandering, a dependence on anything but the time leaves nothing of the torque, its price paid.
+    """Whether, without wandering, a dependence on anything but time leaves nothing of the torque, its penalty included.
 
-    Or hardly more of it than ``at_most``, in misfit per row. The ``problem`` is one in which nothing wanders.
+    Or hardly more than ``at_most``, in misfit per row. Nothing wanders in ``problem``.
     """
     f = fit(problem, h)
     problem = beside_generic_bases(problem, f)
@@ -262,10 +264,10 @@ def depends_on_more(problem: EquationErrorProblem, h: Hypothesis, at_most: float
 
 
 def _torque_cost(f: Fit) -> float:
-    """What a hypothesis costs by the torque, as twice a negative log-likelihood, its price paid."""
+    """Cost of a hypothesis by torque, as twice a negative log-likelihood including its complexity penalty."""
     return float(f.problem.costs(f.raw)[: f.problem.size].sum()) / CORRELATION + complexity_penalty(f)
 
 
 def torque_left(f: Fit) -> float:
-    """What a row of torque adds to the misfit, in the mean: one where nothing but noise is left."""
+    """Mean misfit per torque row; one if only noise is left."""
     return float(f.problem.costs(f.raw)[: f.problem.size].mean())

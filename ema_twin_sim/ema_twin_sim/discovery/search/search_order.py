@@ -1,8 +1,8 @@
-"""The order of a search: effects that were found one after the other, and others that explain more together.
+"""Search order: effects that were found one after another, and others that explain more together.
 
-One step at a time, what fits best alone comes in, and keeps out what fits best in company: a sum of two friction curves
-over the speed comes near many a sum of two others. So others come in first, or what came in first is left out, the rest
-is sought without it, and then it may come back.
+A stepwise search adds the effect that fits best alone, which keeps out what fits best in combination: a sum of two
+friction curves over speed is close to many sums of two others. So other effects are added first. Or the first effect is
+excluded, the rest is searched again, and then it may be added again.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from .rivals import swapped
 from .search import search
 from .trace import Search
 
-MORE = 2  # effects that may join those that came in first
-THOUGHTS = 2  # of the effects that were found first, those that are doubted where something is left
+MORE = 2  # effects that may join the first ones
+THOUGHTS = 2  # first effects that are excluded in turn if something is left
 
 
 def in_another_order(found: Search, without: frozenset[str], progress: Callable[[str], None]) -> Search:
-    """The search with other effects in the place of those that show over the speed, where these explain more together.
+    """The search with other effects in place of those over speed, if these explain more together.
 
-    Asked where several do, or where the constants of friction were drawn far off: each of them comes in first once.
+    Tried if at least two effects depend on speed, or if the friction constants are strained. Each candidate is added
+    first once.
     """
     best, problem = found.fit, found.problem
     alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
@@ -43,7 +44,7 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
     for effect in sorted(catalogue().keys() - others):
         for h in entrants(problem, start, frozenset(catalogue().keys() - {effect}))[:1]:
             other, _ = add_effects(with_one_more(start, h), others, most=MORE)
-            other = fit(problem, other.hypothesis)  # misfits compare under one weighting only
+            other = fit(problem, other.hypothesis)  # misfits compare only under the same weighting
             if penalised_gain(best, other) > 1.0:
                 best = other
     if best is not found.fit:
@@ -60,9 +61,9 @@ def search_without_first(
     content: Callable[[Fit], bool],
     progress: Callable[[str], None],
 ) -> tuple[Search, bool]:
-    """A search with a ``content`` end, begun without one of the effects that came first; else the one given.
+    """A search restarted without one of the effects found first, if its end is ``content``; else the given search.
 
-    With it, whether its end is ``content``.
+    Also returns whether the end is ``content``.
     """
     firsts = [turn.effect_of(name) for turn in found.taken for name in turn.added if name in found.fit.hypothesis.added]
     for effect in list(dict.fromkeys(firsts))[:THOUGHTS]:

@@ -1,4 +1,4 @@
-"""Unknown: what is left depends on something, though no effect of the catalogue explains it."""
+"""Unknown: the residual depends on something, but no effect of the catalogue explains it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .rivals import substitutes, swapped
 from .trace import Round, Search, new_names
 from .wandering_end import beside_wandering
 
-MOST_ROUNDS = 4  # what an unknown depends on shows in the first rounds
+MOST_ROUNDS = 4  # an unknown cause shows in the first rounds
 LIKENESS = "may be nothing but the likeness of what is unknown"
 TRIED = 2  # bases that are fitted in a round
 
@@ -34,15 +34,14 @@ def beside_the_unknown(
     found: Search,
     progress: Callable[[str], None],
 ) -> tuple[Search, tuple[str, ...]]:
-    """What of a search stands beside what is in no catalogue, and what that depends on.
+    """Which effects of a search hold up next to an unknown cause, and what that cause depends on.
 
-    An effect stands that explains by its own shape what any shape over its quantity would, and in whose place nothing
-    else explains more. The others may be nothing but the likeness of the unknown, as is what made constants
-    implausible.
+    An effect holds up if its own shape explains what any shape over its quantity would, and if nothing in its place
+    explains more. The others may only imitate the unknown cause, and so may what made constants implausible.
     """
     if not found.problem.size:  # no torque was measured that could depend on anything
         return found, ("encoders",)
-    if found.fit.hypothesis.base.is_open:  # whose numbers nothing contradicts: what was found stays
+    if found.fit.hypothesis.base.is_open:  # nothing contradicts open constants: what was found stays
         return found, _most_likely(beside_generic_bases(found.problem, found.fit), found.fit)
     start = found.rounds[0].before
     found = doubted(found)
@@ -54,12 +53,12 @@ def beside_the_unknown(
     after, rounds, bases = _add_dependences(found.fit, bases, progress)
     held = {*found.fit.hypothesis.added}
     found = significant(found.further(after, rounds))
-    # what comes back in the place of something too uncertain was not doubted yet
+    # An effect that came back in place of an uncertain one has not been checked yet.
     found = less(found, [name for name in _doubtful(found) if name not in held], LIKENESS)
     problem = found.problem.with_generic_bases(bases)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
-    # what comes and goes is an outlier to a fit, and no lasting dependence
+    # to a fit, something that comes and goes is an outlier and no lasting dependence
     passing = ("time",) if not suspect and episodes(problem, found.fit) else ()
     return found, depends_on or tuple(sorted(suspect)) or passing or _most_likely(problem, found.fit)
 
@@ -67,9 +66,9 @@ def beside_the_unknown(
 def _add_dependences(
     current: Fit, bases: Mapping[str, np.ndarray], progress: Callable[[str], None]
 ) -> tuple[Fit, list[Round], Mapping[str, np.ndarray]]:
-    """One generic basis a round, until none is worth its price: the end, the rounds, and all bases that were tried.
+    """Add one generic basis a round until none is worth its penalty; return the end, the rounds and all bases tried.
 
-    With each round go the orders that its residual shows most.
+    Each round also tries the orders that are strongest in its residual.
     """
     tried = dict(bases)
 
@@ -85,10 +84,10 @@ def _add_dependences(
 
 
 def doubted(found: Search) -> Search:
-    """A search less the effects that may be nothing but the likeness of something unknown.
+    """The search without the effects that may only imitate an unknown cause.
 
-    What had made room for these comes back, and is doubted in turn. In the place of one goes first what every machine
-    has and this model lacks, where that stands.
+    What had been removed for their sake is tried again, and doubted in turn. An effect that every machine has and this
+    model lacks is tried first in place of a doubtful one.
     """
     while names := _doubtful(found):
         usual = next((other for name in names if (other := _usual_instead(found, name)) is not None), None)
@@ -97,10 +96,10 @@ def doubted(found: Search) -> Search:
 
 
 def _usual_instead(found: Search, name: str) -> Search | None:
-    """The search with a doubtful effect's place taken by what every machine has and this model lacks; None without.
+    """Replace a doubtful effect by one that every machine has and this model lacks; None if that does not hold up.
 
-    It came near in the effect's round, and stands where that does not: friction that warms up is a little more like
-    Stribeck's than like dry friction alone.
+    The substitute was close in the effect's round, and holds up where the effect does not: friction that warms up looks
+    a little more like Stribeck friction than like dry friction alone.
     """
     turn = next((turn for turn in found.taken if name in turn.added), None)
     for other in () if turn is None else substitutes(found.fit, name, turn):
@@ -113,19 +112,19 @@ def _usual_instead(found: Search, name: str) -> Search | None:
 
 
 def _doubtful(found: Search) -> list[str]:
-    """The added effects that do not stand beside something unknown."""
+    """The added effects that do not hold up next to an unknown cause."""
     problem = beside_generic_bases(found.problem, found.fit)
     added = found.fit.hypothesis.added
     over = {name: catalogue()[instance.effect].depends_on for name, instance in added.items()}
     strange = strained(found.fit)
     lags = apart(problem, found.fit, found.rounds[0].before)
     own = set(by_own_shape(problem, found.fit))
-    # what lets the output lag draws inertia and friction, as it does where the torque alone is looked at
+    # An output that lags affects inertia and friction, as it does in a search by torque alone.
     like_lag = effects_with(Trait.LIKE_PLAY_OR_SPRING) if lags else frozenset()
     drawn = {n for n in added if added[n].effect in like_lag and not explains_the_torque(found.fit, n)}
     if (own != {*added} or drawn) and (beside := beside_wandering(found)) is not None:
-        # where each recording has a speed of its own, a basis over the speed takes up what wanders between them, too:
-        # that, and what it leaves, is no reason to doubt what stands beside wandering
+        # If each recording has its own speed, a basis over speed also fits what differs between recordings because
+        # friction wanders. An effect that holds once the wandering is part of the noise is not doubted for that.
         own |= set(by_own_shape(beside_generic_bases(beside.problem, beside), beside, {*added} - own))
         drawn = {n for n in drawn if not explains_the_torque(beside, n)}
     stands = own - set(only_constants(problem, found.fit))
@@ -133,18 +132,19 @@ def _doubtful(found: Search) -> list[str]:
     if strange:
         by_constants = {name for name in added if over[name] in BY_CONSTANTS}
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
-        stands -= by_constants - usual or by_constants  # what every machine has is judged once the others are gone
+        stands -= by_constants - usual or by_constants  # usual effects are judged once the others are gone
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
     stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
         return [name for name in added if name in doubtful or name in drawn]
-    # once a doubtful play or spring is gone, the encoders may part by no more than lines do: what is drawn by them is
-    # judged without it, and so is a late encoder, of which it took a part
+    # Once a doubtful backlash or compliance is removed, the remaining encoder difference may be interpolation error.
+    # Effects that it drew in are judged after its removal, and so is a late encoder, which shared the difference with
+    # it.
     return [name for name in doubtful if not catalogue()[added[name].effect].delays]
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
-    """What the residual depends on the most, however little that explains."""
+    """The quantity that the residual depends on most, however little that explains."""
     return tuple(dependence(name) for _, name in screen_generic_bases(problem, f)[:1])

@@ -1,7 +1,7 @@
-"""The end of a search, judged once more with friction that wanders as part of the noise.
+"""The end of a search, judged once more with wandering friction as part of the noise.
 
-Beside a gearbox, or where several effects are missing, wandering shows only once all of them were found: the same
-effects, fitted beside it, may leave nothing.
+With a gearbox, or if several effects are missing, wandering shows only after all of them were found: the same effects,
+fitted with wandering, may leave nothing.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .trace import WANDERS, WANDERS_OVER_TIME, Search
 def wandering_after_all(
     found: Search, without: frozenset[str], start: Fit, progress: Callable[[str], None]
 ) -> Search | None:
-    """The search, its end beside friction that wanders, where nothing else is left then; None where more is."""
+    """The search with wandering friction at its end, if nothing else is left then; None otherwise."""
     plain = found.problem
     wander = _wander(found)
     if wander is None:
@@ -40,11 +40,11 @@ def wandering_after_all(
 
 
 def less_what_wandering_explains(found: Search, progress: Callable[[str], None]) -> Search:
-    """The search beside friction that wanders and less what is needless then; itself where nothing is.
+    """The search with wandering friction, without what is needless then; unchanged if nothing is.
 
-    Asked beside play or a spring, where the search could not ask before both were found: what the friction's
-    wandering adds over a few reversals has the shape of some friction curve, and of a small load. Beside wandering that
-    has taken some of it, an effect may be small; one that still gains clearly is explained by nothing else.
+    Only with backlash or compliance, where the search could not test this before both were found: what wandering adds
+    over a few reversals looks like some friction curve, and like a small load. With wandering, which has absorbed some
+    of it, an effect may be small; if it still gains clearly, nothing else explains it.
     """
     wander = _wander(found) if found.fit.parted else None
     if wander is None:
@@ -56,10 +56,10 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
 
 
 def without_warming_that_wandering_explains(found: Search) -> Search:
-    """The search of a machine whose constants are open, less what changes with time where wandering explains that.
+    """With open constants: the search without effects over time that wandering friction explains as well.
 
-    There wandering is no part of the noise, since free constants of friction do much of what it does; but a friction
-    that falls and rises again looks like one that warms up, over one recording.
+    Wandering is not part of the noise there, since free friction constants do much of the same. But over one recording,
+    friction that falls and rises again looks like friction that warms up.
     """
     over_time = [n for n, i in found.fit.hypothesis.added.items() if catalogue()[i.effect].depends_on == "time"]
     wander = _wander(found) if over_time else None
@@ -78,17 +78,17 @@ def without_warming_that_wandering_explains(found: Search) -> Search:
 
 
 def _wander(found: Search) -> Wander | None:
-    """How friction wanders by what an end leaves over; None where nothing shows, or it is part of the noise already."""
+    """How friction wanders, by the residual at the end; None if it does not show or is already part of the noise."""
     return None if found.problem.weighting.wander is not None else wandering(found.problem, found.fit)
 
 
 def beside_wandering(found: Search) -> Fit | None:
-    """The end of a search, fitted with friction that wanders as part of the noise; None if it does not wander."""
+    """The end of a search, fitted with wandering friction as part of the noise; None if friction does not wander."""
     wander = _wander(found)
     return None if wander is None else _beside(found.fit, wander)
 
 
 def _beside(f: Fit, wander: Wander) -> Fit:
-    """The same effects, fitted beside friction that wanders."""
+    """The same effects, fitted with wandering friction."""
     begun = f.problem.weighting.begun_anew(BESIDE_IMPACTS if f.parted else FAR)
     return settle(fit(f.problem.under(replace(begun, wander=wander)), f.hypothesis))
