@@ -41,7 +41,7 @@ def test_beside_play_each_side_is_within_what_is_told_of_it(tmp_path):
 
 def test_without_play_it_is_said_that_only_the_sum_is_told(tmp_path):
     found = found_in(tmp_path, None)
-    assert any("tell only sums: inertia and dry friction of motor and output" in text for text in found.warnings)
+    assert any("determine only sums: inertia and dry friction of motor and output" in text for text in found.warnings)
 
 
 @pytest.mark.slow

@@ -224,7 +224,7 @@ def test_without_findings_it_says_so(models, recordings):
 def test_nothing_found_is_told_honestly(models, recordings, folder, stock):
     for verdict, said in (
         ("none", "Nothing is missing"),
-        ("unknown", "no effect of the catalogue explains; what is left depends on time"),
+        ("unknown", "no effect of the catalogue explains; the remaining error depends on time"),
     ):
         told = {
             **FOUND,

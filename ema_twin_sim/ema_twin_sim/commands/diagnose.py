@@ -72,7 +72,7 @@ def run(
     given = read_judged(runs, model, with_files, without, import_map=import_map, start=start, end=end, strict=strict)
     with status() as progress:
         found = discover(given.recordings, given.model, without=given.without, progress=progress)
-        progress("weighing what was found")
+        progress("computing probabilities")
         diagnosis = weigh(found)
         if evidence is not None:
             progress("writing the evidence")

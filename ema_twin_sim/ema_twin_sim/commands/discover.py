@@ -73,7 +73,7 @@ def run(
             write_evidence_bag(found, given.recordings, evidence, force=force)
         both, labels, findings = (given.model, found.model), (model, output), None
         if report is not None or rrd is not None:
-            progress("weighing what was found")
+            progress("computing probabilities")
             findings = weighed(found)
         if report is not None:
             progress("writing the report")

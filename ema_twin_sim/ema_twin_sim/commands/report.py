@@ -136,5 +136,5 @@ def _searched(
         found = discover(recordings, model, progress=progress)
     except InputError as refused:
         return None, f"no diagnosis: {refused}"
-    progress("weighing what was found")
+    progress("computing probabilities")
     return weighed(found), ""

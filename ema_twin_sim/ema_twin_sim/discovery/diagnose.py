@@ -111,7 +111,7 @@ def diagnose(
     InputError if the recordings cannot be judged.
     """
     found = discover(recordings, model, without=without, progress=progress)
-    progress("weighing what was found")
+    progress("computing probabilities")
     return weigh(found)
 
 

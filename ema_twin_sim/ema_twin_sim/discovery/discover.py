@@ -159,7 +159,7 @@ def discover(
         depends_on = ("time",)  # wandering friction is all that is left
         found = doubted(found)
     elif not known:
-        progress("something is left: looking for what it depends on")
+        progress("an error remains: looking for what it depends on")
         found, depends_on = beside_the_unknown(found, progress)
     progress("looking for rivals")
     found, rivals = judged_against_rivals(found, excluded)
@@ -168,14 +168,14 @@ def discover(
     loop = ClosedLoop(recordings, found.fit.hypothesis.base)
     found = with_best_split(loop, found)
     found = with_unmoved_constants(loop, found) if known else found
-    progress("judging on recordings that were not fitted to")
+    progress("judging on held-out recordings")
     began = began if model.is_open else in_si(model)
     unseen = judge_unseen(as_measured, began, noise, found)
     idle = _idle(found, unseen) if known else ()
     while idle:
         before = {*found.fit.hypothesis.added}
         shown_over = tuple(dict.fromkeys(_shows_over(found, name) for name in idle))
-        found = less(found, idle, "the simulated loop hardly follows the recordings better with it")
+        found = less(found, idle, "it hardly improves the simulated loop on held-out recordings")
         back = not before.issuperset(found.fit.hypothesis.added)  # it had replaced something
         # with open constants, the rest may explain the recordings as well as anything does
         known = (model.is_open or back) and explained(found.problem, found.fit, start)
@@ -184,7 +184,7 @@ def discover(
         idle = _idle(found, unseen) if known and back else ()
     stands = unseen.betters
     if not known and found.fit.hypothesis.added and not stands and not model.is_open:
-        progress("judging beside the constants as they were")
+        progress("judging with the constants of the model file")
         held = beside_constants_as_filed(found)
         beside = judge_unseen(as_measured, began, noise, held)
         stands = beside.betters or (not beside.worsens and _told_by_rows(found.fit))
@@ -288,7 +288,7 @@ def _searched(
         return beside, False
     if found.fit.parted or apart(found.problem, found.fit, start):
         return found, False
-    progress("something is left: thinking again of what was found")
+    progress("an error remains: searching again without the first effect")
     return search_without_first(null, excluded, found, lambda f: explained(f.problem, f, start), progress)
 
 

@@ -30,17 +30,23 @@ def why_ended(
         torque = quantity(*shown(base, abs(longest.against), "N m"))
         how = f"{torque} {'more' if longest.against > 0.0 else 'less'} against the motion"
         return (
-            f"what is left comes and goes: {listed_episodes(passing, second=second)}; on average {how} in the longest "
-            "of them. No effect of the catalogue does that"
+            f"the remaining error comes and goes: {listed_episodes(passing, second=second)}; on average {how} in the "
+            "longest of them. No effect of the catalogue does that"
         )
     if verdict == "unknown":
         on = ", ".join(depends_on).replace("_", " ")
-        return f"what is left depends on {on}; no effect of the catalogue does" if on else "what is left fits no effect"
+        return (
+            f"the remaining error depends on {on}; no effect of the catalogue does"
+            if on
+            else "the remaining error fits no effect"
+        )
     last = found.stopped
     if last is None:
         end = found.rounds[-1]
         return (
-            "as many effects were added as a search may add" if end.tried else f"what was added last went: {end.reason}"
+            "the search has added as many effects as it may"
+            if end.tried
+            else f"the effect added last was dropped: {end.reason}"
         )
     if not last.tried:
         return "nothing is left to try"
@@ -49,4 +55,4 @@ def why_ended(
             "no effect explains more; what the simulated current still misses is at impacts, whose timing needs "
             "parameters known to 0.1 %"
         )
-    return "no effect explains more of what is left than the sensors' noise would let it by chance"
+    return "no effect explains more of the remaining error than chance would"

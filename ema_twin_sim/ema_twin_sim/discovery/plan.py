@@ -102,13 +102,13 @@ def plan(
             "planned; record a motion, slow and fast and both ways"
         )
     found = discover(recordings, model, without=without, progress=progress)
-    progress("asking what is in doubt")
+    progress("checking what is in doubt")
     problem = found.equation
     own = found.search.fit.hypothesis.base
     limits = None if limits is None else limits.told(own)
     allowed = limits or driven_limits(problem.observations, own.value("machine.gear_ratio"))
     held = doubts(problem, found.search, found.rivalries, frozenset(without))
-    progress("asking what would not show")
+    progress("checking which effects would not show")
     detection = Detection(found.search.fit, excluded_effects(found.recordings, own, without))
     choice = best_command(
         problem,

@@ -66,15 +66,16 @@ def of_sums(problem: EquationErrorProblem, f: Fit, left: float) -> tuple[str, ..
         if not told:
             return ()
         return (
-            f"how motor and output share what they have together is told by how their teeth meet, less surely than the "
-            f"sums: {listed(told)}",
+            "the split between motor and output comes from the tooth impacts and is less certain than the sums: "
+            f"{listed(told)}",
         )
     halves = [both for both in _sums(f, parted=False)]
     if not halves or not f.hypothesis.base.is_open:
         return ()
     return (
-        f"without play or a spring these recordings tell only sums: {listed(both.name for both in halves)} of motor "
-        "and output are divided as in your model, each ± is that of the sum",
+        "without backlash or compliance these recordings determine only sums: "
+        f"{listed(both.name for both in halves)} of motor and output are split as in your model; each ± is "
+        "that of the sum",
     )
 
 

@@ -137,7 +137,7 @@ def fit_model(
         fix = (*fix, *not_by_encoders(model, free))
     freedom = choose_numbers(model, free, fix)
     misfit, solution, loosened = _solution(recordings, sources, method, freedom, progress)
-    progress("judging on what was not fitted to")
+    progress("judging on held-out data")
     before, after, judged_on = judge(as_measured, sources, misfit, solution, noise)
     sure = uncertainty(misfit, solution)
     untold = not_given(solution, method)

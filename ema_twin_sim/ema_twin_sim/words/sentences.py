@@ -169,7 +169,7 @@ def verdict_sentence(
     if verdict == "explained":
         return f"{lacks}."
     along = f": {left_over}" if left_over else ""
-    left = f"; what is left depends on {dependence_words(depends_on)}{along}" if depends_on else ""
+    left = f"; the remaining error depends on {dependence_words(depends_on)}{along}" if depends_on else ""
     start = f"{lacks}; and something more" if lacks else "Something"
     looked_for = "effect of the catalogue explains"
     if without:

@@ -63,14 +63,15 @@ def parts_the_encoders(problem: EquationErrorProblem, f: Fit, name: str) -> bool
 
 
 def explains_the_torque(f: Fit, name: str) -> bool:
-    """Whether much of the torque is unexplained without an effect, and almost nothing with it.
+    """Whether much of the torque is unexplained without an effect, and almost nothing, or little of that, with it.
 
     A compliant gearbox pulls in such effects only as far as they resemble it; the mismatch then remains visible.
     """
     problem = f.problem
     bare = fit(problem, f.hypothesis.without(name))
     without, beside = (one.misfits[0] / max(problem.size, 1) for one in (bare, f))
-    return without > MISFIT_LEFT and beside <= MISFIT_DOUBTED
+    little = min(MISFIT_LEFT, 1.0 + (1.0 - MOSTLY) * (without - 1.0))
+    return without > MISFIT_LEFT and beside <= max(MISFIT_DOUBTED, little)
 
 
 def is_play(f: Fit, name: str) -> bool:

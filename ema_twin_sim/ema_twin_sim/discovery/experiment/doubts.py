@@ -141,7 +141,7 @@ def _about(
         return None
     own = _in_full(instance) if any(rival.fit in alike for _, rival in near) else instance.effect
     instead = " or ".join(
-        "nothing but constants within their tolerance" if rival.name == NOTHING else rival.name for _, rival in near
+        "constants within their tolerance alone" if rival.name == NOTHING else rival.name for _, rival in near
     )
     return Doubt(
         (Rival(own, best), *(rival for _, rival in near)),

@@ -39,11 +39,11 @@ def suggest(
     if not held:
         return ""
     if any(recording.of_points for recording in recordings):
-        return "a motion, slow and fast and both ways: operating points tell of no more"
+        return "a motion, slow and fast, in both directions: operating points show no more"
     choice = best_command(problem, found.fit, held, signals_of(recordings), few=True)
     if choice.best is None:
         names = [name for name in dict.fromkeys(n for d in held for n in d.names) if name != NOTHING]
-        said = f"tells {listed(names)} apart" if len(names) > 1 else f"tells whether there is {names[0]} too"
+        said = f"tells {listed(names)} apart" if len(names) > 1 else f"shows whether {names[0]} is there too"
         return f"none of the commands that were tried {said}".replace("_", " ")
     further = f"; beyond what was recorded, see that the bench allows it: {', '.join(choice.best.beyond)}"
     beyond = further if choice.best.beyond else ""
@@ -54,10 +54,10 @@ def _of_encoders(problem: EquationErrorProblem, rivals: Sequence[Rivalry]) -> st
     """Next recording for two encoders without torque data: the missing kind of motion, else the torque."""
     between = [_between_reversals(o) for o in problem.observations]
     if any(len(rivalry.group) > 1 for rivalry in rivals) or min(between) > SLOW:
-        return "reversals as fast as the machine allows: in slow motion a shaft that friction winds up looks like play"
+        return "reversals as fast as the machine allows: in slow motion a shaft wound up by friction looks like play"
     if max(between) < FAST:
-        return "a slow triangle, to and fro at one low speed: there play shows by itself, and nothing swings or is late"
-    return "the same motion with the drive's torque or current: it tells of loads and friction"
+        return "a slow triangle at one low speed: there play shows alone, without vibration or delay"
+    return "the same motion with the drive's torque or current recorded: it shows loads and friction"
 
 
 def _between_reversals(o: Observation) -> float:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...criteria import DEPENDS, RIVAL_MARGIN, SMALL
-from ...effects import catalogue
+from ...effects import Trait, catalogue, effects_with
 from ...identification.fit import Fit, fit
 from ..criteria.plausible import insignificant, uncertain
 from ..criteria.worth import ENCODER_ONLY, penalised_gain
 from .adding import add_effects, less_each, prune, settle, without_effect
 from .rivals import came_near, swapped
-from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Search
+from .trace import BEATEN, NEEDLESS, SURER, UNCERTAIN, WANDERS, Round, Search
 
 
 def significant(found: Search) -> Search:
@@ -51,15 +51,19 @@ def _sure_instead(found: Search, name: str) -> Search | None:
 def with_what_made_room(found: Search) -> Search:
     """Try again what was needless in the presence of something that is no longer there.
 
-    Also an encoder's own error, if the removed effect was added in its place, and what wandering friction explained in
-    a model whose backlash or compliance is gone. What was removed for a reason of its own is not tried again.
+    Also an encoder's own error, if the removed effect was added in its place; and if backlash or compliance is gone,
+    what wandering friction explained there, and what resembles a gearbox in the torque and gained there: the search by
+    torque alone left it out. What was removed for a reason of its own is not tried again.
     """
     reasons = {NEEDLESS} if found.fit.parted else {NEEDLESS, WANDERS}  # WANDERS is for backlash and compliance only
     once = {turn.effect_of(gone) for turn in found.rounds if turn.reason in reasons for gone in turn.removed}
     held = {*found.fit.hypothesis.added}
     for turn in found.taken:
         if held.isdisjoint(turn.added):
-            once |= ENCODER_ONLY & {e for trial in turn.tried if trial.gain > 0.0 for e in trial.fit.hypothesis.effects}
+            once |= ENCODER_ONLY & _gained(turn)
+    for turn in found.rounds:
+        if turn.before.parted and not found.fit.parted:
+            once |= effects_with(Trait.LIKE_PLAY_OR_SPRING) & _gained(turn)
     for turn in found.rounds:
         if turn.reason not in reasons:
             went = turn.before.hypothesis.added
@@ -68,6 +72,11 @@ def with_what_made_room(found: Search) -> Search:
     if not back:
         return found
     return found.further(*add_effects(found.fit, frozenset(catalogue()) - back, most=len(back)))
+
+
+def _gained(turn: Round) -> set[str]:
+    """Effects that were tried in a round and paid their complexity penalty."""
+    return {effect for trial in turn.tried if trial.gain > 0.0 for effect in trial.fit.hypothesis.effects}
 
 
 def less(found: Search, names: Sequence[str], reason: str) -> Search:

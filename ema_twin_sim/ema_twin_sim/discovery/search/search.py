@@ -83,7 +83,7 @@ def search(
     # effects that only the encoders show are considered only if the encoders differ
     by_torque = without | (_misleading(null) if parts else ENCODER_ONLY)
     if parts:
-        progress("looking at the torque alone")
+        progress("searching by torque alone")
     begun = fit(bare.problem.by_torque_alone(), bare.hypothesis) if parts else bare
     may_wander = may_wander and begun.problem.weighting.wander is None and not null.base.is_open
     asked = _Asked(null, without, by_torque, progress, most)
@@ -108,7 +108,7 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
     may_wander = may_wander and current.problem.weighting.wander is None and not _many(current)
     current = fit(beside_impacts(current.problem.with_encoders()), current.hypothesis)
     if parted_encoders(current):
-        asked.progress("looking at the gearbox")
+        asked.progress("trying backlash and compliance")
         current, by_gearbox = add_structure(current, asked.without)
         rounds = [*rounds, *by_gearbox]
     if current.parted:
@@ -127,7 +127,9 @@ def _beside_gearbox(asked: _Asked, current: Fit, rounds: list[Round], may_wander
     """
     after, first = add_effects(current, asked.without, asked.progress, most=1)
     if may_wander and first and first[0].added and (wander := _rather_wander(first[0])) is not None:
-        asked.progress(f"friction seems to wander by {wander.share:.1%}: looking for more beside that")
+        asked.progress(
+            f"friction seems to vary slowly by {wander.share:.1%}: searching on with that as part of the noise"
+        )
         plain = current.problem
         problem = plain.under(replace(plain.weighting.begun_anew(BESIDE_IMPACTS), wander=wander))
         begun = settle(fit(problem, current.hypothesis))
@@ -154,7 +156,7 @@ def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[s
     rounds: list[Round] = []
     # An encoder's error may be larger than the backlash, which shows only once that error is found.
     while len(rounds) < most and parted_encoders(current) and not _gives_way(current):
-        progress("looking at the gearbox")
+        progress("trying backlash and compliance")
         current, turns = add_structure(current, without)
         rounds += turns
         if not turns[-1].added:
@@ -238,7 +240,9 @@ def _beside_wander(
     if wander is None:
         return None
     cost_of_many = _torque_cost(current) if _many(current) else math.inf
-    asked.progress(f"friction seems to wander by {wander.share:.1%}: beginning anew beside that")
+    asked.progress(
+        f"friction seems to vary slowly by {wander.share:.1%}: starting again with that as part of the noise"
+    )
     anew = plain.under(replace(plain.weighting.begun_anew(FAR), wander=wander))
     beside, rounds_beside = add_effects(settle(fit(anew, asked.null)), asked.by_torque, asked.progress, most=asked.most)
     too_dear = _torque_cost(beside) + wander.complexity_penalty > cost_of_many

@@ -35,7 +35,7 @@ def in_another_order(found: Search, without: frozenset[str], progress: Callable[
     alike = [n for n, held in best.hypothesis.added.items() if _by_speed(held.effect)]
     if best.parted or (len(alike) < 2 and "speed" not in strained(best)):
         return found
-    progress("trying other friction curves in company")
+    progress("trying other friction curves together with the other effects")
     bare = best.hypothesis
     for name in alike:
         bare = bare.without(name)

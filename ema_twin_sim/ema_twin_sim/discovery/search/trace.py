@@ -15,11 +15,11 @@ def new_names(before: Fit, after: Fit) -> tuple[str, ...]:
     return tuple(n for n in (*after.hypothesis.added, *after.hypothesis.generic_bases) if n not in held)
 
 
-NEEDLESS = "needless beside what was added"
-BEATEN = "others explain more in its place"
-SURER = "another explains as much in its place, and is sure"
-WANDERS_OVER_TIME = "friction that wanders over the recording explains as much"
-WANDERS = "friction that wanders explains as much"
+NEEDLESS = "no longer needed after the effect that was added"
+BEATEN = "another effect explains more in its place"
+SURER = "another effect explains as much in its place and is certain"
+WANDERS_OVER_TIME = "friction that varies slowly over the recording explains as much"
+WANDERS = "friction that varies slowly explains as much"
 UNCERTAIN = "too uncertain to be named"
 
 

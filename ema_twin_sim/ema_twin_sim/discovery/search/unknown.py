@@ -9,10 +9,11 @@ import numpy as np
 
 from ...effects import Trait, catalogue, effects_with
 from ...identification.equation import EquationErrorProblem
-from ...identification.fit import Fit
+from ...identification.fit import Fit, fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
+from ...model.roles import SPRING
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
@@ -26,7 +27,7 @@ from .trace import Round, Search, new_names
 from .wandering_end import beside_wandering
 
 MOST_ROUNDS = 4  # an unknown cause shows in the first rounds
-LIKENESS = "may be nothing but the likeness of what is unknown"
+LIKENESS = "it may only look like the unknown cause"
 TRIED = 2  # bases that are fitted in a round
 
 
@@ -53,8 +54,8 @@ def beside_the_unknown(
     after, rounds, bases = _add_dependences(found.fit, bases, progress)
     held = {*found.fit.hypothesis.added}
     found = significant(found.further(after, rounds))
-    # An effect that came back in place of an uncertain one has not been checked yet.
-    found = less(found, [name for name in _doubtful(found) if name not in held], LIKENESS)
+    if came := {*found.fit.hypothesis.added} - held:  # in place of an uncertain one; not checked yet
+        found = less(found, [name for name in _doubtful(_without_dependences(found)) if name in came], LIKENESS)
     problem = found.problem.with_generic_bases(bases)
     depends_on = tuple(dict.fromkeys(dependence(name) for name in found.fit.hypothesis.generic_bases))
     suspect = {*depends_on, *strained(found.fit), *(["encoders"] if apart(problem, found.fit, start) else [])}
@@ -73,7 +74,7 @@ def _add_dependences(
     tried = dict(bases)
 
     def entering(current: Fit, excluded: frozenset[str]) -> list[Fit]:
-        progress("asking what the rest depends on")
+        progress("looking for what the remaining error depends on")
         tried.update(order_bases(current.problem, current))
         problem = current.problem.with_generic_bases({**tried})
         names = [name for _, name in screen_generic_bases(problem, current) if name not in excluded][:TRIED]
@@ -81,6 +82,14 @@ def _add_dependences(
 
     after, rounds = add_best(current, entering, MOST_ROUNDS, progress)
     return after, rounds, tried
+
+
+def _without_dependences(found: Search) -> Search:
+    """The search, its end fitted without generic bases."""
+    h = found.fit.hypothesis
+    for name in found.fit.hypothesis.generic_bases:
+        h = h.without_generic_basis(name)
+    return replace(found, fit=fit(found.problem, h))
 
 
 def doubted(found: Search) -> Search:
@@ -134,7 +143,7 @@ def _doubtful(found: Search) -> list[str]:
         usual = {name for name in by_constants if is_lacked(found.fit.hypothesis, added[name].effect)}
         stands -= by_constants - usual or by_constants  # usual effects are judged once the others are gone
     by_encoders = {name for name in added if over[name] == "encoders"} if lags else set()
-    stands -= {name for name in by_encoders if not parts_the_encoders(problem, found.fit, name)}
+    stands -= {name for name in by_encoders if not _explains(problem, found.fit, name)}
     stands -= {name for name in stands if is_play(found.fit, name) and only_teeth(problem, found.fit, name)}
     doubtful = [name for name in added if name not in stands]
     if {added[name].effect for name in doubtful}.isdisjoint(COMPLIANT_EFFECTS):
@@ -143,6 +152,15 @@ def _doubtful(found: Search) -> list[str]:
     # Effects that it drew in are judged after its removal, and so is a late encoder, which shared the difference with
     # it.
     return [name for name in doubtful if not catalogue()[added[name].effect].delays]
+
+
+def _explains(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
+    """Whether backlash, compliance or an encoder error explains the encoder difference, or a compliance the torque.
+
+    A gearbox that rings moves the motor: if the torque needs it, it is there, whatever else parts the encoders.
+    """
+    compliance = f.hypothesis.added[name].effect == SPRING and explains_the_torque(f, name)
+    return compliance or parts_the_encoders(problem, f, name)
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:

@@ -31,7 +31,7 @@ def wandering_after_all(
     wander = _wander(found)
     if wander is None:
         return None
-    progress(f"friction seems to wander by {wander.share:.1%}: judging the end beside that")
+    progress(f"friction seems to vary slowly by {wander.share:.1%}: judging the result with that as part of the noise")
     beside = significant(found.further(*add_effects(_beside(found.fit, wander), without, progress)))
     allowed = torque_left(beside.fit) + CORRELATION * wander.complexity_penalty / plain.size
     if explained(beside.problem, beside.fit, start) and not depends_on_more(plain, beside.fit.hypothesis, allowed):
@@ -49,7 +49,7 @@ def less_what_wandering_explains(found: Search, progress: Callable[[str], None])
     wander = _wander(found) if found.fit.parted else None
     if wander is None:
         return found
-    progress(f"friction seems to wander by {wander.share:.1%}: asking what that explains as well")
+    progress(f"friction seems to vary slowly by {wander.share:.1%}: checking which effects that explains as well")
     beside = _beside(found.fit, wander)
     after = prune(beside)
     return found if after is beside else significant(found.ended(after, WANDERS))
