@@ -40,7 +40,7 @@ METHOD = {
     "identification/local_minima.py": "FINALISTS STIFFER DAMPED HEAVIER HOPS",
     "identification/screening.py": "STEP AT_ONCE",
     "identification/search_limits.py": "LATEST _POWERS",
-    "identification/sensors.py": "GEARBOX_COLUMNS STEPS",
+    "identification/sensors.py": "GEARBOX_COLUMNS STEPS NEXT_TO_NOTHING",
     "identification/side_by_side.py": "LEAST",
     "identification/start_values.py": "WIDE SPREAD FEWEST MOST _TURNS DECADES",
     "identification/uncertainty.py": "STEP_SHARES RIDGE BLOCKS LEAST_ELSEWHERE",

@@ -225,7 +225,9 @@ class TestExplainsTheTorque:
         [
             (1.01 * MISFIT_LEFT, 0.99 * MISFIT_DOUBTED, True),
             (0.99 * MISFIT_LEFT, 0.99 * MISFIT_DOUBTED, False),  # it was hardly called for
-            (9.0 * MISFIT_LEFT, 1.01 * MISFIT_DOUBTED, False),  # something is left, whatever it took
+            (1.01 * MISFIT_LEFT, 1.01 * MISFIT_DOUBTED, False),  # it took little, and something is left
+            (9.0 * MISFIT_LEFT, 0.99 * MISFIT_LEFT, True),  # it took all but a little
+            (9.0 * MISFIT_LEFT, 1.01 * MISFIT_LEFT, False),  # too much is left, whatever it took
         ],
     )
     def test_where_much_is_left_without_it_and_nothing_with_it(self, without, beside, explains, stock, monkeypatch):

@@ -13,7 +13,6 @@ from ...identification.fit import Fit, fit
 from ...identification.generic_bases import beside_generic_bases, dependence, fit_with_basis, order_bases
 from ...identification.hypothesis import COMPLIANT_EFFECTS
 from ...identification.screening import screen_generic_bases
-from ...model.roles import SPRING
 from ..criteria.episodes import episodes
 from ..criteria.explained import apart
 from ..criteria.likeness import likenesses
@@ -159,8 +158,8 @@ def _explains(problem: EquationErrorProblem, f: Fit, name: str) -> bool:
 
     A gearbox that rings moves the motor: if the torque needs it, it is there, whatever else parts the encoders.
     """
-    compliance = f.hypothesis.added[name].effect == SPRING and explains_the_torque(f, name)
-    return compliance or parts_the_encoders(problem, f, name)
+    compliant = f.hypothesis.added[name].effect in COMPLIANT_EFFECTS and not is_play(f, name)
+    return (compliant and explains_the_torque(f, name)) or parts_the_encoders(problem, f, name)
 
 
 def _most_likely(problem: EquationErrorProblem, f: Fit) -> tuple[str, ...]:
