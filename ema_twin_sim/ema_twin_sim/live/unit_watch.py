@@ -42,7 +42,7 @@ class UnitWatch:
 
     @classmethod
     def opened(cls, results: Path, unit: str, healthy: str | None) -> UnitWatch:
-        """Use a campaign's results; `unit` may be empty if they hold one only. Raises InputError if they are too few."""
+        """Use a campaign's results; `unit` may be empty if they hold one. Raises InputError if they do not suffice."""
         found = units_of(Store.opened(results).rows())
         named = [one for one in found if one.name == unit or (not unit and len(found) == 1)]
         if not named:

@@ -17,7 +17,7 @@ ALL = "all recordings"
 
 
 def error_cell(signal: SignalError | None) -> str:
-    """An RMSE: green within the sensors' noise, yellow up to ``TOO_MUCH`` times it, else red; a dash if there is none."""
+    """An RMSE: green within the sensors' noise, yellow up to ``TOO_MUCH`` times it, else red; a dash if missing."""
     if signal is None:
         return "–"
     style = "green" if is_noise(signal) else ("yellow" if times_noise(signal) <= TOO_MUCH else "red")
