@@ -14,7 +14,7 @@ from rich.text import Text
 from .output import console, fold, longest_piece
 
 _NARROW = 110  # columns of a terminal below which rules between columns are left out
-_LONGEST_WORD = 24  # a longer one may be broken where the table would not fit otherwise
+_LONGEST_WORD = 24  # a longer one may be broken if the table would not fit otherwise
 
 
 def is_narrow() -> bool:
@@ -39,7 +39,7 @@ class ReportTable(Table):
             self.collapse_padding = True
 
     def words(self, *headers: str, widest: int | None = None) -> None:
-        """Add columns of text, at most ``widest`` characters wide, that fold at blanks where space is short."""
+        """Add columns of text, at most ``widest`` characters wide, that fold at blanks if space is short."""
         for header in headers:
             self._add(header, whole=False, widest=widest)
 

@@ -56,7 +56,7 @@ class Trend:
         return {name: slope for name, (slope, _) in self._slopes.items()}
 
     def growing(self) -> tuple[str, float] | None:
-        """The signal whose error grows most beyond doubt, and its growth per hour as a share of its mean; or None.
+        """The signal whose error grows most, and its growth per hour as a share of its mean; None if none surely grows.
 
         The slope is tested after every window, and neighbouring windows are correlated. So it has to exceed `APART`
         times its standard error, and the growth over all windows `SMALL` times the mean.

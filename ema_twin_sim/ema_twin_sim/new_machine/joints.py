@@ -103,7 +103,7 @@ def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
 
 
 def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether nearly all of one motion is that of the other. A weaker likeness does not do: joints may move in step."""
+    """Whether nearly all of one motion is that of the other; less is not enough, since two joints may move in step."""
     return math.sqrt(1.0 - likeness(numbers[one.name], numbers[other.name]) ** 2) < SMALL
 
 

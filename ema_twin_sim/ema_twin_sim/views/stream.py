@@ -1,4 +1,4 @@
-"""Where views go: a file, a viewer, or both; and how curves over time are sent."""
+"""Where views go (a file or a viewer), and how curves over time are sent."""
 
 from __future__ import annotations
 

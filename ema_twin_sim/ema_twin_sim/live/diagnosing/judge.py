@@ -69,8 +69,7 @@ def _next_name(model: Model, effect: str) -> str:
 def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> dict[str, Any]:
     """The diagnosis of a model that has the effects `applied`, from one of the model without them (both as JSON).
 
-    An applied effect is no longer missing. If another one was found but the recordings do not show it, a warning says
-    so.
+    An applied effect is no longer missing. If effects were found, but not an applied one, a warning says so.
     """
     if not applied:
         return dict(diagnosis)
