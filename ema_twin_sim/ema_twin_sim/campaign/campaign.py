@@ -1,4 +1,4 @@
-"""A campaign: all jobs of a folder that have no result yet, over a cluster, into a store."""
+"""Run the jobs of a campaign on a cluster, and write their results to a store."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ORDER = (FAILED, DONE, REFUSED)
 
 
 def campaign(client: Client, jobs: Sequence[Job], task: Task, store: Path) -> Iterator[Outcome]:
-    """The outcomes of jobs as they come; their rows are in the store."""
+    """Yield the outcomes of jobs as they finish; their rows are in the store."""
     yield from run(client, jobs, partial(_batch, task=task, store=store), partial(_lost, task=task, store=store))
 
 
@@ -33,7 +33,7 @@ def _batch(jobs: Sequence[Job], task: Task, store: Path) -> list[Outcome]:
 
 
 def outcome(job: Job, rows: Sequence[Row]) -> Outcome:
-    """How a job went whose rows these are: done where any of them is, and nothing failed."""
+    """The outcome of a job with these rows: failed if any failed, else done if any is done, else refused."""
     worst = min(rows, key=lambda row: _ORDER.index(row["status"]))
     seconds = sum(row["seconds"] for row in rows)
     return Outcome(job, worst["status"], worst.get("message") or "", seconds)

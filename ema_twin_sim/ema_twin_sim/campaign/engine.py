@@ -1,8 +1,8 @@
-"""The engine: jobs in batches over the workers of a dask cluster, fed as it goes.
+"""The engine: run jobs in batches on the workers of a dask cluster, submitting more as batches finish.
 
-A cluster's task costs milliseconds, and its whole graph is looked at before the first one starts: so jobs go in
-batches of a second's work or more, a few for every worker, and the next batch when one is done. What a batch finds, its
-worker writes to the store: the campaign hears only how it went, and may end at any moment.
+A dask task costs milliseconds, and the whole graph is processed before the first task starts. So jobs go in batches of
+one second's work or more, a few for every worker, and the next batch when one is done. The workers write their results
+to the store; the campaign receives only the outcomes, and may end at any moment.
 """
 
 from __future__ import annotations
@@ -20,31 +20,31 @@ if TYPE_CHECKING:
     from .jobs import Job
 
 BATCH = 1.0
-"""Seconds of work in a batch at least: a hundred times what a task costs."""
+"""Minimum seconds of work in a batch: a hundred times what a task costs."""
 TASK = 0.01
-"""Seconds that scheduler and client together may have for a batch: with more workers, batches last longer, so that one
-scheduler keeps up."""
+"""Seconds of scheduler and client time allowed per batch: with more workers, batches last longer, so that one scheduler
+keeps up."""
 AHEAD = 2
-"""Batches for every thread of a worker: one that it works on, one that waits for it."""
+"""Batches per worker thread: one in progress, one waiting."""
 LARGEST = 1000
-"""Jobs in a batch at most."""
+"""Maximum number of jobs in a batch."""
 DEATHS = 1
-"""Workers that may die over a batch before its jobs are doubted. What died with them may be no fault of theirs, since a
-worker that dies takes all with it that waits for it: so each is tried once more, with nothing beside it.
+"""Number of workers that may die on a batch before its jobs are doubted. The batch may not be at fault, since a worker
+that dies takes all batches with it that wait for it: so each doubted job is tried once more, alone.
 """
 SPARING = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
 }
-"""What each process of a cluster would otherwise watch of itself all the time, for pages that nobody opens: 2.6 % of a
-core a worker and 1.1 % the scheduler; with these it is 0.5 % and 0.3 %."""
-_CONNECTING = 5.0  # s, to a worker that may have died, or to a scheduler
+"""Settings that switch off or slow down the self-monitoring of each process, made for pages that nobody opens. It would
+take 2.6 % of a core per worker and 1.1 % for the scheduler; with these settings it takes 0.5 % and 0.3 %."""
+_CONNECTING = 5.0  # s, time limit of a connection to a worker that may have died, or to a scheduler
 _LISTENING = "127.0.0.1"
 
 
 class Outcome(NamedTuple):
-    """How a job went: what its row says, without what was found."""
+    """How a job went: what its rows say, without the findings."""
 
     job: Job
     status: str
@@ -53,15 +53,15 @@ class Outcome(NamedTuple):
 
 
 Work = Callable[[Sequence["Job"]], list[Outcome]]
-"""Done by a worker: the outcome of every job of a batch, all of which are in the store."""
+"""Work of a worker: returns the outcome of every job of a batch, whose rows are in the store then."""
 
 
 @contextmanager
 def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
-    """A client of the ``scheduler`` at an address, or of one of its own with so many worker processes.
+    """Yield a client of the ``scheduler`` at this address or, without one, of a local cluster of ``workers`` processes.
 
-    One of its own listens on this machine only, and to this campaign only: what is sent is sealed with keys that last
-    as long as it does. Raises InputError where no scheduler answers.
+    A local cluster listens on this machine only, and to this campaign only: traffic is encrypted (TLS) with keys that
+    last as long as the cluster. Raises InputError if no scheduler answers.
     """
     import dask
     from distributed import Client, LocalCluster
@@ -71,7 +71,7 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
         **SPARING,
         "distributed.scheduler.allowed-failures": DEATHS,
         "distributed.comm.timeouts.connect": _CONNECTING,
-        "distributed.scheduler.http.routes": [],  # no pages of its own, which would be open to the whole machine
+        "distributed.scheduler.http.routes": [],  # no web pages: they would be open to everybody on this machine
         "distributed.worker.http.routes": [],
         "logging": {"distributed": "critical", "asyncio": "critical", "tornado": "critical"},
     }
@@ -94,7 +94,7 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
                 threads_per_worker=1,
                 host=_LISTENING,
                 dashboard_address=None,
-                scheduler_kwargs={"dashboard_address": f"{_LISTENING}:0"},  # a free port, beside other campaigns
+                scheduler_kwargs={"dashboard_address": f"{_LISTENING}:0"},  # a free port: others may be running
                 security=Security.temporary(),
                 protocol="tls",
             ) as local,
@@ -104,19 +104,19 @@ def cluster(scheduler: str | None, workers: int) -> Iterator[Client]:
 
 
 def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, str], Outcome]) -> Iterator[Outcome]:
-    """The outcomes of all jobs, as they come.
+    """Yield the outcomes of all jobs as they finish.
 
-    A job over which workers die with nothing beside it is given up: ``lost`` writes what is known of it. Raises
-    InputError where the scheduler is lost; what was done is in the store then.
+    A job is given up if workers die on it even when it runs alone: ``lost`` writes what is known of it. Raises
+    InputError if the scheduler is lost; finished results are in the store then.
     """
     from distributed import as_completed
     from distributed.scheduler import KilledWorker
 
     waiting = iter(jobs)
-    doubted: list[Job] = []  # of batches that workers died over
+    doubted: list[Job] = []  # of batches on which workers died
     held: dict[Future[Any], list[Job]] = {}
     done = as_completed(loop=client.loop)
-    seconds: float | None = None  # that a job takes, in the mean of late
+    seconds: float | None = None  # per job: a running mean that favours the last batches
 
     def feed() -> None:
         threads = max(sum(client.nthreads().values()), 1)
@@ -159,7 +159,7 @@ def run(client: Client, jobs: Iterable[Job], work: Work, lost: Callable[[Job, st
 
 @contextmanager
 def _scheduler_lost() -> Iterator[None]:
-    """Turn what a client says in one way or another where its scheduler is no more into InputError."""
+    """Turn the various errors of a client whose scheduler has ended into InputError."""
     from distributed.client import FutureCancelledError
     from distributed.comm import CommClosedError
 
@@ -170,7 +170,7 @@ def _scheduler_lost() -> Iterator[None]:
 
 
 def _quieten() -> None:
-    """Keep the cluster's own log from what the user reads: what matters of it is told in a row."""
+    """Keep the cluster's own log away from the user: what matters of it is in a result row."""
     import logging
 
     for name in [*logging.root.manager.loggerDict]:

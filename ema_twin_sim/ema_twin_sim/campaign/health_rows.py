@@ -1,4 +1,4 @@
-"""What health read of a run, as the store keeps it."""
+"""Convert the health features of a run to and from the store's column ``health``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MOTION = ("period", "travel", "top_speed")
 
 
 def health_row(run: RunFeatures) -> dict[str, Any]:
-    """The column ``health`` of a result."""
+    """The value of the column ``health`` for a run."""
     acquisition, features = run.acquisition, run.features
     return {
         "test": run.test,
@@ -35,7 +35,7 @@ def health_row(run: RunFeatures) -> dict[str, Any]:
 
 
 def run_of(name: str, held: Mapping[str, Any]) -> RunFeatures:
-    """The run of a column ``health``."""
+    """The run from a value of the column ``health``."""
     features = None
     if held["features"] is not None:
         values = {

@@ -1,4 +1,4 @@
-"""Which results of a unit are healthy: those that its others are held against."""
+"""Which results of a unit are healthy, that is, the reference for its other results."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from dataclasses import dataclass
 from ema_bench_replay.errors import InputError
 
 PART_OF_ALL = 3
-"""One in so many of the first are, unless it is said which."""
+"""By default, the first 1 / ``PART_OF_ALL`` of the results are healthy."""
 
 
 @dataclass(frozen=True)
 class Healthy:
-    """The first ``count`` results, or those in whose name a ``pattern`` is found; neither: the first third."""
+    """The first ``count`` results, or those with ``pattern`` in their name; with neither, the first third."""
 
     count: int | None = None
     pattern: re.Pattern[str] | None = None
 
     @classmethod
     def of(cls, text: str | None, fewest: int) -> Healthy:
-        """From a number or a regular expression. Raises InputError where it is neither, or the number is too small."""
+        """From a number or a regular expression. Raises InputError if it is neither, or less than ``fewest``."""
         if text is None:
             return cls()
         if text.isdecimal():
@@ -34,9 +34,9 @@ class Healthy:
             raise InputError(f"--healthy {text}: is no number and no regular expression ({error})") from None
 
     def of_history(self, names: Sequence[str], fewest: int) -> list[bool]:
-        """Of each result that has a number, in the order in which they were recorded, whether it is healthy.
+        """Whether each result that has the number is healthy, in the order of recording.
 
-        A pattern may find fewer than ``fewest``; unless it is said, they are the first.
+        A pattern may find fewer than ``fewest``; the default takes at least ``fewest``.
         """
         if self.pattern is not None:
             return [bool(self.pattern.search(name)) for name in names]
@@ -44,9 +44,7 @@ class Healthy:
         return [k < count for k in range(len(names))]
 
     def among(self, names: Sequence[str], tests: Sequence[str], fewest: int) -> list[bool]:
-        """Of each result, in the order in which they were recorded, whether it is; unless it is said, by whole tests,
-        ``fewest`` of them at least.
-        """
+        """Whether each result is healthy, in the order of recording; by default ``fewest`` whole tests or more are."""
         if self.pattern is not None:
             return [bool(self.pattern.search(name)) for name in names]
         if self.count is not None:

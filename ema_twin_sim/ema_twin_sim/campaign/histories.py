@@ -1,4 +1,4 @@
-"""Histories: how the numbers of a unit go from recording to recording, which have left their band, and where to."""
+"""Histories of a unit's numbers from recording to recording: which have left their healthy band, and their trend."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from .results import DONE
 from .units import Unit
 
 FEWEST_HEALTHY = 4
-"""Values that tell how much healthy ones scatter."""
+"""Minimum number of healthy values, from which their scatter is estimated."""
 _DAY = 86400.0  # s
-_LEAST_OWN = 1e-4  # of the squared errors that were told: values that are all the same have errors, too
+_LEAST_OWN = 1e-4  # least share of the squared standard errors that is not shared: equal values have errors too
 
 
 @dataclass(frozen=True, eq=False)
 class History:
     """One number of a unit: ``values`` (n,) with standard errors (n,) in its SI ``unit``, at rising ``times`` (n,).
 
-    Times are days since the first, and recordings of a day are one value; or, where not all are dated, times are how
-    many results came before.
+    Times are days since the first recording, and the recordings of a day make one value. If not all results are dated,
+    a time is the number of results before.
     """
 
     owner: str
@@ -41,30 +41,33 @@ class History:
     values: np.ndarray
     errors: np.ndarray
     dated: bool
-    healthy: np.ndarray  # (n,) whether a value is one of those that the others are held against
-    as_asked: bool  # whether these are the ones that were said to be healthy
-    shared: float  # what of the errors all recordings of the unit share: it makes no two of them differ
+    healthy: np.ndarray  # (n,) whether a value belongs to the healthy reference
+    as_asked: bool  # whether the healthy values are those that the user asked for
+    shared: float  # the part of the errors that all recordings of the unit share: it makes no two values differ
     names: tuple[str, ...]  # of the recordings; the first of each day
 
     @property
     def path(self) -> str:
-        """As limits name it: ``backlash.width``."""
+        """The name used in limits: ``backlash.width``."""
         return f"{self.owner}.{self.name}"
 
     @property
     def own_errors(self) -> np.ndarray:
-        """Standard errors (n,) by which the values differ: without what all recordings of the unit share."""
+        """Standard errors (n,) without the part that all recordings of the unit share."""
         part = 1.0 - self.shared**2 / float(np.mean(self.errors**2))
         return self.errors * np.sqrt(max(part, _LEAST_OWN))
 
 
 @dataclass(frozen=True, eq=False)
 class Outlook:
-    """What a history says: a lasting change, a trend, how far a limit is and when it is reached; None: nothing sure."""
+    """What a history shows: a lasting change, a trend, the distance to a limit and when it is reached.
+
+    None stands for what is not certain.
+    """
 
     history: History
     healthy: float  # the mean of the healthy values
-    now: float  # that of the last few
+    now: float  # the mean of the last few values
     limit: float | None
     change: ChangePoint | None
     trend: Drift | None
@@ -73,11 +76,11 @@ class Outlook:
 
     @property
     def share(self) -> float | None:
-        """By what share of its healthy value the number has changed, now."""
+        """The present change of the number, as a share of its healthy value."""
         return None if self.change is None or self.healthy == 0.0 else (self.now - self.healthy) / abs(self.healthy)
 
     def as_json(self) -> dict[str, object]:
-        """SI units; times in days, or in results where not all are dated; absent numbers are null."""
+        """SI units; times in days, or in results if not all are dated; absent numbers are null."""
         of, change, trend = self.history, self.change, self.trend
         return {
             "number": of.path,
@@ -103,7 +106,7 @@ class Outlook:
 
 
 def histories(unit: Unit, healthy: Healthy = BY_DEFAULT) -> list[History]:
-    """The numbers of a unit that have a standard error in enough of its results to be followed."""
+    """The numbers of a unit that have a standard error in more than ``FEWEST_HEALTHY`` of its results."""
     found: dict[tuple[str, str, str], list[tuple[float | None, float, float, str]]] = {}
     for row in unit.rows:
         if row["status"] != DONE:
@@ -144,8 +147,10 @@ def _history(
 
 
 def stands_still(values: np.ndarray) -> bool:
-    """Whether values (n,) lie on one bound, as no play and no run-out do, or where the fit began: a considerable share
-    of them is the same but for rounding, as no two free fits are. How a free one differs, such values do not tell.
+    """Whether values (n,) lie on a bound (no play, no run-out) or at the start value of the fit.
+
+    Then a considerable share of them is the same except for rounding, which never happens in free fits. Such values do
+    not show how much free ones differ.
     """
     if len(values) < 2:
         return False
@@ -156,9 +161,9 @@ def stands_still(values: np.ndarray) -> bool:
 def _by_day(
     firsts: np.ndarray, days: np.ndarray, values: np.ndarray, errors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Means over the recordings of a day, of which ``firsts`` are the first.
+    """Means over the recordings of each day; ``firsts`` are the indices of the first recording of each day.
 
-    Those of a day are no independent witnesses of another one, so that a mean's error is that of a single one.
+    Recordings of one day are not independent evidence about other days, so a mean has the error of a single recording.
     """
     counts = np.diff(firsts, append=len(days))
     weights = errors**-2.0
@@ -168,9 +173,9 @@ def _by_day(
 
 
 def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_ALARM_OF_HISTORY) -> Outlook:
-    """What a history says, held against its healthy values.
+    """What a history shows, compared with its healthy values.
 
-    The rate is that of changes that are told of a value by chance.
+    ``false_alarm`` is the rate, per value, of changes that are reported by chance.
     """
     level = _mean(of.values[of.healthy], of.errors[of.healthy])
     change = _change(of, false_alarm)
@@ -188,9 +193,9 @@ def outlook(of: History, limit: float | None = None, false_alarm: float = FALSE_
 
 
 def _change(of: History, false_alarm: float) -> ChangePoint | None:
-    """The first lasting change among the values that are not said to be healthy, in the order of their times.
+    """The first lasting change among the values that are not healthy, in the order of their times.
 
-    What was recorded before the first healthy one is no change of it: a unit may have been repaired since.
+    Values recorded before the first healthy one are left out: the unit may have been repaired since.
     """
     begun = np.flatnonzero(of.healthy | np.logical_or.accumulate(of.healthy))
     order = begun[np.argsort(~of.healthy[begun], kind="stable")]
@@ -205,14 +210,14 @@ def _change(of: History, false_alarm: float) -> ChangePoint | None:
 
 
 def _mean(values: np.ndarray, errors: np.ndarray) -> float:
-    """Of values (n,), each counted by its standard error (n,)."""
+    """Mean of values (n,), weighted by their standard errors (n,)."""
     return float(np.average(values, weights=errors**-2.0))
 
 
 def outlooks(unit: Unit, limits: Mapping[str, float], healthy: Healthy = BY_DEFAULT) -> list[Outlook]:
-    """What all histories of a unit say, those that changed most in their standard errors first.
+    """The outlooks of all histories of a unit, those that changed most in their standard errors first.
 
-    By chance, one in 1 / FALSE_ALARM_OF_HISTORY results has any number changed: each number has its share of that.
+    By chance, one in 1 / FALSE_ALARM_OF_HISTORY results shows a change of any number; the numbers share that rate.
     """
     held = histories(unit, healthy)
     rate = FALSE_ALARM_OF_HISTORY / max(len(held), 1)
@@ -221,7 +226,7 @@ def outlooks(unit: Unit, limits: Mapping[str, float], healthy: Healthy = BY_DEFA
 
 
 def read_limits(file: Path | None) -> dict[str, float]:
-    """Limits by ``owner.name``, in SI units, from a YAML file. Raises InputError where it holds anything else."""
+    """Limits by ``owner.name``, in SI units, from a YAML file. Raises InputError if it holds anything else."""
     if file is None:
         return {}
     content, _ = read_yaml(file)

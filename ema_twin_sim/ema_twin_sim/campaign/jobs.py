@@ -18,7 +18,7 @@ from ema_bench_replay.errors import InputError
 from ..model.model_file import model_files
 
 HEALTH = "health"
-"""Features of each recording, by which a unit is judged beside its own healthy ones: without a model."""
+"""Verb that computes features of each recording, by which a unit is judged against its healthy ones; needs no model."""
 VERBS = ("compare", "fit", "diagnose", "discover", HEALTH)
 APART = "recording"
 TOGETHER = (APART, "folder", "unit")
@@ -29,16 +29,16 @@ _KEY_BYTES = 16
 
 @dataclass(frozen=True)
 class Task:
-    """What is done with every job: a verb beside a model."""
+    """What is done with every job: a verb with a model."""
 
     verb: str  # one of VERBS
-    model: str  # a file, or a name in config/models; empty where health alone is asked for
+    model: str  # a file, or a name in config/models; may be empty for health
     import_map: str = "siemens"
     without: tuple[str, ...] = ()
-    wavelength: float | None = None  # m or rad, of what repeats with the position; None: as the model tells
+    wavelength: float | None = None  # m or rad, of what repeats with the position; None: from the model
 
     def identity(self) -> str:
-        """What tells this task from another: a model's content counts, not where it lies."""
+        """Text that identifies this task; a model counts by its content, not by its path."""
         files = model_files(self.model) if self.model else ()
         content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in files]
         return json.dumps([self.verb, content, self.import_map, sorted(self.without), self.wavelength])
@@ -48,17 +48,17 @@ class Task:
 class Job:
     """Recordings of one unit that are judged together."""
 
-    key: str  # the same for the same recordings, as they are, judged by the same task
+    key: str  # the same for the same unchanged recordings and the same task
     unit: str
     name: str  # of the recording, of its folder, or of the unit
     recordings: tuple[tuple[str, ...], ...]  # the path of each, or the files of one that a recorder has split
-    time: datetime | None = None  # that the name tells; None where only the recording may
-    test: str | None = None  # the same: what was set up once
+    time: datetime | None = None  # from the path; None if only the recording may have it
+    test: str | None = None  # from the path, likewise: what was set up once
     apart: bool = True  # whether each run of a file that holds many has a result of its own
 
 
 class Place(NamedTuple):
-    """Where a recording belongs, as far as its path tells."""
+    """Where a recording belongs, as far as its path says."""
 
     unit: str
     time: datetime | None
@@ -67,11 +67,11 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Grouping:
-    """How a folder's recordings are told apart: by a pattern of their paths, and by what is judged together.
+    """How a folder's recordings are grouped: by a pattern of their paths, and by what is judged together.
 
-    Without a ``pattern`` a unit is a folder of ``folder``, or that itself, and a test a folder of a unit. A pattern is
-    searched for in each path beneath ``folder``; its groups ``unit`` and, if it has them, ``time`` (as ISO 8601 writes
-    it) and ``test`` are taken.
+    Without a ``pattern``, a unit is a folder in ``folder``, or ``folder`` itself, and a test is a folder in a unit. A
+    pattern is searched for in each path relative to ``folder``; its groups ``unit`` and, if it has them, ``time``
+    (ISO 8601) and ``test`` are used.
     """
 
     folder: Path
@@ -80,7 +80,7 @@ class Grouping:
 
     @classmethod
     def of(cls, folder: Path, pattern: str | None, together: str) -> Grouping:
-        """Raises InputError where the folder is none, or the pattern cannot be read or names no unit."""
+        """Make a grouping. Raises InputError if the folder is none, or the pattern is invalid or has no unit."""
         if not folder.is_dir():
             raise InputError(f"{folder}: is no folder; give the folder that holds the recordings")
         if together not in TOGETHER:
@@ -98,7 +98,7 @@ class Grouping:
         return cls(folder, compiled, together)
 
     def place(self, file: Path) -> Place | None:
-        """Where a recording belongs; None where the pattern is not in its path."""
+        """Where a recording belongs; None if the pattern does not match its path."""
         path = file.relative_to(self.folder)
         if self.pattern is None:
             if len(path.parts) == 1:
@@ -118,7 +118,7 @@ class Grouping:
         return Place(found["unit"], when if when.tzinfo else when.replace(tzinfo=timezone.utc), test)
 
     def group(self, file: Path, unit: str) -> str:
-        """The name of what a recording is judged with."""
+        """Name of the group of recordings that this one is judged with."""
         path = file.relative_to(self.folder)
         if self.together == "unit":
             return unit
@@ -126,8 +126,8 @@ class Grouping:
 
 
 def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[tuple[Path, ...]]:
-    """The recordings beneath a folder, in the order of their names: CSVs, .mcap files, bags, and the files of one that
-    a recorder has split.
+    """Yield the recordings below a folder in the order of their names: CSVs, .mcap files, bags, and the files of a
+    recording that a recorder has split.
 
     Hidden files and folders, and those ``skipped``, are left out.
     """
@@ -147,9 +147,9 @@ def find_recordings(folder: Path, skipped: Sequence[Path] = ()) -> Iterator[tupl
 def find_jobs(
     grouping: Grouping, task: Task, skipped: Sequence[Path] = (), tell: Callable[[str], None] = lambda text: None
 ) -> list[Job]:
-    """What is to be done for a folder; recordings of no unit, or of a time that is none, are told of.
+    """The jobs of a folder; recordings without a unit, or with an invalid time, are left out and passed to ``tell``.
 
-    Raises InputError where there is none.
+    Raises InputError if there is no recording, or none with a valid time.
     """
     of: dict[tuple[str, str], list[tuple[tuple[Path, ...], Place]]] = {}
     strays: list[Path] = []
@@ -159,7 +159,7 @@ def find_jobs(
         count += 1
         try:
             place = grouping.place(parts[0])
-        except InputError as error:  # one name stops no campaign
+        except InputError as error:  # one wrong name must not stop the campaign
             no_times.append(error)
             continue
         if place is None:
@@ -190,7 +190,7 @@ def find_jobs(
 
 
 def _key(identity: str, folder: Path, files: Sequence[Path]) -> str:
-    """What tells a job from all others: a recording that has changed makes another job."""
+    """Key of a job: a recording whose size or time of modification has changed makes another job."""
     parts = [identity]
     for file in sorted(files):
         held = sorted(file.iterdir()) if file.is_dir() else [file]

@@ -1,14 +1,14 @@
-"""Results: what is known of one job, or of one run of a file that holds many, as a row of the store's table."""
+"""Results: one row of the store's table for each job, or for each run of a file that holds many."""
 
 from __future__ import annotations
 
 import pyarrow as pa
 
 SCHEMA_VERSION = "4"
-"""Another number for every change that a reader of older files would trip over."""
+"""Changed with every change of the schema that would break readers of older files."""
 
 DONE, REFUSED, FAILED = "done", "refused", "failed"
-"""Judged; no input that can be judged; an error of this package or a worker that died."""
+"""Judged; input that cannot be judged; an error of this package, or a worker that died."""
 
 _ERROR = pa.struct(
     [
@@ -24,7 +24,7 @@ _PARAMETER = pa.struct(
         ("owner", pa.string()),  # an effect's name in the model, or a part of the machine
         ("name", pa.string()),
         ("value", pa.float64()),
-        ("std", pa.float64()),  # standard error; null where it was held
+        ("std", pa.float64()),  # standard error; null if it was not fitted
         ("unit", pa.string()),
     ]
 )
@@ -33,7 +33,7 @@ _CAUSE = pa.struct([("effect", pa.string()), ("probability", pa.float64())])
 _FEATURE = pa.struct(
     [
         ("name", pa.string()),
-        ("value", pa.float64()),  # in the unit; of a logarithm, of the size in that unit
+        ("value", pa.float64()),  # in the unit; if a logarithm, of the size in that unit
         ("unit", pa.string()),
         ("logarithm", pa.bool_()),
         ("of_effort", pa.bool_()),  # whether it needs the effort
@@ -42,11 +42,11 @@ _FEATURE = pa.struct(
 _HEALTH = pa.struct(
     [
         ("test", pa.string()),  # what was set up once: a day, a mounting, a series of repeats
-        ("usable", pa.bool_()),  # whether anything may be said of the unit by it
+        ("usable", pa.bool_()),  # whether it says anything about the unit
         ("effort_usable", pa.bool_()),
         ("unsigned", pa.bool_()),  # whether the effort is a magnitude
         ("findings", pa.list_(pa.string())),  # about its acquisition
-        ("wavelength", pa.float64()),  # m or rad, of the wave that was looked for; null where none was
+        ("wavelength", pa.float64()),  # m or rad, of the wave that was looked for; null if there is none
         ("period", pa.float64()),  # s, of its samples
         ("travel", pa.float64()),  # m or rad
         ("top_speed", pa.float64()),  # m/s or rad/s
@@ -69,22 +69,22 @@ SCHEMA = pa.schema(
         ("model", pa.string()),
         ("status", pa.string()),  # done, refused or failed
         ("message", pa.string()),  # why it was refused, or failed
-        ("time", pa.timestamp("us", "UTC")),  # of the recording; null where nothing tells
+        ("time", pa.timestamp("us", "UTC")),  # of the recording; null if unknown
         ("duration", pa.float64()),  # s, of all its recordings together
         ("samples", pa.int64()),
         ("motion", pa.string()),  # rotary or linear
         ("signals", pa.list_(pa.string())),  # that all its recordings hold
         ("content", pa.list_(pa.string())),  # a hash of each recording's signals
-        ("verdict", pa.string()),  # explained, none or unknown, where effects were looked for
+        ("verdict", pa.string()),  # explained, none or unknown, if effects were looked for
         ("missing", pa.list_(pa.string())),  # effects that the model lacks
-        ("depends_on", pa.list_(pa.string())),  # what is left depends on, where the verdict is unknown
+        ("depends_on", pa.list_(pa.string())),  # quantities that the error left depends on, if the verdict is unknown
         ("causes", pa.list_(_CAUSE)),
         ("errors", pa.list_(_ERROR)),
-        ("beyond_noise", pa.list_(_BEYOND)),  # signals that stand out of the sensors' noise, the worst first
+        ("beyond_noise", pa.list_(_BEYOND)),  # signals whose error exceeds the sensors' noise, the worst first
         ("parameters", pa.list_(_PARAMETER)),
-        ("health", _HEALTH),  # of the verb health: what a unit's own healthy recordings are judged by
-        ("settings", pa.list_(_SETTING)),  # of the verb sweep: what was put into the model that was simulated
-        ("lacked", pa.list_(pa.string())),  # of sweep: the effects that it has beside those of the model
+        ("health", _HEALTH),  # of the verb health: the features by which a unit is judged
+        ("settings", pa.list_(_SETTING)),  # of the verb sweep: numbers that were set in the simulated model
+        ("lacked", pa.list_(pa.string())),  # of sweep: the effects that the simulated model has and the model lacks
         ("bounds", pa.list_(_PARAMETER)),  # of sweep: each number, and the least standard error that it can have
         ("warnings", pa.list_(pa.string())),
         ("seconds", pa.float64()),  # that the work took

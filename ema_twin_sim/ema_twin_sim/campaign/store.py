@@ -1,7 +1,7 @@
-"""The store: a folder of Parquet files, each written whole under a name of its own.
+"""The store: a folder of Parquet files, each written as a whole under a name of its own.
 
-Campaigns that write at the same time touch no file of each other's. A job that two of them did is there twice, and
-counts once: its latest row. pandas, polars, DuckDB and pyarrow read the folder as it is.
+Campaigns that write at the same time do not touch each other's files. A job that two of them did is there twice and
+counts once, with its latest row. pandas, polars, DuckDB and pyarrow read the folder directly.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     import duckdb
 
 FOLDER = "results"
-_MANY_FILES = 8  # of a unit, from which on they are made one
+_MANY_FILES = 8  # number of a unit's files from which they are merged
 _PART = ".part"
-_TRIES = 5  # at reading files while somebody else makes one of several
+_TRIES = 5  # attempts to read while another process merges files
 
 
 class Store:
@@ -41,7 +41,7 @@ class Store:
 
     @classmethod
     def opened(cls, folder: Path) -> Store:
-        """A store that exists. Raises InputError where there is none, or one of another version."""
+        """Open an existing store. Raises InputError if there is none, or one of another version."""
         store = cls(folder)
         first = next(store._each(), None)
         if first is None:
@@ -51,7 +51,7 @@ class Store:
 
     @classmethod
     def made(cls, folder: Path) -> Store:
-        """A store to write to: what is there goes on. Raises InputError where the folder holds something else."""
+        """Open or make a store to write to; its results are kept. Raises InputError if the folder holds other files."""
         store = cls(folder)
         if folder.exists() and (not folder.is_dir() or (any(folder.iterdir()) and not store._files.is_dir())):
             raise InputError(f"{folder}: holds something else than results; give another folder with -o")
@@ -64,7 +64,7 @@ class Store:
         return store
 
     def write(self, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Add rows, each with the columns of ``SCHEMA``: a unit's in one file, which is there whole or not at all."""
+        """Add rows with the columns of ``SCHEMA``: one file for each unit, which is written whole or not at all."""
         units: dict[str, list[Mapping[str, Any]]] = {}
         for row in rows:
             units.setdefault(row["unit"], []).append(row)
@@ -72,7 +72,7 @@ class Store:
             self._write(pa.Table.from_pylist([dict(row) for row in its], SCHEMA), unit)
 
     def settled(self) -> set[str]:
-        """The keys of all jobs of which a try failed in nothing: to do again is only what failed."""
+        """Keys of all jobs that have a try in which nothing failed; only the others need to be done again."""
         tries: dict[str, dict[datetime, bool]] = {}
         for table in self._tables(["key", "status", "done_at"]):
             for key, status, done_at in zip(*(column.to_pylist() for column in table.columns), strict=True):
@@ -81,9 +81,9 @@ class Store:
         return {key for key, of in tries.items() if any(of.values())}
 
     def merge_files(self) -> None:
-        """Make one file of a unit's many, and remove what writers that were killed had begun.
+        """Merge the many files of a unit into one, and remove unfinished files of writers that were killed.
 
-        What another campaign has merged meanwhile is left as it is.
+        What another campaign has merged meanwhile is left unchanged.
         """
         for folder in _listed(self._files):
             _clear_left_overs(folder)
@@ -102,7 +102,7 @@ class Store:
 
     @contextmanager
     def query(self) -> Iterator[duckdb.DuckDBPyConnection]:
-        """A database with the view ``results``: the latest row of every job."""
+        """Yield a database with the view ``results``: the latest row of every job."""
         import duckdb
 
         with duckdb.connect() as database:
@@ -125,7 +125,7 @@ class Store:
                 with self.query() as database:
                     found = database.sql("SELECT * FROM results ORDER BY unit, time NULLS LAST, name")
                     return list(found.to_arrow_table().cast(SCHEMA).to_pylist())
-            except duckdb.IOException:  # a file that was listed has been made one with others
+            except duckdb.IOException:  # a listed file was merged with others meanwhile
                 if attempt == _TRIES - 1:
                     raise
         return []
@@ -150,7 +150,7 @@ class Store:
         for file in self._each():
             try:
                 yield pq.read_table(file, columns=[*columns])
-            except FileNotFoundError:  # made one with others, which hold what it did
+            except FileNotFoundError:  # merged with others meanwhile, into a file that is read too
                 continue
             except (pa.ArrowInvalid, OSError) as error:
                 raise InputError(f"{file}: cannot be read ({error}); remove it, and run the campaign again") from None
@@ -172,17 +172,17 @@ class Store:
 
 
 def file_name(unit: str) -> str:
-    """A unit's name as that of a file or folder: none is hidden, and none is the folder above."""
+    """A unit's name as the name of a file or folder: never hidden, and never the folder above."""
     return quote(unit, safe=" ").replace(".", "%2E")
 
 
 def writer_host() -> str:
-    """This machine's name, as a part of a file's name."""
+    """This machine's name, as part of a file name."""
     return file_name(platform.node())
 
 
 def _clear_left_overs(folder: Path) -> None:
-    """Remove files half written by processes of this machine that are no more."""
+    """Remove half-written files of processes of this machine that have ended."""
     for part in _listed(folder):
         *_, host, process, suffix = ("", "", *part.name.split("."))
         if f".{suffix}" != _PART or host != writer_host() or not process.isdecimal():
@@ -191,7 +191,7 @@ def _clear_left_overs(folder: Path) -> None:
             os.kill(int(process), 0)
         except ProcessLookupError:
             part.unlink(missing_ok=True)
-        except OSError:  # somebody else's, and alive
+        except OSError:  # another user's process, and alive
             continue
 
 
@@ -203,7 +203,7 @@ def _listed(folder: Path) -> list[Path]:
 
 
 def _latest(rows: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows of each job's latest try; what was done counts before what failed later."""
+    """The rows of each job's latest try; a try that was done counts before a later one that was not."""
     tries: dict[str, dict[datetime, dict[str, dict[str, Any]]]] = {}
     for row in rows:
         tries.setdefault(row["key"], {}).setdefault(row["done_at"], {})[row["name"]] = row

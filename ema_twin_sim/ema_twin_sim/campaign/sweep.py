@@ -1,4 +1,4 @@
-"""Sweeps: models are simulated with other numbers, and searched as if nobody knew; the bounds stand beside it."""
+"""Sweeps: simulate models with other numbers, search them as if these were unknown, and compute the bounds."""
 
 from __future__ import annotations
 
@@ -40,16 +40,16 @@ if TYPE_CHECKING:
 
 VERB = "sweep"
 UNIT = "sweep"
-"""The unit under which the points of a sweep stand in the store."""
+"""The unit name of a sweep's points in the store."""
 
 
 MOST_POINTS = 1_000_000
-"""A day of all cores' work."""
+"""About a day's work of all cores."""
 
 
 @dataclass(frozen=True)
 class Varied:
-    """A number and the values that it takes: ``count`` from ``low`` to ``high``, evenly or in the logarithm."""
+    """A number and its values: ``count`` of them from ``low`` to ``high``, evenly or logarithmically spaced."""
 
     path: str  # OWNER.NUMBER: of the model's effects, of the catalogue's, or a constant
     low: float
@@ -76,7 +76,7 @@ class Varied:
         return cls(path, low, high, count, logarithmic)
 
     def at(self, shares: np.ndarray) -> np.ndarray:
-        """Values (n,) at shares (n,) of the way from low to high."""
+        """Values (n,) at fractions (n,) of the way from low to high."""
         if self.logarithmic:
             return np.asarray(self.low * (self.high / self.low) ** shares)
         return self.low + (self.high - self.low) * shares
@@ -84,38 +84,38 @@ class Varied:
 
 @dataclass(frozen=True)
 class Study:
-    """What is done with every point: simulated with each command, and searched beside a model."""
+    """What is done with every point: it is simulated with each command, and searched with a model."""
 
     model: str
     commands: tuple[str, ...]
     seconds: float
-    search: bool = True  # whether what is missing is looked for; else the bounds alone
+    search: bool = True  # whether to look for what is missing; else only the bounds are computed
 
     def identity(self) -> str:
-        """What tells this study from another."""
+        """Text that identifies this study; a model counts by its content."""
         content = [hashlib.blake2b(file.read_bytes()).hexdigest() for file in model_files(self.model)]
         return json.dumps([VERB, content, self.commands, self.seconds, self.search])
 
 
 @dataclass(frozen=True)
 class Point(Job):
-    """One model to simulate: the numbers that are put into it, and the seed of the sensors' noise."""
+    """One model to simulate: the numbers to set in it, and the seed of the sensors' noise."""
 
     settings: tuple[tuple[str, float], ...] = ()
     seed: int = 0
 
 
 def grid(varied: Sequence[Varied], study: Study, repeats: int) -> list[Point]:
-    """All combinations, each with so many seeds. Raises InputError where these are more than MOST_POINTS."""
+    """All combinations, each with ``repeats`` seeds. Raises InputError if there are more than MOST_POINTS."""
     _refuse_many(math.prod(one.count for one in varied) * repeats)
     axes = [one.at(np.linspace(0.0, 1.0, one.count)) for one in varied]
     return _points(varied, list(itertools.product(*axes)), study, repeats)
 
 
 def sample(varied: Sequence[Varied], study: Study, number: int, seed: int, repeats: int) -> list[Point]:
-    """So many combinations of a Latin hypercube, each with so many seeds.
+    """``number`` combinations of a Latin hypercube, each with ``repeats`` seeds.
 
-    Raises InputError where these are more than MOST_POINTS.
+    Raises InputError if there are more than MOST_POINTS.
     """
     _refuse_many(number * repeats)
     shares = qmc.LatinHypercube(len(varied), rng=np.random.default_rng(seed)).random(number)
@@ -143,9 +143,9 @@ def _points(varied: Sequence[Varied], values: Sequence[Sequence[float]], study: 
 
 
 def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[Model, dict[str, dict[str, float]]]:
-    """The model with numbers put into it, and the effects that it lacked (by id, their numbers).
+    """The model with these numbers set, and the effects that it lacked (by id, with their numbers).
 
-    Raises InputError where a path is none, or a number out of range.
+    Raises InputError if a path is unknown, or a number out of range.
     """
     lacked: dict[str, dict[str, float]] = {}
     for path, value in settings:
@@ -164,12 +164,12 @@ def with_settings(model: Model, settings: Sequence[tuple[str, float]]) -> tuple[
 
 
 def sweep(client: Client, points: Sequence[Point], study: Study, store: Path) -> Iterator[Outcome]:
-    """The outcomes of points as they come; their rows are in the store."""
+    """Yield the outcomes of points as they finish; their rows are in the store."""
     yield from run(client, points, partial(_batch, study=study, store=store), partial(_lost, study=study, store=store))
 
 
 def swept(point: Point, study: Study) -> dict[str, Any]:
-    """The row of a point: what a search names, what it estimates, and what it could know at best."""
+    """The row of a point: the effects that a search names, its estimates, and the bounds of their errors."""
     begun = time.perf_counter()
     row = _blank(point, study)
     try:
@@ -194,7 +194,7 @@ def swept(point: Point, study: Study) -> dict[str, Any]:
         row["status"] = DONE
     except InputError as error:
         row |= {"status": REFUSED, "message": str(error)}
-    except Exception as error:  # one point stops no sweep
+    except Exception as error:  # one failing point must not stop the sweep
         row |= {"status": FAILED, "message": f"internal error: {type(error).__name__}: {error}"}
     return row | {"seconds": time.perf_counter() - begun, "done_at": datetime.now(timezone.utc)}
 
@@ -202,9 +202,9 @@ def swept(point: Point, study: Study) -> dict[str, Any]:
 def bounds(
     recordings: Sequence[Recording], model: Model, true: Model, lacked: Mapping[str, Mapping[str, float]]
 ) -> list[dict[str, Any]]:
-    """Each free number of the true model, with the standard error that Cramér and Rao leave it, in SI units.
+    """Each free number of the true model, with the Cramér-Rao bound of its standard error, in SI units.
 
-    The numbers are those of the search: those of the effects that the model lacked, inertia and friction.
+    The numbers are those of the search: the parameters of the effects that the model lacked, inertia and friction.
     """
     from ..discovery.search.adding import settle
     from ..identification.cramer_rao import cramer_rao

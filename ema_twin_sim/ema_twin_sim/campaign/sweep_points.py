@@ -1,4 +1,4 @@
-"""What a sweep came to, point by point: how often what is missing was named, and errors beside their bounds."""
+"""Results of a sweep, point by point: how often the missing effects were named, and errors next to their bounds."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class Swept:
     path: str
     unit: str
     value: float
-    bound: float | None  # the least standard error: Cramér and Rao's; None where the number was held
-    told: float | None  # the one that the search tells, median; None where it estimated none
-    scatter: float | None  # root mean square of the estimates' errors; None likewise
+    bound: float | None  # the least standard error (Cramér-Rao); None if the number was held
+    told: float | None  # median of the standard errors that the search gives; None if it estimated none
+    scatter: float | None  # root mean square of the estimates' errors; None if it estimated none
 
 
 @dataclass(frozen=True)
 class SweptPoint:
-    """The results of one point, of several seeds."""
+    """The results of one point, over several seeds."""
 
     settings: tuple[tuple[str, float, str], ...]  # path, value, unit
     results: int
@@ -41,7 +41,7 @@ class SweptPoint:
 
     @property
     def share(self) -> float | None:
-        """Share of the results in which what was lacked was named; None where nothing was lacked or looked for."""
+        """Share of the searches that named all missing effects; None if nothing was missing or nothing was searched."""
         return self.named / self.searched if self.lacked and self.searched else None
 
     def as_json(self) -> dict[str, object]:
@@ -57,7 +57,7 @@ class SweptPoint:
 
 
 def swept_points(rows: Iterable[Mapping[str, Any]]) -> list[SweptPoint]:
-    """The points of all results of a sweep, by their settings."""
+    """Group the results of a sweep into points, by their settings."""
     by: dict[tuple[tuple[str, float, str], ...], list[Mapping[str, Any]]] = {}
     for row in rows:
         if row["task"] == VERB and row["status"] == DONE:
@@ -106,7 +106,7 @@ def _number(path: str, its: Sequence[tuple[Mapping[str, Any], Mapping[str, Any] 
 
 
 def _turns(path: str) -> bool:
-    """Whether a number is an angle that begins again after a turn: of an effect, whose owner may be numbered."""
+    """Whether a number is a periodic angle of an effect; the owner's name may end in a number."""
     owner, _, name = path.rpartition(".")
     effect = catalogue().get(re.sub(r"_\d+$", "", owner))
     return effect is not None and any(p.name == name and p.periodic for p in effect.parameters)
@@ -114,16 +114,16 @@ def _turns(path: str) -> bool:
 
 @dataclass(frozen=True)
 class DetectionLimit:
-    """The smallest size of an effect that is named, beside the smallest that could be told at all."""
+    """The smallest size of an effect that is named, and the smallest that any method could detect."""
 
     path: str
     unit: str
     bound: float  # SIGNIFICANT times the least standard error, at the smallest size
-    named: float | None  # the smallest size from which on MOSTLY (a share) of the results name it; None: none is
+    named: float | None  # the smallest size from which on a share MOSTLY of the results name it; None: no such size
 
 
 def detection_limit(points: Sequence[SweptPoint]) -> DetectionLimit | None:
-    """Where one number was varied that a missing effect is the larger by; else None."""
+    """The detection limit, if a single number of a missing effect was varied; else None."""
     if not points or any(len(point.settings) != 1 or point.share is None for point in points):
         return None
     path, _, unit = points[0].settings[0]

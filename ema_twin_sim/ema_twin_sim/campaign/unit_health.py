@@ -1,4 +1,4 @@
-"""A unit's health: each of its recordings judged beside its own healthy ones, from what the store keeps of them."""
+"""A unit's health: each recording judged against the unit's healthy ones, from the features in the store."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from .units import Unit
 
 @dataclass(frozen=True, eq=False)
 class JudgedTest:
-    """The recordings of one test that were judged: none of them was learnt from."""
+    """The judged recordings of one test; none of them was learnt from."""
 
     name: str
     runs: tuple[HealthJudgement, ...]
 
     @property
     def judged(self) -> int:
-        """How many could be."""
+        """Number of recordings that could be judged."""
         return sum(run.detected is not None for run in self.runs)
 
     @property
     def detected(self) -> int:
-        """How many are not as the healthy ones."""
+        """Number of recordings that differ from the healthy ones."""
         return sum(bool(run.detected) for run in self.runs)
 
     @property
     def named(self) -> Ranked | None:
-        """The family by all of these together; None where nothing was detected, or no family explains it."""
+        """The fault family by all of these together; None if nothing was detected, or no family explains it."""
         ranked = named_together(self.runs) if self.detected else ()
         return ranked[0] if ranked and ranked[0].explained > 0.0 else None
 
@@ -62,15 +62,15 @@ class JudgedTest:
 
 @dataclass(frozen=True, eq=False)
 class UnitHealth:
-    """What a unit's recordings say of its health: a baseline for each kind of motion, and the tests in their order."""
+    """A unit's health: a baseline for each kind of motion, and the judged tests in their order."""
 
     baselines: tuple[Baseline, ...]
     tests: tuple[JudgedTest, ...]
-    remarks: tuple[str, ...]  # what could not be learnt from, or judged
+    remarks: tuple[str, ...]  # recordings that could not be learnt from or judged, and why
 
     @property
     def off(self) -> tuple[JudgedTest, ...]:
-        """The tests of which most recordings are not as the healthy ones."""
+        """The tests of which more than half of the judged recordings differ from the healthy ones."""
         return tuple(test for test in self.tests if 2 * test.detected > test.judged)
 
     def as_json(self) -> dict[str, object]:
@@ -92,19 +92,19 @@ class UnitHealth:
 
 @dataclass(frozen=True, eq=False)
 class Learnt:
-    """What a unit's healthy recordings tell: of each motion a run of it, and the baseline."""
+    """What was learnt from a unit's healthy recordings: for each kind of motion, one of its runs and the baseline."""
 
     kinds: tuple[tuple[RunFeatures, Baseline], ...]
-    remarks: tuple[str, ...]  # what could not be learnt from
+    remarks: tuple[str, ...]  # recordings that could not be learnt from, and why
 
     def judge(self, run: RunFeatures) -> HealthJudgement:
-        """By the baseline of the same motion; the first one tells what is not alike where there is none."""
+        """Judge by the baseline of the same motion; if there is none, the first baseline says what differs."""
         same = (baseline for first, baseline in self.kinds if same_motion(run, first))
         return judge_run(run, next(same, self.kinds[0][1]))
 
 
 def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
-    """The baselines of healthy runs."""
+    """Learn the baselines of healthy runs, one for each kind of motion."""
     kinds = _kinds(runs)
     learnt: list[tuple[RunFeatures, Baseline]] = []
     remarks: list[str] = []
@@ -125,13 +125,13 @@ def learnt_from(runs: Sequence[RunFeatures]) -> Learnt:
 
 
 def healthy_runs(unit: Unit, healthy: Healthy) -> tuple[list[RunFeatures], list[bool]]:
-    """The runs of a unit that the campaign read for its health, and of each whether it is healthy."""
+    """A unit's runs for which the campaign computed health features, and whether each is healthy."""
     runs = [run_of(row["name"], row["health"]) for row in unit.rows if row["status"] == DONE and row["health"]]
     return runs, healthy.among([run.name for run in runs], [run.test for run in runs], FEWEST_TESTS)
 
 
 def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
-    """The health of a unit; None where the campaign read none (``--do health``)."""
+    """The health of a unit; None if the campaign computed no health features (``--do health``)."""
     runs, flags = healthy_runs(unit, healthy)
     if not runs:
         return None
@@ -151,7 +151,7 @@ def unit_health(unit: Unit, healthy: Healthy) -> UnitHealth | None:
 
 
 def _kinds(runs: Iterable[RunFeatures]) -> list[list[RunFeatures]]:
-    """Runs of one motion each: those of another are another test, and tell nothing of these."""
+    """Group runs by their motion: runs of another motion are another test, and say nothing about these."""
     kinds: list[list[RunFeatures]] = []
     for run in runs:
         if run.features is not None:

@@ -1,4 +1,4 @@
-"""Units: what the results of a campaign say of each unit, and what of them must not be taken together."""
+"""Units: the results of a campaign for each unit, and which of them must not be compared with each other."""
 
 from __future__ import annotations
 
@@ -19,35 +19,35 @@ _NUMBER = re.compile(r"(\d+)", re.ASCII)
 
 @dataclass(frozen=True)
 class Unit:
-    """One unit: its ``rows``, in the order in which they were recorded, as far as anything tells."""
+    """One unit: its ``rows``, in the order of recording as far as it is known."""
 
     name: str
     rows: tuple[Row, ...]
-    remarks: tuple[str, ...]  # why some of them do not go together
+    remarks: tuple[str, ...]  # why some rows do not belong together
 
     @property
     def judged(self) -> int:
-        """How many results there are."""
+        """Number of results."""
         return self._count(DONE)
 
     @property
     def refused(self) -> int:
-        """How many inputs could not be judged."""
+        """Number of inputs that could not be judged."""
         return self._count(REFUSED)
 
     @property
     def failed(self) -> int:
-        """How many were lost to an error."""
+        """Number of inputs lost to an error."""
         return self._count(FAILED)
 
     @property
     def last(self) -> datetime | None:
-        """When it was recorded last."""
+        """Time of the last recording."""
         return max((row["time"] for row in self.rows if row["time"] is not None), default=None)
 
     @property
     def searched(self) -> int:
-        """In how many results effects were looked for."""
+        """Number of results in which effects were looked for."""
         return sum(row["verdict"] is not None for row in self.rows)
 
     @property
@@ -59,18 +59,18 @@ class Unit:
 
     @property
     def beyond_noise(self) -> float | None:
-        """The largest error of a signal in the last result, in times the sensors' noise; None where there is none."""
+        """The largest error of a signal in the last result, in times the sensors' noise; None if there is none."""
         return next((b for row in reversed(self.rows) if (b := self.beyond(row)) is not None), None)
 
     @staticmethod
     def beyond(row: Row) -> float | None:
-        """The same of one result; one where nothing stands out of the noise."""
+        """The same for one result; 1 if no error exceeds the noise."""
         if row["errors"] is None:
             return None
         return max((signal["times"] for signal in row["beyond_noise"] or ()), default=1.0)
 
     def as_json(self) -> dict[str, object]:
-        """Times as ISO 8601 writes them; absent numbers are null."""
+        """Times in ISO 8601; absent numbers are null."""
         return {
             "unit": self.name,
             "judged": self.judged,
@@ -88,7 +88,7 @@ class Unit:
 
 
 def units_of(rows: Iterable[Row]) -> list[Unit]:
-    """The units of results that stand in the order of their units; the one with most beyond the noise first."""
+    """The units of rows that are sorted by unit; the unit with the largest error in times its noise first."""
     units = []
     for name, its in groupby(rows, key=lambda row: row["unit"]):
         of = tuple(sorted(its, key=_when))
@@ -97,7 +97,7 @@ def units_of(rows: Iterable[Row]) -> list[Unit]:
 
 
 def _when(row: Row) -> tuple[bool, float, list[tuple[int, str]]]:
-    """What a row is sorted by: its time, else its name, in which numbers count as such."""
+    """Sort key of a row: its time, else its name, with numbers in it compared as numbers."""
     time = row["time"]
     pieces = _NUMBER.split(row["name"])
     name = [(int(piece), "") if k % 2 else (-1, piece) for k, piece in enumerate(pieces)]
@@ -105,7 +105,10 @@ def _when(row: Row) -> tuple[bool, float, list[tuple[int, str]]]:
 
 
 def _remarks(rows: Sequence[Row]) -> Iterable[str]:
-    """What of a unit's results does not go together: other machines, copies, clocks that disagree, one only."""
+    """Yield which of a unit's results do not belong together, and why.
+
+    Reasons: other kinds of machine or signals, copies, clocks that disagree, missing dates, a single recording.
+    """
     done = [row for row in rows if row["status"] == DONE]
     motions = sorted({row["motion"] for row in done if row["motion"]})
     if len(motions) > 1:

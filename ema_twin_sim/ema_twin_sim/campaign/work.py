@@ -1,4 +1,4 @@
-"""Work: one job, from its files to the rows that are kept of it. Whatever happens, there is one."""
+"""Do one job, from its files to its rows in the store. Whatever happens, there is at least one row."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ Row = dict[str, Any]
 
 
 def judged(job: Job, task: Task) -> list[Row]:
-    """The rows of a job: what was found, or why nothing could be; one, or one for each run of a file that holds many.
+    """The rows of a job: the findings, or why there are none; one row, or one for each run of a file that holds many.
 
-    All have the job's key, and the moment in which it was done.
+    All have the job's key, and the time at which it was done.
     """
     begun = time.perf_counter()
     row = blank(job, task)
@@ -44,7 +44,7 @@ def judged(job: Job, task: Task) -> list[Row]:
                                                                            import_map=task.import_map)]  # fmt: skip
     except InputError as error:
         rows = [row | {"status": REFUSED, "message": str(error)}]
-    except Exception as error:  # one recording stops no campaign
+    except Exception as error:  # one recording must not stop the campaign
         rows = [row | _failed(error)]
     else:
         if job.apart and len(recordings) > 1:
@@ -68,12 +68,12 @@ def _judged(row: Row, recordings: Sequence[Recording], job: Job, task: Task) -> 
         if task.verb == HEALTH:
             row["health"] = _health(recordings[0], model, row, job, task)
         else:
-            assert model is not None  # the verbs but health have one
+            assert model is not None  # all verbs except health have one
             row |= _VERBS[task.verb](recordings, model, task.without)
         row["status"] = DONE
     except InputError as error:
         row |= {"status": REFUSED, "message": str(error)}
-    except Exception as error:  # one recording stops no campaign
+    except Exception as error:  # one recording must not stop the campaign
         row |= _failed(error)
     return row
 
@@ -83,7 +83,7 @@ def _failed(error: Exception) -> Row:
 
 
 def _run_name(job: Job, run: Recording) -> str:
-    """A run of a file that holds many: by its test, where the file tells it, and its number."""
+    """Name of a run of a file that holds many: by its test, if the file has it, and its number."""
     number = run.name.rpartition("_")[2]
     test = f" test {run.metadata[TEST]}" if TEST in run.metadata else ""
     return f"{job.name}{test} run {number}"
@@ -97,7 +97,7 @@ def _health(recording: Recording, model: Model | None, row: Row, job: Job, task:
 
 
 def _test(recording: Recording, row: Row, job: Job) -> str:
-    """What was set up once: as the file tells, the path, or the day; else each recording is a test of its own."""
+    """Name of the test (what was set up once): from the file, the path or the day; else each recording is a test."""
     if TEST in recording.metadata:
         return f"{job.name} test {recording.metadata[TEST]}"
     if job.test is not None:
@@ -106,7 +106,7 @@ def _test(recording: Recording, row: Row, job: Job) -> str:
 
 
 def _wavelength(record: MotionRecord, model: Model | None, recording: Recording) -> float:
-    """A turn of the motor, in the position's unit, where it is known; else NaN."""
+    """One turn of the motor in the position's unit; NaN if it is unknown."""
     if recording.motion == "linear":
         return math.nan
     if record.place == "motor_position":
@@ -115,7 +115,7 @@ def _wavelength(record: MotionRecord, model: Model | None, recording: Recording)
 
 
 def blank(job: Job, task: Task) -> Row:
-    """The row of a job of which nothing is known yet."""
+    """The row of a job before anything is found."""
     return {
         "key": job.key,
         "unit": job.unit,
@@ -129,7 +129,7 @@ def blank(job: Job, task: Task) -> Row:
 
 
 def lost(job: Job, task: Task, reason: str) -> Row:
-    """The row of a job that no worker came back from."""
+    """The row of a job on which the workers died."""
     return blank(job, task) | {"status": FAILED, "message": reason}
 
 
@@ -198,7 +198,7 @@ def _diagnosed(recordings: Sequence[Recording], model: Model, without: Sequence[
 
 
 def discovered(recordings: Sequence[Recording], model: Model, without: Sequence[str] = ()) -> Row:
-    """What a model lacks, and the numbers that were found."""
+    """What a model lacks, and the estimated numbers."""
     from ..discovery.discover import discover
 
     return _discovery(discover(recordings, model, without=without))

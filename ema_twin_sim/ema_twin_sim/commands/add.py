@@ -49,7 +49,7 @@ def run(
         (choices if name in found.options else parameters)[name] = value
     before = load_model(model)
     after = before.with_effect(found.id, parameters, choices)  # type: ignore[arg-type]
-    assemble(after)  # what no twin can be made of is refused here, and not by the next command
+    assemble(after)  # a model that cannot be simulated is refused here, not by the next command
     save_model(after, output, force=force)
     name = list(after.effects)[-1]
     instance = after.effects[name]

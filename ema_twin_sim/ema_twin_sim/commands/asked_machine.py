@@ -1,4 +1,4 @@
-"""What ``ema-twin init`` asks where it is given no trace."""
+"""The questions that ``ema-twin init`` asks if it is given no trace."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _QUESTIONS = {
 
 
 def asked(given: Given) -> tuple[Guesses, Given]:
-    """What the columns are said to be, and the machine's numbers; each answer is checked as it is given."""
+    """Ask for the columns and the machine's numbers; return both. Each answer is checked as it is given."""
     from ..new_machine.columns import named_columns
 
     answers = {signal: str(_ask(text, "")).strip() for signal, text in _QUESTIONS.items()}

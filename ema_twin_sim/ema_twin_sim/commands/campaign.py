@@ -1,4 +1,4 @@
-"""``ema-twin campaign``: hundreds of recordings of many units, judged side by side, resumable, into one store."""
+"""``ema-twin campaign``: judge hundreds of recordings of many units in parallel, resumably, into one store."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ ema-twin campaign /data/tests --model /data/press.yaml -o /data/results --schedu
 Then: ema-twin units results"""
 
 _SHOWN = 5
-"""Recordings that were refused, of which the reason is told."""
-_EVERY = 10.0  # s, between two looks for new recordings
+"""Number of refused (and of failed) recordings whose reason is printed."""
+_EVERY = 10.0  # s, interval of the search for new recordings
 
 
 def _verbs(incomplete: str) -> list[str]:
@@ -145,7 +145,7 @@ def run(
     tell = _once()
     try:
         first = _waiting(grouping, task, store, set(), tell)
-    except InputError as error:  # of a folder that is still empty, or one file's name
+    except InputError as error:  # the folder is still empty, or a file's name does not fit
         if not watch:
             raise
         tell(str(error))
@@ -163,7 +163,7 @@ def run(
 
 
 def _once() -> Callable[[str], None]:
-    """Warns of each thing once, however often it is looked at."""
+    """Return a function that prints each warning only once."""
     told: set[str] = set()
 
     def tell(text: str) -> None:
@@ -175,7 +175,7 @@ def _once() -> Callable[[str], None]:
 
 
 def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell: Callable[[str], None]) -> list[Job]:
-    """The jobs that have no result yet, and are not ``known``."""
+    """Jobs that have no result yet and are not in ``known``."""
     from ..campaign.jobs import find_jobs
 
     jobs = find_jobs(grouping, task, (store.folder,), tell)
@@ -189,7 +189,7 @@ def _waiting(grouping: Grouping, task: Task, store: Store, known: set[str], tell
 def _rounds(
     first: Sequence[Job], grouping: Grouping, task: Task, store: Store, tell: Callable[[str], None], *, watch: bool
 ) -> Iterator[Sequence[Job]]:
-    """The jobs that are there, and, to ``watch``, those that come: each once its files have stopped to grow."""
+    """Yield the jobs found now and, with ``watch``, those that come later, once their files have stopped growing."""
     tried = {job.key for job in first}
     if first:
         yield first
@@ -200,7 +200,7 @@ def _rounds(
         time.sleep(_EVERY)
         try:
             jobs = _waiting(grouping, task, store, tried, tell)
-        except InputError as error:  # of one file's name, say, that its owner may mend
+        except InputError as error:  # for example a file's name that does not fit, which its owner may correct
             tell(str(error))
             continue
         ready = [job for job in jobs if job.key in growing]

@@ -1,4 +1,4 @@
-"""``ema-twin compare``: residual and RMSE per signal beside the noise floor, and where a model fails."""
+"""``ema-twin compare``: residual and RMSE per signal next to the noise floor, and where a model fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``ema-twin demo``: the whole loop on the project's own recordings. Nobody tells it what is missing."""
+"""``ema-twin demo``: the whole loop on the project's own recordings. The search is not told what is missing."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ema-twin demo -o demo"""
 RECORDINGS = "tests/recordings"
 LIVE = "BancoEMA_sine_0.02_1Hz"
 MARKER = ".ema-twin-demo"
-"""A file in the folders that demos made: only these are written to again."""
+"""Marker file in folders that a demo made; only such folders are written to again."""
 
 
 def run(
@@ -162,7 +162,7 @@ def run(
         notes = write_page(
             page, recordings, models, labels, findings, fit=fit, comparisons=comparisons, story=story, force=True
         )
-        shown = 3 if fitting_moved(models, findings, fit) else 2  # as the page has it
+        shown = 3 if fitting_moved(models, findings, fit) else 2  # the page decides by the same rule
         write_rrd(
             views,
             recordings,
@@ -189,7 +189,7 @@ def run(
 
 
 def _prepare(output: Path) -> None:
-    """Make the folder, or clear what an earlier demo left in it; any other folder with something in it is refused."""
+    """Make the folder, or remove an earlier demo's live run from it; refuse any other folder that is not empty."""
     import shutil
 
     try:
@@ -203,18 +203,18 @@ def _prepare(output: Path) -> None:
 
 
 def switched_off(start: Model, found: Model) -> Model:
-    """The start model, with the effects that were found in it but off, to be switched on in the running twin."""
+    """The start model with the found effects added but disabled, to be switched on in the running twin."""
     new = {name: replace(held, enabled=False) for name, held in found.effects.items() if name not in start.effects}
     return replace(start, effects={**start.effects, **new})
 
 
 def _most_telling_first(found: Discovery) -> list[str]:
-    """The names of what was found, in the order of the verdict."""
+    """Names of the found effects, in the order in which the verdict lists them."""
     return sorted(found.parameters, key=lambda name: found.added.index(found.parameters[name]["effect"]))
 
 
 def moments_of(names: Sequence[str], duration: float) -> dict[str, float]:
-    """When [s of the replay] each of these effects is switched on: one after the other, evenly."""
+    """Time [s of the replay] at which each effect is switched on: one after another, evenly spaced."""
     pause = max(1, round(duration / (len(names) + 1)))
     return {name: float(pause * (k + 1)) for k, name in enumerate(names)}
 

@@ -34,7 +34,7 @@ ema-twin diagnose recordings --model polito_bench --with position_friction.py --
 
 _BAR = 20
 _SHOWN_AS_ZERO = 0.005
-_UNLIKELY = 3  # effects of probability 0 that are shown
+_UNLIKELY = 3  # number of effects of probability 0 that are shown
 
 
 def run(
@@ -125,7 +125,7 @@ def show(diagnosis: Diagnosis) -> None:
 
 
 def worth_showing(ranking: Sequence[Ranked]) -> tuple[list[Ranked], int]:
-    """The ranking but for most of what has no probability, and how many that leaves out."""
+    """The ranking without most effects of probability 0, and how many were left out."""
     likely = [entry for entry in ranking if entry.found or entry.probability >= _SHOWN_AS_ZERO]
     others = [entry for entry in ranking if entry not in likely]
     return likely + others[:_UNLIKELY], max(0, len(others) - _UNLIKELY)

@@ -1,4 +1,4 @@
-"""``ema-twin diff``: what two models differ in."""
+"""``ema-twin diff``: the differences between two models."""
 
 from __future__ import annotations
 

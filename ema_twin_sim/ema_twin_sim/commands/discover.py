@@ -102,7 +102,7 @@ def run(
 
 
 def _written(output: Path, model: str, *, is_new: bool) -> list[str]:
-    """What the written model is, and what the command beneath shows of it."""
+    """A line that says what the written model is and introduces the command printed below it."""
     if is_new:
         return [f"\n{output} is the new model. See how far off it is:"]
     return [f"\n{output} is the same as {model}: no effect was found that improves it. See where it fails:"]
@@ -114,7 +114,7 @@ def compare_command(
     with_files: Sequence[Path] = (),
     import_map: str = "siemens",
 ) -> str:
-    """The command that shows models beside recordings, as a shell takes it."""
+    """Shell command that compares the models with the recordings, quoted."""
     models_named = [part for model in models for part in ("--model", quote(str(model)))]
     own = [part for file in with_files for part in ("--with", quote(str(file)))]
     read_by = [] if import_map == "siemens" else ["--map", quote(import_map)]
@@ -122,7 +122,7 @@ def compare_command(
 
 
 def _as_arguments(runs: Sequence[Path]) -> list[str]:
-    """Files as arguments: several as one pattern where that stands for them and no other."""
+    """Files as shell arguments; more than two become one glob pattern if it matches exactly these files."""
     suffix, folder = runs[0].suffix, runs[0].parent
     if len(runs) > 2 and suffix and folder.is_dir():
         there = {file for file in folder.iterdir() if file.suffix == suffix and not file.name.startswith(".")}

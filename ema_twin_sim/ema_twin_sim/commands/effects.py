@@ -80,7 +80,7 @@ def run(
 
 
 def _show_one(effect: Effect, name: str | Path) -> None:
-    """One effect in full; ``name`` is what ``add`` takes for it."""
+    """Print one effect in full; ``name`` is the argument that ``add`` takes for it (its id or its file)."""
     from ..effects.effect import range_words
 
     say(f"[bold]{effect.id}[/bold]: {escape(effect.summary)}\n", markup=True)

@@ -1,4 +1,4 @@
-"""``ema-twin export``: a recording as a table for other tools."""
+"""``ema-twin export``: write a recording as a table for other tools."""
 
 from __future__ import annotations
 

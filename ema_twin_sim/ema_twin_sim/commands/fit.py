@@ -1,4 +1,4 @@
-"""``ema-twin fit``: the numbers of a model from recordings, with standard errors."""
+"""``ema-twin fit``: fit the parameters of a model to recordings, with standard errors."""
 
 from __future__ import annotations
 

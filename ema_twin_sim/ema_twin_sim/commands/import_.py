@@ -1,4 +1,4 @@
-"""``ema-twin import``: a drive's CSV traces, or one topic of a bag, become MCAP recordings."""
+"""``ema-twin import``: convert a drive's CSV traces, or one topic of a bag, to MCAP recordings."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def run(
 
 
 def _each(files: list[Path]) -> Iterator[tuple[Path, Callable[[float], None]]]:
-    """The files, and what takes the share of each that was read; with a bar or lines of how far it is."""
+    """Yield each file with a callback for the fraction read of it; a bar or log lines show the progress."""
     with counted(len(files), "importing") as done:
         for file in files:
             yield file, partial(done.within, file.name)
@@ -101,8 +101,8 @@ def _each(files: list[Path]) -> Iterator[tuple[Path, Callable[[float], None]]]:
 
 
 def _check_files(files: list[Path], topic: str | None) -> None:
-    """Refuse what is no trace, or no bag where a topic is asked for, and recordings that would fall on each other,
-    before anything is written.
+    """Refuse unsuitable files before anything is written: no trace (with ``topic``: no bag), or two files whose
+    recordings would have the same name.
     """
     stems: dict[str, Path] = {}
     for file in files:

@@ -90,7 +90,7 @@ def run(
     from ..new_machine.told import assumed_units
 
     place = Path(output)
-    if place.suffix.lower() in (".yaml", ".yml"):  # the name of the model, as other commands take it
+    if place.suffix.lower() in (".yaml", ".yml"):  # a model's file name, which other commands take
         place = place.with_suffix("")
     files = place.with_name(f"{place.name}_map.yaml"), place.with_name(f"{place.name}.yaml")
     check_model_name(files[1])
@@ -128,7 +128,7 @@ def run(
 
 
 def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Path, force: bool) -> None:
-    """Write the model of recordings whose map there is."""
+    """Write only the model, for recordings that have an import map already."""
     from ema_bench_replay.load import load
     from ema_bench_replay.recording import AT
 
@@ -150,10 +150,10 @@ def _model_alone(traces: Sequence[Path], given: Given, map_file: Path, place: Pa
 
 
 def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Guesses, tuple[Guess, ...]]:
-    """What the columns of a trace seem to be, and what those would be that are left out because of a few cells.
+    """Guess what the columns of a trace are; second, what the columns are that some cells without a number exclude.
 
-    Its rows are operating points where they are said to be (``of_points``), or seem so. Raises InputError where nothing
-    can be told of them.
+    Rows are operating points if ``of_points`` says so, or if they look like it. Raises InputError if no column is
+    recognised.
     """
     import numpy as np
 
@@ -183,7 +183,7 @@ def _guessed(trace: Path, gear_ratio: float | None, of_points: bool) -> tuple[Gu
     holed = tuple(guess for guess in guess_columns(table.header, empty).signals if guess.column in no_numbers)
     for name, count in no_numbers.items():
         if not name and count == rows:
-            continue  # what follows a delimiter at the end of each line
+            continue  # the empty column that a delimiter at the end of each line makes
         said = f"{name or 'a column without a name'}: {count} of {rows} cells hold no number: not used"
         if any(guess.column == name for guess in holed):
             first = int(np.flatnonzero(np.isnan(numbers[name]))[0]) + 1

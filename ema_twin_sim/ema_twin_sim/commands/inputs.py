@@ -1,4 +1,4 @@
-"""Reading what the command line names: recordings with their warnings, and JSON results written whole."""
+"""Read the recordings that the command line names, check its outputs, and write results as JSON."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def load_runs(
     strict: bool = False,
     least: int = 1,
 ) -> list[Recording]:
-    """The recordings that the paths name, each once, cut to [start, end] s; with ``least`` samples or more.
+    """Load the recordings that the paths name, each once, cut to [start, end] s.
 
-    Warnings are printed, or refused if ``strict``.
+    Warnings are printed, or refused if ``strict``. Raises InputError if one has fewer than ``least`` samples.
     """
     if start is not None and end is not None and start > end:
         raise InputError(f"--from {start:g} is after --to {end:g}; give the earlier time first")
@@ -53,7 +53,7 @@ def load_runs(
 
 
 def _read(found: Sequence[tuple[Path, ...]], import_map: str) -> Iterator[Recording]:
-    """The recordings of these files, one after another, with a bar or lines of how far it is."""
+    """Yield the recordings of these files in turn; a bar or log lines show the progress."""
     with counted(len(found), "reading") as done:
         for parts in found:
             name = parts[0].stem
@@ -62,7 +62,7 @@ def _read(found: Sequence[tuple[Path, ...]], import_map: str) -> Iterator[Record
 
 
 def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
-    """The names, those of several recordings with their folders, or numbers where these are one too."""
+    """Make the names unique: equal ones get their folder's name, or a number if that is equal too."""
     often = Counter(names)
     apart = [
         f"{name} ({file.resolve().parent.name})" if often[name] > 1 else name
@@ -76,10 +76,10 @@ def _told_apart(names: Sequence[str], files: Sequence[Path]) -> list[str]:
 
 
 def find_recordings(path: Path) -> list[Path]:
-    """The recordings that a path names: itself, or, for a folder that holds folders of recordings, each of these.
+    """The recordings that a path names: the path itself or, for a folder of recording folders, each of these.
 
-    A folder of several .mcap that are not one recording together stands for its files, as does a folder of CSV traces
-    without any bag.
+    A folder of several .mcap files that are not parts of one recording stands for its files, as does a folder of CSV
+    traces without any bag.
     """
     if not path.is_dir():
         return [path]
@@ -92,7 +92,7 @@ def find_recordings(path: Path) -> list[Path]:
 
 
 def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:
-    """Each recording with what it is read of: a folder or a file, or the files of one that a recorder has split."""
+    """The files that each recording is read from: a folder or a file, or the parts that a recorder split it into."""
     bags = [file for file in files if file.suffix.lower() == ".mcap"]
     found = {parts[0]: parts for parts in recordings_in(bags)}
     return [found.get(file, (file,)) for file in files if file in found or file not in bags]
@@ -101,7 +101,7 @@ def _together(files: Sequence[Path]) -> list[tuple[Path, ...]]:
 def _each_once(files: Sequence[Path]) -> list[Path]:
     held: dict[Path, int] = {}
     twice = set()
-    for k in sorted(range(len(files)), key=lambda k: not files[k].is_dir()):  # a folder, rather than a file in it
+    for k in sorted(range(len(files)), key=lambda k: not files[k].is_dir()):  # folders first, before files in them
         bags = [files[k], *files[k].glob("*.mcap")]
         if {held.setdefault(bag.resolve(), k) for bag in bags} != {k}:
             twice.add(k)
@@ -113,7 +113,7 @@ def _each_once(files: Sequence[Path]) -> list[Path]:
 def input_files(
     runs: Sequence[Path], models: Sequence[str], import_map: str, with_files: Sequence[Path] | None = None
 ) -> list[Path]:
-    """The files that are read for these arguments, as far as they exist."""
+    """The files that are read for these arguments; ``metadata.yaml`` of a recording is listed even if it is absent."""
     from ema_bench_replay.configuration import find_configuration
 
     from ..model.model_file import model_files
@@ -126,8 +126,8 @@ def input_files(
 
 
 def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
-    """Raise InputError, before anything is worked out, where an output is one of the inputs, or another output, by
-    whatever name, or cannot be written.
+    """Raise InputError, before anything is computed, if an output is an input or another output (under any name), or
+    cannot be written.
     """
     taken = {file.resolve(): f"an input ({file})" for file in inputs}
     for output in outputs:
@@ -139,31 +139,31 @@ def refuse_inputs(inputs: Sequence[Path], *outputs: Path | None) -> None:
 
 
 def _refuse_unwritable(output: Path) -> None:
-    if output.exists() and not output.is_file():  # a folder is refused, a pipe written to, when it is opened
+    if output.exists() and not output.is_file():  # opening it later refuses a folder and accepts a pipe
         return
     folder = next(above for above in output.absolute().parents if above.exists())
     try:
-        tempfile.TemporaryFile(dir=folder).close()  # where this is a file, the reason is that it is no folder
+        tempfile.TemporaryFile(dir=folder).close()  # if it is a file, the reason given is that it is no folder
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{output}: cannot be written ({reason}); give a place that you may write to") from None
 
 
 def refuse_existing(force: bool, *outputs: Path | None) -> None:
-    """Raise InputError, before anything is worked out, where an output exists and may not be replaced."""
+    """Raise InputError, before anything is computed, if an output exists and ``force`` is not set."""
     for output in outputs:
         if output is not None and output.is_file() and not force:
             raise InputError(f"{output}: exists already; give another name, or --force to replace it")
 
 
 def refuse_evidence(path: Path | None) -> None:
-    """Raise InputError where the name of a file of evidence does not tell what it is."""
+    """Raise InputError if the name of an evidence file does not end in .mcap."""
     if path is not None and path.suffix != ".mcap":
         raise InputError(f"{path}: evidence is written as MCAP; name it .mcap")
 
 
 def write_json(path: Path | None, content: object) -> None:
-    """Write a result as JSON, replacing a file; numbers that are not finite become null."""
+    """Write a result as JSON, replacing an existing file; numbers that are not finite become null."""
     if path is not None:
         with new_file(path, force=True) as file:
             file.write((json.dumps(_finite(content), indent=1, allow_nan=False) + "\n").encode())

@@ -1,4 +1,4 @@
-"""What the commands that look for missing effects share: how their inputs are read, how their findings end."""
+"""Shared by the commands that look for missing effects: they read inputs and write findings in the same way."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Judged:
-    """Recordings, the model beside them, and the effects that may not be named."""
+    """Recordings, the model compared with them, and the effects excluded from the search."""
 
     recordings: list[Recording]
     model: Model
@@ -37,7 +37,7 @@ def read_judged(
     end: float | None,
     strict: bool,
 ) -> Judged:
-    """Everything that a search needs; users' own effects are loaded first, since a model may hold them."""
+    """Read everything a search needs; users' own effects are loaded first, because a model may contain them."""
     from ..effects import find_effect
     from ..model import load_model
     from ..own_effects import load_effects
@@ -51,23 +51,23 @@ def read_judged(
 
 
 def write_evidence_bag(found: Discovery, recordings: Sequence[Recording], file: Path, *, force: bool) -> None:
-    """Write what each step left over as an MCAP."""
+    """Write what each step of the search left unexplained as an MCAP."""
     from ..views.evidence_bag import write_evidence
 
-    # a lone table of points was searched in two parts
+    # the search splits a single table of operating points in two
     used = recordings if len(recordings) == len(found.recordings) else found.recordings
     write_evidence(found, used, file, force=force)
 
 
 def warn_of(warnings: Sequence[str], recordings: Sequence[Recording]) -> None:
-    """Print the warnings but for the recordings' own, which were told when they were read."""
+    """Print the warnings except the recordings' own, which were printed when they were read."""
     for warning in warnings:
         if all(warning not in recording.warnings for recording in recordings):
             warn(warning)
 
 
 def write_findings(json: Path | None, findings: Mapping[str, object], found: Discovery) -> None:
-    """Write findings and the evidence behind them."""
+    """Write findings and the evidence behind them as JSON."""
     if json is not None:
         from ..discovery.evidence import evidence_json
 

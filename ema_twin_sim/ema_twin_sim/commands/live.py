@@ -187,7 +187,7 @@ def run(
                 replaced=replaced,
                 stop=stop,
             )
-        # before the views are closed: what the run ended with does not depend on a viewer, nor on a disk for the view
+        # before the views are closed, so that neither a failing viewer nor a full disk costs the result of the run
         show(result, 0.0 if loop or stop.is_set() else rate, loop=loop)
         write_json(json, as_json(result))
         if output is not None and result.twin is not None:
@@ -199,7 +199,7 @@ def run(
         tell_of_rrd(rrd, ("the live run",))
     if result.unrecorded:
         raise InputError(f"{record}: the recording is not whole: {result.unrecorded}")
-    if loop or recording is None or stop.is_set():  # it lasts until it is ended
+    if loop or recording is None or stop.is_set():  # such a run has no end of its own
         return
     if result.interrupted:
         raise KeyboardInterrupt
@@ -209,7 +209,7 @@ def run(
 
 
 def _check_outputs(rrd: Path | None, record: Path | None, force: bool) -> list[Path]:
-    """Refuse what may not be replaced, before anything starts; returns the files of the bag that ``force`` replaces."""
+    """Refuse outputs that may not be replaced, before anything starts; return the bag files that ``force`` replaces."""
     from ema_bench_replay.bags.bag_parts import named_after
 
     if rrd is not None and rrd.exists():

@@ -1,4 +1,4 @@
-"""The error of a live run, line by line while it runs."""
+"""The error of a live run, printed line by line while it runs."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
 
 _BY_CURRENT = "unexplained_torque"
 _BY_SETPOINT = ("output_position", "current", "speed")
-"""What tells the error, by what drives the twin."""
+"""The signals whose error is printed, by what drives the twin."""
 LINES_ARE = "  error: the RMSE of each second; 17× means 17 times the sensors' noise"
-"""What the lines of the ``ErrorPrinter`` are, to be said before the first."""
+"""Explains the lines of ``ErrorPrinter``; printed before the first of them."""
 
 
 class ErrorPrinter:
-    """Prints the error about once a second of the run, and hands batches of pairs to whoever watches.
+    """Prints the error about once per second of the run, and passes batches of pairs on to its watchers.
 
-    Where the current drives the twin, that has no error, positions drift, and the unexplained torque tells; else the
-    output's position, current and speed do.
+    If the current drives the twin, the current has no error and the positions drift: the unexplained torque is printed.
+    Otherwise the errors of output position, current and speed are.
     """
 
     def __init__(self, noise: Mapping[str, float], recording: Recording | None, window: float = 1.0) -> None:
-        """``noise`` is the noise floor; ``window`` [s] is how long an error is that is printed."""
+        """``noise`` holds the noise floor of each signal; each printed error covers ``window`` [s]."""
         self.watchers: list[Callable[[Sequence[Pair]], None]] = []
         self._floors = noise
         self._duration = recording.duration if recording is not None else None
@@ -41,7 +41,7 @@ class ErrorPrinter:
         self._sums: dict[str, list[float]] = {}
 
     def take(self, pairs: Sequence[Pair]) -> None:
-        """A batch of pairs from the running monitor."""
+        """Take a batch of pairs from the running monitor."""
         for pair in pairs:
             if self._first is None or pair.stamp <= self._last:  # another run
                 self._first, self._next = pair.stamp, self._window
@@ -62,7 +62,10 @@ class ErrorPrinter:
 
     @property
     def _by_current(self) -> bool:
-        """Whether the current drives the twin, as far as can be seen from here: it is the measured one, exactly."""
+        """Whether the current drives the twin, judged by its residual, which is then exactly 0.
+
+        Also true if no residual of the other signals has arrived.
+        """
         square, _ = self._sums.get("current", (math.nan, 0.0))
         return square == 0.0 or not any(name in self._sums for name in _BY_SETPOINT)
 
@@ -77,7 +80,7 @@ class ErrorPrinter:
                 continue
             rmse = (square / count) ** 0.5
             label = (name.removeprefix("output_") if is_narrow() else name).replace("_", " ")
-            floor = self._floors[name]  # 0 where the sensor's noise is not known
+            floor = self._floors[name]  # 0 if the sensor's noise is unknown
             times = f" {rmse / floor:5.0f}×" if floor > 0.0 else ""
             parts.append(f"{label} {quantity(rmse, UNITS[name]):>9}{times}")
         line = f" {elapsed:5.1f}{of} s  error  " + "  ".join(parts)

@@ -1,4 +1,4 @@
-"""What a person at the terminal may ask of a live run: d, a, q."""
+"""The keys of a live run on the terminal: d (diagnose), a (add what was found), q (quit)."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ if TYPE_CHECKING:
 
 _HINT = "Keys: d which effect is missing?   a add what was found   q end"
 _SHOWN = 3
-"""Effects of a diagnosis that are told."""
+"""Number of a diagnosis's effects that are printed."""
 _LOOK = 0.2
-"""s between two looks whether to end."""
+"""Interval in s at which the reader checks whether to end."""
 
 
 class Keys:
-    """Reads keys while a live run lasts, where standard input and output are a terminal; else does nothing."""
+    """Reads keys during a live run if standard input and output are a terminal; otherwise does nothing."""
 
     def __init__(self, stop: threading.Event, view: LiveView | None = None, output: Path | None = None) -> None:
-        """``stop`` is set by q; ``view`` is told what was found and added; ``output`` is where the twin is written."""
+        """``stop`` is set by q; ``view`` shows what was found and added; ``output`` is the file of the final twin."""
         self._stop = stop
         self._view = view
         self._output = output
@@ -57,13 +57,13 @@ class Keys:
         return self
 
     def begin(self, monitor: MonitorNode) -> None:
-        """From now on keys are answered."""
+        """Start to answer keys."""
         self._monitor = monitor
         if self._before is not None:
             self._in_a_thread(self._read)
 
     def press(self, key: str) -> None:
-        """Do what a key stands for; others do nothing."""
+        """Do what the key stands for; ignore other keys."""
         if key == "d":
             self._in_a_thread(self._diagnose)
         elif key == "a":
@@ -95,7 +95,7 @@ class Keys:
         say("Looking for what the model lacks: this takes some seconds …", style="cyan")
         try:
             found = self._services().diagnose()
-        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
+        except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
             say(f"No diagnosis: {error}", style="yellow")
             return
         lines = told(found, self._beyond())
@@ -111,7 +111,7 @@ class Keys:
         except NotDiagnosed:
             say("Nothing added: press d first, which looks for what is missing.", style="yellow")
             return
-        except (InputError, RuntimeError) as error:  # rclpy's too, where the run ends meanwhile
+        except (InputError, RuntimeError) as error:  # RuntimeError also from rclpy, if the run ends meanwhile
             say(f"Nothing added: {error}", style="yellow")
             return
         say(f"Added to the running twin: {words}. Watch the error fall.", style="bold green")
@@ -122,7 +122,7 @@ class Keys:
         self._tell(f"added: {words}")
 
     def _beyond(self) -> dict[str, float]:
-        """What health tells to stand out of the sensors' noise."""
+        """The signals whose error exceeds the sensors' noise, and by what factor, as the monitor's health has it."""
         return {} if self._monitor is None else self._monitor.comparison.beyond_noise
 
     def _services(self) -> DiagnosisNode:
@@ -139,7 +139,7 @@ class Keys:
 def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
     """A diagnosis in a few lines: what is missing, the likeliest effects, and what to record next.
 
-    ``beyond`` are the signals that stand out of the sensors' noise in the last window, by how many times.
+    ``beyond`` holds the signals whose error exceeds the sensors' noise in the last window, and by what factor.
     """
     effects = [entry for entry in found.ranking if entry.found]
     names = " and ".join(effect_words(entry.id) for entry in effects)
@@ -158,7 +158,7 @@ def told(found: Diagnosis, beyond: Mapping[str, float]) -> list[str]:
         lines.append(f"Press a to add {'them' if len(effects) > 1 else 'it'} to the running twin.")
     if found.next_recording:
         lines.append(f"To be surer, record {found.next_recording}")
-    # nothing more can be given to a live run
+    # leave out ALONE, which asks for more recordings: a live run has only one
     return [*lines, *(warning for warning in found.warnings if warning not in ALONE)]
 
 

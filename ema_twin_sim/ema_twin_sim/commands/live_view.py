@@ -1,4 +1,4 @@
-"""Rerun beside a live run: in a window, in a browser, or into a file."""
+"""Rerun views of a live run: in a window, in a browser, or in a file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from ..views.web_viewer import WebViewer
 
 _BETWEEN = 100_000_000
-"""ns in the view between two runs."""
+"""Gap in ns between two runs on the view's time axis."""
 
 
 class LiveView:
-    """The rerun views of a live run; takes batches of pairs. A viewer that fails is left out, with a warning."""
+    """The rerun views of a live run; takes batches of pairs. A viewer that fails is dropped with a warning."""
 
     def __init__(self, *views: RerunView) -> None:
         self._views = list(views)
@@ -28,7 +28,7 @@ class LiveView:
         self._last = 0
 
     def take(self, pairs: Sequence[Pair]) -> None:
-        """A batch of pairs from the running monitor."""
+        """Show a batch of pairs from the running monitor."""
         import numpy as np
 
         time = [self._time(pair.stamp) for pair in pairs]
@@ -42,7 +42,7 @@ class LiveView:
             self._try(view, lambda view: view.add(*batch))
 
     def _time(self, stamp: int) -> float:
-        """Seconds since the first sample; what is played again follows what was played before."""
+        """Seconds since the first sample; a run that is played again follows the one before."""
         if self._zero is None:
             self._zero = stamp
         elif stamp <= self._last:
@@ -51,16 +51,16 @@ class LiveView:
         return (stamp - self._zero) * 1e-9
 
     def tell(self, time: float, text: str) -> None:
-        """A line of the story."""
+        """Add a line to the log of events at this time [s]."""
         for view in tuple(self._views):
             self._try(view, lambda view: view.tell(time, text))
 
     def tell_now(self, text: str) -> None:
-        """A line of the story at the sample that was shown last."""
+        """Add a line to the log of events at the sample that was shown last."""
         self.tell(0.0 if self._zero is None else (self._last - self._zero) * 1e-9, text)
 
     def close(self) -> None:
-        """Write what is held back. Raises InputError where a file cannot be written."""
+        """Write what is still buffered and close the views. Raises InputError if a file cannot be written."""
         with ExitStack() as held:
             for view in self._views[::-1]:
                 held.callback(self._try, view, lambda view: view.close())
@@ -79,7 +79,7 @@ class LiveView:
 def open_view(
     rrd: Path | None, headless: bool, web: WebViewer | None, floors: dict[str, float], model: Model
 ) -> LiveView | None:
-    """The rerun view that is wanted: a file, a browser, a viewer where there is a screen and one may, or none."""
+    """Open the requested rerun views: a file, a browser, or a viewer if there is a screen; None if there is none."""
     from ..views.screen import open_live_viewer, why_not_shown
 
     into: list[Path | str] = [rrd] if rrd is not None else []

@@ -1,4 +1,4 @@
-"""The command ``ema-twin``: its verbs, and how it ends.
+"""The command ``ema-twin``: its verbs and its exit status.
 
 Exit status: 0 done; 2 input refused, with one line that names file, place and remedy; 1 an internal error; 130
 interrupted.
@@ -75,7 +75,7 @@ def _options(
 
 
 def main() -> None:
-    """Run the command line; every way out has its exit status."""
+    """Run the command line and end with the exit status listed above."""
     interrupts.watch()
     tell_of_compiling()
     try:
@@ -88,7 +88,7 @@ def main() -> None:
     except (typer.Abort, KeyboardInterrupt):
         interrupts.end()
     except BrokenPipeError:
-        os._exit(0)  # the reader of our output has left: nothing to say, and nobody to say it to
+        os._exit(0)  # the reader of our output has gone: nobody would see a message
     except Exception as error:
         if interrupts.was_interrupted():
             interrupts.end()

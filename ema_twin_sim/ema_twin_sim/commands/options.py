@@ -12,16 +12,16 @@ import typer
 N = TypeVar("N", int, float)
 
 LARGEST = 1e9
-"""No time [s], angle [rad] or factor on the command line is larger."""
+"""Upper limit of times [s], angles [rad] and factors on the command line."""
 
 
 def number(lower: float, upper: float, unit: str) -> Callable[[str], float]:
-    """The parser of an option that takes a number of that unit; a usage error with its bounds refuses any other."""
+    """Parser of an option that takes a number in ``unit``; anything else is a usage error that states the bounds."""
     return _within(float, "number", lower, upper, f"give {lower:g} to {upper:g} {unit}")
 
 
 def whole(lower: int, upper: int) -> Callable[[str], int]:
-    """The parser of an option that takes a whole number; a usage error with its bounds refuses any other."""
+    """Parser of an option that takes a whole number; anything else is a usage error that states the bounds."""
     return _within(int, "whole number", lower, upper, f"give {lower} to {upper}")
 
 

@@ -1,4 +1,4 @@
-"""What the command line prints on: the console, sparklines, progress and warnings."""
+"""Output of the command line: console, sparklines, progress and warnings."""
 
 from __future__ import annotations
 
@@ -26,17 +26,20 @@ _WIDTH_WITHOUT_TERMINAL = 120
 _LEAST_WIDTH = 20
 _SECONDS_BETWEEN_LOG_LINES = 5.0
 _SECONDS_BETWEEN_SHARES = 0.1
-_LONG = 90.0  # s, from which on a time is told in minutes
+_LONG = 90.0  # s; longer times are given in minutes
 
 
 def _wanted_width() -> int | None:
-    """The width that the environment asks for; None where it does not, or for none that anything fits in."""
+    """The width that ``COLUMNS`` asks for; None if it is not set, or less than 20 characters."""
     columns = os.environ.get("COLUMNS", "")
     return int(columns) if columns.isdecimal() and int(columns) >= _LEAST_WIDTH else None
 
 
 def _width_without_terminal() -> int:
-    """How wide output is that goes into a pipe: as the terminal that errors go to (``| less``), where there is one."""
+    """Width of output into a pipe (``| less``): that of the terminal of the error output, at most 120 characters.
+
+    120 characters if the error output is no terminal either.
+    """
     try:
         columns = os.get_terminal_size(sys.stderr.fileno()).columns
     except (OSError, ValueError, AttributeError):  # no terminal, or no error output at all
@@ -49,7 +52,7 @@ _folds = sys.stdout.isatty() or _wanted_width() is not None
 
 class _Output(Console):
     def on_broken_pipe(self) -> None:
-        """Raise BrokenPipeError: who reads the first lines only (``head``) has all that was asked for."""
+        """Raise BrokenPipeError: a reader of the first lines only (``head``) has all that it asked for."""
         raise BrokenPipeError
 
 
@@ -59,7 +62,8 @@ console = _Output(
 messages = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _BARS = "▁▂▃▄▅▆▇█"
-# a blank that does not part a number from its unit or standard error, the words of a unit, or a sign from its word
+# blanks where a line may break: not between a number and its unit or standard error, not within a unit, and not after
+# a sign at the beginning
 _BREAK = re.compile(
     r"(?!(?<=\d) (?:%|±|°C|[nµmkM]?(?:A|V|s|Hz|rad|N|kg|m)\b)|(?<=±) |(?<=N) m\b|(?<=N m) s\b|(?<=V) s/|(?<=kg) m\b"
     r"|(?<=^[+−]) ) +|\n"
@@ -67,20 +71,20 @@ _BREAK = re.compile(
 
 
 def say(text: str, *, style: str = "", markup: bool = False) -> None:
-    """Print sentences: folded to the terminal or to ``COLUMNS``, between words; whole where there is neither."""
+    """Print sentences, folded between words to the terminal's width or ``COLUMNS``; unfolded if there is neither."""
     said = Text.from_markup(text, style=style) if markup else Text(text, style)
     console.print(fold(said, console.width) if _folds else said, soft_wrap=True)
 
 
 def fold(text: Text, width: int) -> Text:
-    """The text in lines of at most ``width`` characters, with every number and its unit on one of them."""
+    """The text folded to lines of at most ``width`` characters; a number and its unit stay on one line."""
     begin = end = resume = 0
     lines = []
     for stop, after in _pieces(text.plain):
         if stop - begin > width and end > begin:
             lines.append((begin, end))
             begin = resume
-        while stop - begin > width:  # a word that is too long: broken after a mark within it, if need be anywhere
+        while stop - begin > width:  # a word is too long: break it after a mark within it, else anywhere
             marked = 1 + max(text.plain.rfind(mark, begin, begin + width) for mark in "._/-,")
             cut = marked if marked > begin else begin + width
             lines.append((begin, cut))
@@ -93,7 +97,7 @@ def fold(text: Text, width: int) -> Text:
 
 
 def longest_piece(text: Text) -> int:
-    """The length of the longest part of a text that ``fold`` keeps on one line."""
+    """Length of the longest part of a text that ``fold`` keeps on one line."""
     begin = longest = 0
     for stop, after in _pieces(text.plain):
         longest, begin = max(longest, stop - begin), after
@@ -101,7 +105,7 @@ def longest_piece(text: Text) -> int:
 
 
 def _pieces(text: str) -> Iterator[tuple[int, int]]:
-    """Where each part that stays whole ends, and where the next begins; blanks that a line begins with are its own."""
+    """Yield where each unbreakable part ends and the next one begins; leading blanks belong to the first part."""
     indent = len(text) - len(text.lstrip(" "))
     for blank in _BREAK.finditer(text, indent):
         yield blank.span()
@@ -117,13 +121,13 @@ def sparkline(values: Sequence[float]) -> str:
 
 
 def warn(text: str) -> None:
-    """One ``warning:`` line on the error output."""
+    """Print one ``warning:`` line on the error output."""
     messages.print(f"warning: {' '.join(text.split())}", style="yellow", markup=False)
 
 
 @contextmanager
 def status() -> Iterator[Callable[[str], None]]:
-    """What takes a line of what is being done, and shows it on the error output; in a log, now and then."""
+    """Yield a function that shows what is being done on the error output; without a terminal, every 5 s at most."""
     if not sys.stderr.isatty():
         yield _now_and_then()
         return
@@ -132,9 +136,10 @@ def status() -> Iterator[Callable[[str], None]]:
 
 
 class Counted:
-    """Pieces of work, ``total`` of them: takes the name of each when it is done.
+    """Counter of ``total`` pieces of work; call it with the name of each piece when that is done.
 
-    Told by a bar; in a log, by a line now and then. Both tell the time that is left, by how fast the last ones went.
+    Shown as a bar; without a terminal, as a line every 5 s at most. Both give the time left: the bar by the speed of
+    the last pieces, the line by the average speed so far.
     """
 
     def __init__(self, total: int, what: str, bar: Progress) -> None:
@@ -153,7 +158,7 @@ class Counted:
         self._log(f"{self._done} of {self._total} done ({name})")
 
     def within(self, name: str, share: float) -> None:
-        """Take the share that is done of a long piece under way."""
+        """Take the fraction that is done of a long piece in progress."""
         self._under_way[name] = share
         if time.monotonic() - self._shown > _SECONDS_BETWEEN_SHARES:
             self._shown = time.monotonic()
@@ -172,13 +177,13 @@ class Counted:
 
 @contextmanager
 def counted(total: int, what: str) -> Iterator[Counted]:
-    """What counts ``total`` pieces of work as they are done."""
+    """Yield a counter of ``total`` pieces of work."""
     with progress_bar(TextColumn("left:"), TimeRemainingColumn(elapsed_when_finished=True)) as bar:
         yield Counted(total, what, bar)
 
 
 def duration(seconds: float) -> str:
-    """A time as one says it: 40 s, 12 min, 3 h 20 min."""
+    """A duration in words: 40 s, 12 min, 3 h 20 min."""
     if seconds < _LONG:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)
@@ -186,7 +191,7 @@ def duration(seconds: float) -> str:
 
 
 def tell_of_compiling() -> None:
-    """Show on the error output what the package tells of work that takes long and comes once."""
+    """Print the package's log messages (INFO: long work that is done once, such as compiling) on the error output."""
     handler = logging.Handler(logging.INFO)
     handler.emit = lambda record: messages.print(record.getMessage(), markup=False)  # type: ignore[method-assign]
     package = logging.getLogger("ema_twin_sim")
@@ -208,7 +213,7 @@ def _now_and_then() -> Callable[[str], None]:
 
 
 def progress_bar(*more: ProgressColumn) -> Progress:
-    """A progress bar on the error output, where somebody watches, that leaves no trace when done."""
+    """A progress bar on the error output, if that is a terminal; it disappears when done."""
     return Progress(
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), *more,
         console=messages, transient=True, disable=not sys.stderr.isatty(),

@@ -113,7 +113,7 @@ def run(
 def _limits(
     recordings: Sequence[Recording], model: Model, speed: float | None, travel: float | None, current: float | None
 ) -> Limits | None:
-    """What the recordings have driven, with the limits that are given in their place; None where none is."""
+    """What the recordings have driven, with the given limits in its place; None if no limit is given."""
     from ..discovery.experiment.bench_limits import driven_limits
     from ..measured.observation import observe
 
@@ -130,7 +130,7 @@ def _limits(
 
 
 def show(found: Plan) -> None:
-    """Print what is in doubt, the proposal with its runners-up, and what no command can tell."""
+    """Print what is in doubt, the proposal with its runners-up, and what no command can distinguish."""
     from ..simulation.command import in_words
 
     if found.verdict == "unknown":
@@ -187,7 +187,7 @@ def _commands(proposals: Sequence[Proposal]) -> ReportTable:
 
 
 def _shown(proposal: Proposal) -> ReportTable:
-    """What effects that are hidden so far would stand out by."""
+    """Table of how clearly the proposal would show effects that are hidden so far."""
     table = ReportTable(f"\nHow clearly it would show effects of a usual size, in standard errors ({DECIDED:g} decide)")
     table.words("effect")
     table.numbers("so far", "with it")
@@ -203,13 +203,13 @@ def _name(rival: str) -> str:
 
 
 def _spoken(text: str) -> str:
-    """A sentence, its effects as one says them."""
+    """A sentence with its effect ids replaced by words."""
     words = re.sub(r"[a-z]+(_[a-z]+)+(\([^)]*\))?", lambda found: _name(found.group()), text)
     return f"{words[0].upper()}{words[1:]}."
 
 
 def _show_how(proposal: Proposal, model: str, ratio: float, output: Path | None, with_files: Sequence[Path]) -> None:
-    """Print how to run a command, on the bench and on the virtual one."""
+    """Print how to run the command on the bench and on the virtual bench."""
     given = proposal.command if output is None else str(output)
     own = "".join(f" --with {file}" for file in with_files)
     console.print(

@@ -1,4 +1,4 @@
-"""``ema-twin recover``: a bag that was cut, made whole."""
+"""``ema-twin recover``: repair a bag that was cut off."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``ema-twin remove``: a model without an effect."""
+"""``ema-twin remove``: write a model without one of its effects."""
 
 from __future__ import annotations
 

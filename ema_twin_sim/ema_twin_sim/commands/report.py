@@ -1,4 +1,4 @@
-"""``ema-twin report``: one page that tells what a model lacked, how sure that is, and what is left."""
+"""``ema-twin report``: one page with what a model lacked, how sure that is, and the error that is left."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def run(
 def _searched(
     recordings: Sequence[Recording], model: Model, progress: Callable[[str], None]
 ) -> tuple[Findings | None, str]:
-    """What a search beside the recordings finds; or nothing, and why they cannot be judged."""
+    """Findings of a search on the recordings; or None, and the reason why they cannot be judged."""
     from ..discovery.discover import discover
 
     try:

@@ -1,4 +1,4 @@
-"""What the commands share that write the page of a report: its name, its content, what it doubts of the models."""
+"""Shared by the commands that write a report page: check its name, write it, and name the models in it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def check_page_name(path: Path | None) -> None:
-    """Raise InputError where the name of a report does not tell what it is."""
+    """Raise InputError if the name of a report does not end in .html or .htm."""
     if path is not None and path.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"{path}: a report is a page; name it .html")
 
@@ -39,11 +39,12 @@ def write_page(
     undiagnosed: str = "",
     force: bool = False,
 ) -> list[str]:
-    """Compare two or three models with the recordings, and write the page; ``labels`` tell models of one name apart.
+    """Compare two or three models with the recordings and write the page.
 
-    A third model is left out where it differs from the second by no more than standard errors. ``comparisons`` are of
-    all these models, where they were made already. Returns what the page doubts of the models. Raises InputError where
-    a recording lacks the input's signal, or where the page cannot be written.
+    ``labels`` distinguish models of the same name. A third model is left out if none of its numbers differs from the
+    second's by more than its standard error. ``comparisons`` are those of all these models, if they exist already.
+    Returns the page's remarks on the models. Raises InputError if a recording lacks the input's signal, or if the page
+    cannot be written.
     """
     from ..report.backwards import backwards
     from ..report.content import Content, shown
@@ -62,14 +63,14 @@ def write_page(
 
 
 def fitting_moved(models: Sequence[Model], findings: Findings | None, fit: FitFindings | None) -> bool:
-    """Whether a number of the third model is farther from the second's than its standard error."""
+    """Whether any number of the third model differs from the second's by more than its standard error."""
     from ..report.fitted import two_values
 
     return any(each.differ for each in two_values(models[1], models[2], findings, fit))
 
 
 def told_apart(models: Sequence[Model], labels: Sequence[str | Path]) -> tuple[str, ...]:
-    """The models' names; where some are the same, those of their files."""
+    """The models' names; if some are equal, the names of their files."""
     for names in ([model.name for model in models], [Path(label).stem for label in labels]):
         if len(set(names)) == len(names):
             return tuple(names)
@@ -77,7 +78,7 @@ def told_apart(models: Sequence[Model], labels: Sequence[str | Path]) -> tuple[s
 
 
 def weighed(found: Discovery) -> Findings:
-    """The findings of a search that was made, with what its diagnosis weighs."""
+    """Findings of a finished search, with the probabilities of its diagnosis."""
     from ..discovery.diagnose import weigh
     from ..words.findings import findings_of
 

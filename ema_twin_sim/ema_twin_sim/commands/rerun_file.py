@@ -1,4 +1,4 @@
-"""What the commands share that write their views as a rerun file: its name, its content, how to open it."""
+"""Shared by the commands that write a rerun file: check its name, write it, and say how to open it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MOST_MODELS = 3
 
 
 def check_rrd_name(path: Path | None, models: int = 1) -> None:
-    """Raise InputError where the name of a rerun file does not tell what it is, or too many models are to be in it."""
+    """Raise InputError if the name of a rerun file does not end in .rrd, or if there are more than three models."""
     if path is None:
         return
     if path.suffix != ".rrd":
@@ -45,10 +45,10 @@ def write_rrd(
     names: Sequence[str] = (),
     force: bool = False,
 ) -> list[str]:
-    """Write the views of recordings beside models; returns the tabs. ``labels`` tell models of one name apart.
+    """Write the views of recordings and models; return the names of the tabs.
 
-    ``comparisons`` are these, where they were made already; ``names`` are what to call the models, where not their own.
-    Raises InputError where the file cannot be written.
+    ``labels`` distinguish models of the same name. ``comparisons`` are given if they exist already; ``names`` replace
+    the models' own names. Raises InputError if the file cannot be written.
     """
     from ..report.content import shown
     from ..views.recording_views import write_views

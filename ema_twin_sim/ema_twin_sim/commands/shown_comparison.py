@@ -1,4 +1,4 @@
-"""A comparison on the terminal: each model's errors beside the sensors' noise, and where it fails."""
+"""Print a comparison on the terminal: each model's errors next to the sensors' noise, and where it fails."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from ..comparison.running_comparison import SignalError
     from ..comparison.where import Dependence
 
-BLIND = 0.5  # of a signal: where its noise is more, an error within it tells nothing
+BLIND = 0.5  # noise as a fraction of the signal; above it, an error within the noise says nothing
 
 
 def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = ()) -> None:
-    """Print the errors of all models, then where each fails; ``labels`` tell models of one name apart."""
+    """Print the errors of all models, then where each fails; ``labels`` distinguish models of the same name."""
     names = [comparison.model for comparison in comparisons]
     if labels and len(set(names)) < len(names):
         comparisons = [replace(c, model=label) for c, label in zip(comparisons, labels, strict=True)]
@@ -46,7 +46,7 @@ def show_comparison(comparisons: Sequence[Comparison], labels: Sequence[str] = (
 
 
 def _show_errors(comparison: Comparison) -> None:
-    """One model's errors: a row a recording, or where the terminal is too narrow for that, a table a recording."""
+    """Print one model's errors: one row per recording or, on a narrow terminal, one table per recording."""
     names = shown_signals(comparison.input, comparison.overall)
     rows = [(r.name, r.signals) for r in sorted(comparison.recordings, key=lambda r: by_number(r.name))]
     rows.append((ALL, comparison.overall))
@@ -108,7 +108,7 @@ def _show_where(comparison: Comparison, *, titled: bool) -> None:
 
 
 def _what_that_says(shown: Sequence[str], overall: Mapping[str, SignalError]) -> str:
-    """What to think of errors within the noise: nothing where a signal is hardly more than its noise itself."""
+    """End of the sentence on errors within the noise; warns if noise is more than half of a signal."""
     errors = {name: overall[name] for name in shown if overall[name]["rmse"] and not overall[name]["driven"]}
     noise = {name: error["relative"] * error["noise_floor"] / error["rmse"] for name, error in errors.items()}
     blind = [

@@ -1,4 +1,4 @@
-"""What ``ema-twin init`` says of the drafts that it wrote: what they rest on, what to look at, what comes next."""
+"""What ``ema-twin init`` prints about its drafts: what they are based on, what to check, what to do next."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def warn_of_contradicted_names(guesses: Guesses) -> None:
-    """Warn of columns whose name tells one quantity and whose unit another, as where two units were swapped."""
+    """Warn of columns whose name says one quantity and whose unit another, for example if two units were swapped."""
     from ..new_machine.columns import contradicted_quantity
     from ..new_machine.header_words import header_words
 
@@ -31,7 +31,7 @@ def warn_of_contradicted_names(guesses: Guesses) -> None:
 
 
 def warn_of_foreign_units(guesses: Guesses) -> None:
-    """Warn of columns whose header tells a unit that is none of their signal's, as per cent of a rated torque."""
+    """Warn of columns whose header has a unit that does not fit their signal, such as per cent of a rated torque."""
     from ema_bench_replay.units import signal_unit
 
     from ..new_machine.header_words import header_words
@@ -47,7 +47,7 @@ def warn_of_foreign_units(guesses: Guesses) -> None:
 
 
 def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
-    """Say what the recordings showed of the machine, what the model only assumes, and what else was, ``besides``."""
+    """Print what the recordings showed of the machine, what the model assumes, and more assumptions (``besides``)."""
     from ..model import load_model
     from ..new_machine.told import assumed, shown
 
@@ -60,7 +60,7 @@ def say_what_it_rests_on(place: Path, besides: Sequence[str]) -> None:
 
 
 def to_look_at(text: str) -> str:
-    """How many lines of a draft a person should look at; its first two tell of the mark itself."""
+    """How many lines of a draft to check; its first two lines, which explain the mark, do not count."""
     from ..new_machine.check_comment import CHECK
 
     count = sum(CHECK in line for line in text.splitlines()[2:])
@@ -68,7 +68,7 @@ def to_look_at(text: str) -> str:
 
 
 def in_unit(guess: Guess) -> str:
-    """The unit that a column is read in, in words."""
+    """The unit in which a column is read, in words."""
     from ..new_machine.header_words import COUNTS
 
     if guess.unit == COUNTS:
@@ -79,7 +79,7 @@ def in_unit(guess: Guess) -> str:
 def say_next(
     files: tuple[Path, Path], drafts: Drafts, guesses: Guesses, trace: str, holed: tuple[Guess, ...] = ()
 ) -> None:
-    """Say what was written, and what comes next; ``holed`` are columns that were left out because of a few cells."""
+    """Print what was written and what to do next; ``holed`` are columns left out for cells that hold no number."""
     for path, text in zip(files, (drafts.map, drafts.model), strict=True):
         say(f"{path}: {to_look_at(text)}")
     if why := guesses.points_doubt:

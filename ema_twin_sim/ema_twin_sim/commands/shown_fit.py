@@ -1,4 +1,4 @@
-"""A fit on the terminal: its numbers with standard errors, the errors it leaves, and what to make of them."""
+"""Print a fit on the terminal: its parameters with standard errors, the errors that remain, and its warnings."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ KINDS = {
 
 
 def show_fit(found: FitResult, before: Model) -> None:
-    """Print the fitted numbers beside those of the model ``before``, the errors, and what to make of them."""
+    """Print the fitted numbers next to those of the model ``before``, the errors, and the notes and warnings."""
     if found.parameters:
         console.print(_parameters(found, before))
     if found.constants:
@@ -66,7 +66,7 @@ def _constants(found: FitResult) -> ReportTable:
 
 
 def errors_table(found: FitResult) -> ReportTable:
-    """The errors before and after, on what was not fitted to."""
+    """Table of the errors before and after, on data that was not fitted to."""
     table = ReportTable(f"\nErrors: {found.judged_on}")
     table.words("signal")
     table.numbers("RMSE before", "after", "noise floor")
@@ -78,6 +78,6 @@ def errors_table(found: FitResult) -> ReportTable:
 
 
 def _warn(warnings: Sequence[Finding]) -> None:
-    """One line a warning; those of damaged recordings are told already, and one may stand for several numbers."""
+    """Print one line per warning, equal ones once; damaged recordings were reported when they were read."""
     for kind, message in dict.fromkeys((w.kind, w.message) for w in warnings if w.kind in KINDS):
         warn(f"{KINDS[kind].lower()}: {message}")

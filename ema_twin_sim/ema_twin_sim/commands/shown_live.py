@@ -1,4 +1,4 @@
-"""What `ema-twin live` prints and writes of a run that ended."""
+"""What ``ema-twin live`` prints and writes when a run has ended."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def as_json(result: LiveResult) -> dict[str, object]:
 
 
 def how_much(result: LiveResult, *, loop: bool = False) -> str:
-    """How many samples the errors are of, in words: whether one is missing, and where it was ended before the last.
+    """How many samples were compared, in words: whether any is missing, and whether the run was ended early.
 
-    Each pass of a ``loop`` is compared by itself: what is told is of the one that it was ended in.
+    Each pass of a ``loop`` is compared by itself: the counts are those of the pass in which the run was ended.
     """
     compared, missing, expected = (result.counts[name] for name in ("compared", "missing", "expected"))
     count = f"{compared} of {expected} samples compared"
@@ -47,7 +47,7 @@ def how_much(result: LiveResult, *, loop: bool = False) -> str:
 
 
 def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
-    """Print what the nodes ended with, and whether the twin kept up with the ``rate`` of playing (0: none asked)."""
+    """Print the final result of the nodes, and whether the twin kept up with the replay ``rate`` (0: not checked)."""
     console.print(
         f"\n[bold]{result.name}[/bold] beside {result.model}, live: {how_much(result, loop=loop)}, input {result.input}"
     )
@@ -66,7 +66,7 @@ def show(result: LiveResult, rate: float = 0.0, *, loop: bool = False) -> None:
 
 
 def late_words(result: LiveResult, rate: float) -> str:
-    """That the twin is slower than the machine, or than the ``rate`` that was asked for; empty where it is not."""
+    """A sentence if the twin is slower than real time, or than the requested ``rate``; otherwise empty."""
     if result.pace is not None and result.pace < 1.0:
         return (
             f"It cannot keep real time on this machine: {result.duration:.1f} s took {result.elapsed:.1f} s. Choose "
@@ -81,8 +81,8 @@ def late_words(result: LiveResult, rate: float) -> str:
 
 
 _LATE = 1.05
-"""Times the time that playing should take, from which on it was late, and by more than the next."""
+"""A run was late if it took more than this factor times its nominal duration, plus ``_LATE_BY``."""
 
 
 _LATE_BY = 0.5
-"""s."""
+"""Additional margin in s."""

@@ -1,4 +1,4 @@
-"""A search on the terminal: its verdict, the steps that led there, the numbers, and what stays in doubt."""
+"""Print a search on the terminal: its verdict, its steps, the parameters, and what stays in doubt."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ STEPS_ARE = (
     "Excess: the mean square of the error above that of the sensors' noise; where 99 % of it goes, a tenth of the RMSE "
     "stays. Runner-up: the second-best effect in that step, and its gain as a share of the step's."
 )
-"""What the columns of the table of steps are."""
-_LEAST_CHANGE = 0.0005  # of a constant: a smaller one is shown as none
+"""Explains the columns of the table of steps."""
+_LEAST_CHANGE = 0.0005  # relative change of a constant; a smaller one is not shown
 
 
 def show_search(found: Discovery, without: Sequence[str] = ()) -> None:
@@ -107,7 +107,7 @@ def _steps(found: Discovery) -> ReportTable:
         )
         table.add_section()
     for step in found.steps:
-        if step.action != "add":  # in the same round as what made it needless, and its numbers are that round's
+        if step.action != "add":  # dropped in the round of the effect that made it needless, whose row has the numbers
             blank = [""] * (len(table.columns) - 2 if narrow else 0)
             table.add_row(f"− {effect_words(step.instance)}", *(() if crowded else (*blank, escape(why_step(step)))))
             continue
@@ -124,12 +124,12 @@ def _steps(found: Discovery) -> ReportTable:
 
 
 def _has_output(found: Discovery) -> bool:
-    """Whether the steps tell of the output's position too."""
+    """Whether the steps also have errors of the output's position."""
     return any(step.output_before is not None for step in found.steps)
 
 
 def _is_crowded(found: Discovery) -> bool:
-    """Whether the table of the steps has no room for words on them."""
+    """Whether the table of steps has no room for words."""
     return is_narrow() and _has_output(found)
 
 

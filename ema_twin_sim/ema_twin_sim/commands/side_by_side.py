@@ -1,4 +1,4 @@
-"""Models side by side: the thesis's table 5.1, a row a recording and a column a model, and how many times closer."""
+"""Models side by side, as table 5.1 of the thesis: one row per recording, one column per model, and times closer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _Table = Callable[[str, Sequence["Comparison"]], ReportTable]
 
 
 def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
-    """Print a table of the headline and one of the position, a row a recording; then all signals of all recordings."""
+    """Print tables of the main signal and of a position, one row per recording; then one of all signals overall."""
     first = comparisons[0]
     names = shown_signals(first.input, first.overall)
     if len(first.recordings) > 1:
@@ -41,7 +41,7 @@ def show_side_by_side(comparisons: Sequence[Comparison]) -> None:
 
 
 def _print_folded(name: str, comparisons: Sequence[Comparison], table_of: _Table) -> None:
-    """Print a table of all models; where the terminal is too narrow for that, one of the first with each other."""
+    """Print one table of all models; if the terminal is too narrow, one of the first model with each other model."""
     table = table_of(name, comparisons)
     if table.fits() or len(comparisons) == 2:
         console.print(table)
@@ -94,7 +94,7 @@ def _table(title: str, rows: str, comparisons: Sequence[Comparison], *before: st
 def _cells(
     name: str, errors: Sequence[Mapping[str, SignalError]], closest: Sequence[Mapping[str, Closeness]]
 ) -> list[str]:
-    """The RMSE of the first model, then of each other with how many times closer it is."""
+    """The RMSE of the first model, then that of each other model with how many times closer it is."""
     first, *others = (error_cell(error.get(name)) for error in errors)
     pairs = zip(others, closest, strict=True)
     return [first, *(cell for other, close in pairs for cell in (other, closeness_cell(close.get(name))))]

@@ -1,4 +1,4 @@
-"""``ema-twin simulate``: the virtual bench makes a recording."""
+"""``ema-twin simulate``: make a recording with the virtual bench."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def run(
 
 
 def _warn_of_speed(model: Model, command: Command, time: np.ndarray) -> None:
-    """Warn of a command that asks for more speed than the drive lets through; a jump of the position is no speed."""
+    """Warn of a command that asks for more than the drive's speed limit; a jump of the position does not count."""
     asked = command.highest_speed(time) * model.value("machine.gear_ratio")
     limit, unit = model.value("drive.speed_limit"), model.unit("drive.speed_limit")
     if asked > limit * (1.0 + 1e-6):

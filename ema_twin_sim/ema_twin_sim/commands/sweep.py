@@ -1,4 +1,4 @@
-"""``ema-twin sweep``: many models are simulated and searched: what can be told of them, and from which size on."""
+"""``ema-twin sweep``: simulate and search many models: which effects can be found, and from which size on."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ A number of an effect that the model lacks is hidden from the search, which look
 constant, has another value in the simulated machine than in the model."""
 
 _SHOWN = 5
-"""Points that were refused, of which the reason is told."""
+"""Number of refused or failed points whose reason is printed."""
 
 
 def run(
@@ -155,7 +155,7 @@ def run(
 
 
 def _show(points: Sequence[SweptPoint]) -> None:
-    """A row for every point: how often it was named, and errors of the numbers that were varied."""
+    """Print one row per point: how often the effect was named, and the errors of the varied numbers."""
     if not points:
         return
     table = ReportTable(f"{len(points)} points")

@@ -1,4 +1,4 @@
-"""Tables whose words fold at blanks and whose numbers stay whole, none wider than the terminal."""
+"""Tables no wider than the terminal: words fold at blanks, numbers are never broken."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from rich.text import Text
 from .output import console, fold, longest_piece
 
 _NARROW = 110  # columns of a terminal below which rules between columns are left out
-_LONGEST_WORD = 24  # a longer one may be broken where the table would not fit otherwise
+_LONGEST_WORD = 24  # a longer one may be broken if the table would not fit otherwise
 
 
 def is_narrow() -> bool:
-    """Whether there is room for what a table cannot do without only."""
+    """Whether the terminal has room only for the essential columns of a table."""
     return console.width < _NARROW
 
 
 class ReportTable(Table):
     """A table of words and numbers; a ``title`` stands above it.
 
-    Where even folding leaves it wider than the terminal, each row becomes a list of its cells.
+    If it is wider than the terminal even when folded, each row becomes a list of its cells.
     """
 
     def __init__(self, title: str | None = None) -> None:
@@ -39,7 +39,7 @@ class ReportTable(Table):
             self.collapse_padding = True
 
     def words(self, *headers: str, widest: int | None = None) -> None:
-        """Add columns of text, at most ``widest`` characters wide, that fold at blanks where space is short."""
+        """Add columns of text, at most ``widest`` characters wide, that fold at blanks if space is short."""
         for header in headers:
             self._add(header, whole=False, widest=widest)
 
@@ -68,7 +68,7 @@ class ReportTable(Table):
         super().add_row(*map(_Cell, texts), style=style, end_section=end_section)
 
     def fits(self, width: int | None = None) -> bool:
-        """Whether all words and numbers are whole within ``width``, by default the terminal's."""
+        """Whether all words and numbers fit unbroken into ``width``, by default the terminal's."""
         return self._widths(console.width if width is None else width) is not None
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
@@ -83,7 +83,7 @@ class ReportTable(Table):
         yield from super().__rich_console__(console, options)  # type: ignore[misc]
 
     def _widths(self, room: int, *, break_words: bool = False) -> list[int] | None:
-        """The columns' widths within ``room``, the widest made narrower first; None where they do not fit."""
+        """Column widths that fit into ``room``, narrowing the widest first; None if they do not fit."""
         least, widths = [], []
         for whole, widest, (header, *cells) in zip(self._whole, self._widest, self._texts, strict=True):
             word = max(longest_piece(text) for text in ([header] if whole else [header, *cells]))
@@ -101,7 +101,7 @@ class ReportTable(Table):
         return widths
 
     def _frame(self) -> int:
-        """The characters of a line that rules and gaps take."""
+        """Number of characters per line that rules and gaps take."""
         for column in self.columns:
             column.width = 1
         roomy = console.options.update(width=10_000)
@@ -122,7 +122,7 @@ class ReportTable(Table):
 
 
 class _Cell:
-    """A text that folds as ``fold`` does, to the width that its column gives it."""
+    """A text that ``fold`` folds to the width of its column."""
 
     def __init__(self, text: Text) -> None:
         self.text = text

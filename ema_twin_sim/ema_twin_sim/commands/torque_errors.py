@@ -12,7 +12,10 @@ if TYPE_CHECKING:
 
 
 def show_torque_errors(errors: Mapping[str, TorqueError], motion: str, model: str = "") -> None:
-    """Print what the measured motion needs beside what the drive gave, a line a recording, as papers tell it."""
+    """Print the relative error between the torque that the motion needs and the drive's, one line per recording.
+
+    Papers report the error in this form.
+    """
     what = "force" if motion == "linear" else "torque"
     for name, error in errors.items():
         of = f"{name} ({model})" if model else name

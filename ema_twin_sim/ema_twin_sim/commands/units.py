@@ -1,4 +1,4 @@
-"""``ema-twin units``: a campaign's results, a row for every unit."""
+"""``ema-twin units``: a campaign's results, one row per unit."""
 
 from __future__ import annotations
 
@@ -172,7 +172,7 @@ def _show(
 
 
 def _changed(looks: Sequence[Outlook]) -> str:
-    """The number of a unit that changed most, and how many others did."""
+    """The number of a unit that changed most, and how many others changed."""
     changed = [look for look in looks if look.change is not None]
     if not changed:
         return ""
@@ -200,7 +200,7 @@ def _show_recordings(one: Unit) -> None:
 
 
 def _show_health(health: UnitHealth | None) -> None:
-    """What the tests of a unit say beside its healthy ones."""
+    """Print how a unit's tests differ from its healthy ones."""
     if health is None or not health.tests:
         return
     for one in health.baselines:
@@ -226,7 +226,7 @@ def _show_health(health: UnitHealth | None) -> None:
 
 
 def _show_numbers(looks: Sequence[Outlook]) -> None:
-    """How the numbers of a unit change, those that changed most first."""
+    """Print how the numbers of a unit change, those that changed most first."""
     if not looks:
         return
     dated = looks[0].history.dated

@@ -1,4 +1,4 @@
-"""Acquisition: is a run fit to be judged, and by which of its signals? Asked before anything is told of the unit."""
+"""Acquisition: is a run fit to be judged, and by which of its signals? Checked before anything is said of the unit."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from .phases import Phases, phases_of
 
 @dataclass(frozen=True)
 class Acquisition:
-    """What is wrong with a run's signals, and what may be judged all the same."""
+    """What is wrong with a run's signals, and what can be judged nevertheless."""
 
-    usable: bool  # whether anything may be said of the unit
-    effort_usable: bool  # whether its effort may be asked how large it is
+    usable: bool  # whether anything can be said of the unit
+    effort_usable: bool  # whether the size of its effort can be judged
     unsigned: bool  # whether the effort is a magnitude
     findings: tuple[str, ...]
 
     @property
     def fit_to_learn_from(self) -> bool:
-        """Whether a healthy run tells what healthy is."""
+        """Whether a healthy run can be used to learn the healthy state."""
         return self.usable and self.effort_usable
 
 
 def judge_acquisition(record: MotionRecord) -> Acquisition:
-    """Look at the clock, at samples that are no numbers, at clipping and at the sign of the effort."""
+    """Check the clock, samples that are no numbers, clipping, and the sign of the effort."""
     wrong = clock_fault(record.time)
     for name in ("position", "effort", "command", "motor_position"):
         values = getattr(record, name)
@@ -59,9 +59,9 @@ def judge_acquisition(record: MotionRecord) -> Acquisition:
 
 
 def clock_fault(time: np.ndarray) -> str:
-    """What is wrong with a clock (n,) [s]: stamps that do not rise, or steps of any length; nothing where it is well.
+    """What is wrong with a clock (n,) [s]: stamps that do not rise, uneven steps, or gaps; empty if it is fine.
 
-    Single lost samples do no harm to means and spectra over positions; many do.
+    Single lost samples do not affect means and spectra over positions; many do.
     """
     steps = np.diff(time)
     if not len(steps) or not np.isfinite(time).all() or (steps <= 0.0).any():
@@ -77,9 +77,9 @@ def clock_fault(time: np.ndarray) -> str:
 
 
 def clipped_share(values: np.ndarray) -> float:
-    """Share of the samples (n,) that lie at a limit: at an end of the range, and far more than just inside it.
+    """Share of the samples (n,) that are clipped: at an end of the range, and over three times those just inside it.
 
-    Of a signal that is only coarse, the last reading is no more frequent than the one before it.
+    In a signal that is only coarsely resolved, the last reading is no more frequent than the one before it.
     """
     found, counts = np.unique(values, return_counts=True)
     if len(found) < 4:
@@ -89,7 +89,7 @@ def clipped_share(values: np.ndarray) -> float:
 
 
 def is_unsigned(record: MotionRecord, phases: Phases) -> bool:
-    """Whether an effort is a magnitude: as it was declared; else where it keeps its sign in motion both ways."""
+    """Whether an effort is a magnitude: as declared; otherwise, if it is never negative in motion both ways."""
     if record.unsigned is not None:
         return record.unsigned
     both = phases.strokes(1) and phases.strokes(-1)

@@ -1,4 +1,4 @@
-"""State: what a healthy unit's runs look like, learnt from runs declared healthy, and how far off another is."""
+"""State: what a healthy unit's runs look like, learnt from runs declared healthy, and how far another run is off."""
 
 from __future__ import annotations
 
@@ -22,23 +22,24 @@ from .run_features import RunFeatures, run_features
 from .wave import found_wavelength
 
 LEVELS = ("friction", "roughness", "rest_hunting", "settling")
-"""How much effort the unit takes and how it scatters: judged together, with the degrees of freedom of tests and runs by
-their variances."""
+"""How much effort the unit takes and how it scatters: judged together. The degrees of freedom follow from the variances
+between tests and between runs."""
 WAVES = ("wave_forward_cos", "wave_forward_sin", "wave_backward_cos", "wave_backward_sin")
-"""Where it takes it: likewise. All eight together would need twice as many tests to be held against each other."""
+"""Where it takes that effort: judged together likewise. All eight features in one block would need twice as many tests.
+"""
 RUNNING = LEVELS + WAVES
 ALONE = ("load", "lag", "breakaway", "bump", "lost_motion")
-"""What loads it, how it starts, local damage and play between two encoders: each by itself, with the number
-of tests less one as degrees of freedom, since such numbers depend on how a run began and have outliers."""
+"""Its load, how it starts, local damage, and play between two encoders: each judged by itself, with the number of tests
+minus one as degrees of freedom, because these features depend on how a run began and have outliers."""
 SHOWN = ("fast_roughness", "slow_roughness", "wave_depth", "wave_both_ways")
-"""What helps to name a change and calls none off: parts of what is judged already."""
+"""Features that help to name a change but raise no alarm: they are parts of what is judged already."""
 FEWEST_TESTS = 3
-_VANISHING = 1e-7  # of the unit's own effort or travel, or in a logarithm: what varies less is a simulation
+_VANISHING = 1e-7  # of the unit's own effort or travel, or in a logarithm: a feature that varies less is simulated
 
 
 @dataclass(frozen=True)
 class BlockLimit:
-    """One block of features and the tail probability from which on it is called off."""
+    """One block of features, and the tail probability below which it raises an alarm."""
 
     features: tuple[str, ...]
     limit: float  # natural logarithm
@@ -49,32 +50,32 @@ class Baseline:
     """A unit's healthy state."""
 
     features: tuple[str, ...]
-    prediction: Prediction  # of the features, those that are no logarithms in times the unit's own effort
+    prediction: Prediction  # of the features; those that scale with the effort are divided by the unit's own effort
     scale: float  # the healthy effort against the motion, A or N m
     sides: tuple[float, float]  # the same, forward and backward
-    wavelength: float  # m or rad, of what repeats with the position; NaN where nothing does
+    wavelength: float  # m or rad, of what repeats with the position; NaN if nothing does
     blocks: tuple[BlockLimit, ...]
     false_alarm: float
-    false_alarms_left_out: float  # share of the healthy runs that the other tests' baseline calls off at that rate
+    false_alarms_left_out: float  # share of the healthy runs that a baseline of the other tests calls off at that rate
     tests: int
     runs: int
     unsigned: bool
-    freed: bool  # whether waves are those freed of what errors of the position explain
+    freed: bool  # whether the waves are without what errors of the position explain
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
     warnings: tuple[str, ...]
 
     def vector(self, features: Features) -> np.ndarray:
-        """The numbers of a run (p,), NaN where it has none."""
+        """The features of a run (p,), NaN for those that it lacks."""
         return _vector(features.told(self.freed), self.features, self.scale)
 
 
 def learn(
     records: Sequence[MotionRecord], *, wavelength: float | None = None, false_alarm: float = FALSE_ALARM
 ) -> Baseline:
-    """The healthy state from healthy runs of three tests or more.
+    """Learn the healthy state from healthy runs of three tests or more.
 
-    The wavelength, in the position's unit, is the lead of a screw or 2π of a turning shaft; unless it is given it is
-    found. Raises InputError where the runs do not suffice.
+    ``wavelength``, in the position's unit, is the lead of a screw or 2π of a turning shaft; if it is None, it is found
+    from the runs. Raises InputError if the runs do not suffice.
     """
     judged = [(record, judge_acquisition(record)) for record in records]
     fit = [(record, acquisition.unsigned) for record, acquisition in judged if acquisition.fit_to_learn_from]
@@ -86,9 +87,9 @@ def learn(
 
 
 def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM) -> Baseline:
-    """The same from runs that were read before, all with one wavelength.
+    """The same from runs whose features were computed before, all with one wavelength.
 
-    Raises InputError where they do not suffice, or do not go together.
+    Raises InputError if they do not suffice, or do not belong together.
     """
     kept, warnings = [], []
     for run in runs:
@@ -117,7 +118,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
     sizes = _sizes(told[0], names, float(np.median(motions[:, 1])))
     moving = [name for name, spread in zip(names, values.std(axis=0) / sizes, strict=True) if spread > _VANISHING]
     values = values[:, [names.index(name) for name in moving]]
-    judged = [name for name in moving if not (unsigned and name == "load")]  # no magnitude tells a load
+    judged = [name for name in moving if not (unsigned and name == "load")]  # a magnitude does not show a load
     columns = [moving.index(name) for name in judged]
     blocks, left_out = _limits(judged, values[:, columns], tests, false_alarm)
     return Baseline(
@@ -139,7 +140,7 @@ def learn_from(runs: Sequence[RunFeatures], *, false_alarm: float = FALSE_ALARM)
 
 
 def other_sign(run: RunFeatures) -> str:
-    """How the effort of a run differs from that of others, one of which is a magnitude."""
+    """A clause on a run whose effort is a magnitude when that of the healthy ones is not, or the other way round."""
     if run.unsigned:
         return "The effort is a magnitude and that of the healthy recordings has a sign"
     return "The effort has a sign and that of the healthy recordings is a magnitude"
@@ -148,7 +149,7 @@ def other_sign(run: RunFeatures) -> str:
 def tails(
     prediction: Prediction, names: Sequence[str], blocks: Sequence[Sequence[str]], values: np.ndarray
 ) -> list[float]:
-    """Log tail probability of each block, of those of its features that a run has; NaN where it has none."""
+    """Log tail probability of each block, by those of its features that the run has; NaN if it has none."""
     found = []
     for block in blocks:
         rows = [i for i, name in enumerate(names) if name in block and np.isfinite(values[i])]
@@ -160,10 +161,11 @@ def tails(
 def _limits(
     names: Sequence[str], values: np.ndarray, tests: Sequence[str], false_alarm: float
 ) -> tuple[tuple[BlockLimit, ...], float]:
-    """The blocks with their limits: of the rate that was asked for, where healthy runs are distributed as supposed.
+    """The blocks with their limits, and the share of healthy runs beyond a limit.
 
-    Each healthy run is judged by the baseline of the other tests. Where more of them than chance allows are beyond a
-    block's limit, runs of this unit are no normal distribution, and the limit goes to the farthest.
+    The limits are those of the requested rate if healthy runs are distributed as assumed. Each healthy run is judged by
+    the baseline of the other tests. If more of them than chance allows are beyond a block's limit, the runs of this
+    unit are not normally distributed, and the limit moves to the farthest of them.
     """
     blocks = _blocks(names, predict(values, tests))
     rates = _rates(blocks, false_alarm)
@@ -187,7 +189,7 @@ def _limits(
 
 
 def _blocks(names: Sequence[str], prediction: Prediction) -> list[tuple[str, ...]]:
-    """The features that are judged together; by themselves where too few tests tell how they go together."""
+    """The features that are judged together; each by itself if there are too few tests to know how they correlate."""
     found: list[tuple[str, ...]] = []
     for group in (LEVELS, WAVES):
         rows = [i for i, name in enumerate(names) if name in group]
@@ -198,7 +200,7 @@ def _blocks(names: Sequence[str], prediction: Prediction) -> list[tuple[str, ...
 
 
 def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
-    """Log of each block's share of the false alarms, most of which how the unit runs may make."""
+    """Log of each block's share of the false alarms; the blocks of ``RUNNING`` together get most of them (MOSTLY)."""
     running = sum(block[0] in RUNNING for block in blocks)
     alone = len(blocks) - running
     share = MOSTLY if alone else 1.0
@@ -208,7 +210,7 @@ def _rates(blocks: Sequence[Sequence[str]], false_alarm: float) -> list[float]:
 
 
 def _freed(runs: Sequence[Features], tests: Sequence[str]) -> bool:
-    """Whether waves that are freed of errors of the position tell more, by what both are in healthy runs."""
+    """Whether waves without what errors of the position explain show more, judged by both in healthy runs."""
     plain, freed = ([features.told(flag) for features in runs] for flag in (False, True))
     names = [name for name in WAVES if all(name in values for values in plain)]
     if not names:
@@ -222,7 +224,7 @@ def _mostly(flags: Sequence[bool]) -> bool:
 
 
 def _sizes(values: Mapping[str, Feature], names: Sequence[str], travel: float) -> np.ndarray:
-    """What scatters (p,) of numbers are small beside: the travel where they are lengths or angles, else one."""
+    """Reference (p,) for the scatter of each feature: the travel for lengths or angles, else 1."""
     lengths = [not values[name].of_effort and not values[name].logarithm for name in names]
     return np.where(lengths, travel, 1.0)
 

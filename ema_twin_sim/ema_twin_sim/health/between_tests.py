@@ -1,11 +1,11 @@
-"""Random effects: what one more run of a healthy unit, in a test of its own, may look like.
+"""Random effects: how far one more run of a healthy unit, in a new test, may be off.
 
-A run is mean + what its test has in common + what is its own. Runs of one test are no independent witnesses of what
-another test will bring, so the degrees of freedom are those of both variances together: with a variance all between
-tests, the number of tests less one, however many runs there are. They are those of Nel and van der Merwe
-(Communications in Statistics 15, 1986), which do not depend on the numbers' units (Krishnamoorthy and Yu, Statistics
-& Probability Letters 66, 2004); of a single number they are Satterthwaite's. The limit is Hotelling's T² for one
-further observation.
+A run is the mean + a part common to its test + a part of its own. Runs of one test are not independent evidence of what
+another test will give, so the degrees of freedom are those of both variances together: if all variance is between
+tests, the number of tests minus one, however many runs there are. They are those of Nel and van der Merwe
+(Communications in Statistics 15, 1986), which do not depend on the units of the features (Krishnamoorthy and Yu,
+Statistics & Probability Letters 66, 2004); for a single feature they are Satterthwaite's. The limit is Hotelling's T²
+for one further observation.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from scipy import stats
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Where a further run of a further test lies, of p numbers."""
+    """Distribution of one more run of one more test, in p features."""
 
     mean: np.ndarray  # (p,) mean of the tests' means
     between: np.ndarray  # (p, p) covariance of the tests' means
-    within: np.ndarray  # (p, p) what a single run varies by beyond that
+    within: np.ndarray  # (p, p) covariance of single runs about the mean of their test
     tests: int
     runs: int
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of a further run about the mean (p, p), with the mean's own error."""
+        """Covariance (p, p) of one more run about the mean, with the mean's own error."""
         return self.between * (1.0 + 1.0 / self.tests) + self.within
 
     @property
@@ -39,7 +39,7 @@ class Prediction:
 
     @property
     def degrees_of_freedom(self) -> float:
-        """Of the covariance, by Nel and van der Merwe."""
+        """Degrees of freedom of the covariance, by Nel and van der Merwe."""
         inverse = np.linalg.inv(self.between + self.within)
         count = len(self.mean)
         used = 0.0
@@ -50,7 +50,7 @@ class Prediction:
         return (count + count**2) / used
 
     def part(self, which: Sequence[int]) -> Prediction:
-        """Of some of the numbers."""
+        """The prediction of some of the features."""
         rows = list(which)
         square = np.ix_(rows, rows)
         return replace(self, mean=self.mean[rows], between=self.between[square], within=self.within[square])
@@ -61,9 +61,9 @@ class Prediction:
         return float(off @ np.linalg.solve(self.covariance, off))
 
     def tail(self, values: np.ndarray, freedom: float | None = None) -> float:
-        """Natural logarithm of the probability that a healthy run is as far off; 0 where too few tests tell.
+        """Natural logarithm of the probability that a healthy run is as far off; 0 if there are too few tests.
 
-        With the degrees of freedom that are given, else the covariance's own.
+        Uses the degrees of freedom ``freedom`` if given, else the covariance's own.
         """
         count = len(self.mean)
         freedom = self.degrees_of_freedom if freedom is None else freedom
@@ -74,12 +74,12 @@ class Prediction:
 
 
 def predict(values: np.ndarray, tests: Sequence[str]) -> Prediction:
-    """From values (n, p) of healthy runs, and the test of each; two tests at least."""
+    """Estimate the prediction from values (n, p) of healthy runs and the test of each; needs at least two tests."""
     labels = np.asarray(tests)
     groups = [values[labels == test] for test in dict.fromkeys(tests)]
     means = np.array([group.mean(axis=0) for group in groups])
     runs, number = len(values), len(groups)
-    between = np.atleast_2d(np.cov(means.T))  # holds a part of what varies within: one over the runs of a test
+    between = np.atleast_2d(np.cov(means.T))  # includes the variance within tests over the runs of a test
     within = np.zeros_like(between)
     if runs > number:
         off = np.concatenate([group - group.mean(axis=0) for group in groups])

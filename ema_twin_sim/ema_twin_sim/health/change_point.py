@@ -1,10 +1,10 @@
-"""Change points of a feature or a parameter over time, at a stated rate of false alarms.
+"""Change points of a feature or a parameter over time, at a given rate of false alarms.
 
-The first values are the baseline; each later value asks whether the mean of the last 1, 2, 4, … values still is the
-baseline's (a generalised likelihood ratio over windows). Its error holds the baseline's own. How much values scatter is
-told by the baseline more than by the standard errors that were given; few baseline values make Student's tail. The
-limit is the one whose mean time to a false alarm is the reciprocal of the rate, by Siegmund and Venkatraman, The Annals
-of Statistics 23, 1995, equation 2.4, for all windows: those that are left out here alarm less.
+The first values are the baseline. At each later value, the mean of the last 1, 2, 4, … values is compared with that of
+the baseline (a generalised likelihood ratio over windows); the error of the difference includes the baseline's own. The
+scatter is estimated from the baseline more than from the given standard errors; few baseline values give Student's
+tail. The limit is the one whose mean time to a false alarm is the reciprocal of the rate, by Siegmund and Venkatraman,
+The Annals of Statistics 23, 1995, equation 2.4. That is for all windows; the fewer windows used here give fewer alarms.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from ..criteria import LIKELY
 from .false_alarms import FALSE_ALARM_OF_HISTORY
 
 _FEWEST = 4  # baseline values
-_BELIEVED = 2.0  # degrees of freedom of errors that were told
-_LARGEST = 12.0  # standard errors: no rate asks for more
+_BELIEVED = 2.0  # degrees of freedom that the given standard errors count for
+_LARGEST = 12.0  # standard errors: no rate needs a higher limit
 
 
 @dataclass(frozen=True)
 class ChangePoint:
     """A lasting change of a level."""
 
-    alarm: int  # index of the value at which it was told
+    alarm: int  # index of the value at which it was detected
     begin: int  # likeliest index of the first value after it
-    earliest: int  # begins between these explain the values nearly as well: log-likelihoods are within 2
+    earliest: int  # begins from here to ``latest`` explain the values nearly as well: log-likelihoods are within 2
     latest: int
-    size: float  # of the values since its begin less the baseline, in their unit
+    size: float  # mean of the values since its begin minus that of the baseline, in their unit
     standard_error: float
     distance: float  # standard errors, at the alarm
     limit: float  # standard errors
@@ -42,9 +42,9 @@ class ChangePoint:
 def change_point(
     values: np.ndarray, errors: np.ndarray, baseline: int, false_alarm: float = FALSE_ALARM_OF_HISTORY
 ) -> ChangePoint | None:
-    """The first change of the values (n,), with standard errors (n,), beyond the `baseline` first ones; or none.
+    """The first change of the values (n,), with standard errors (n,), after the first ``baseline`` ones; None if none.
 
-    The rate is that of false alarms per value. Raises InputError where the baseline is too short.
+    ``false_alarm`` is the rate of false alarms per value. Raises InputError if the baseline is too short.
     """
     values, errors = np.asarray(values, dtype=np.float64), np.asarray(errors, dtype=np.float64)
     if baseline < _FEWEST:
@@ -66,10 +66,10 @@ def change_point(
 
 
 def inflation(scatter: float, freedom: float) -> tuple[float, float]:
-    """By what errors are to be multiplied, and the degrees of freedom then, from a sum of squares in those errors.
+    """The factor for the standard errors, and the degrees of freedom then, from a sum of squares in those errors.
 
-    What was told of errors counts as much as a few values: days differ by what no fit knows, and what all recordings
-    of a unit share is in each error and in no difference of two.
+    The given errors count only as much as a few values (``_BELIEVED``): days differ for reasons that no fit knows, and
+    what all recordings of a unit share is in each error but in no difference of two values.
     """
     known = _BELIEVED + freedom
     return float(np.sqrt((_BELIEVED + scatter) / known)), float(known)
@@ -77,7 +77,7 @@ def inflation(scatter: float, freedom: float) -> tuple[float, float]:
 
 @cache
 def alarm_limit(false_alarm: float) -> float:
-    """Standard errors beyond which a window, in either direction, is an alarm: one in 1 / rate values by chance."""
+    """Standard errors beyond which a window is an alarm, in either direction; by chance one in 1 / rate values is."""
 
     def rate(limit: float) -> float:
         overshoot = integrate.quad(lambda x: x * _overshoot(x) ** 2, 0.0, limit)[0]
@@ -101,7 +101,7 @@ def _windows(most: int) -> list[int]:
 
 
 def _off(values: np.ndarray, errors: np.ndarray, mean: float, variance: float, widened: float) -> tuple[float, float]:
-    """(size, its standard error) of a window's mean beside the baseline's."""
+    """(size, its standard error) of the difference between a window's mean and the baseline's."""
     weights = errors**-2.0
     total = float(weights.sum())
     return float(values @ weights) / total - mean, widened * (1.0 / total + variance) ** 0.5
@@ -111,7 +111,7 @@ def _located(
     values: np.ndarray, errors: np.ndarray, baseline: int, last: int, mean: float, variance: float, widened: float,
     distance: float, limit: float,
 ) -> ChangePoint:  # fmt: skip
-    """The change of an alarm, with the begin that explains the values best."""
+    """The change point of an alarm, with the begin that explains the values best."""
     begins = np.arange(baseline, last + 1)
     gains = []
     for begin in begins:

@@ -1,13 +1,13 @@
-"""Disturbance: the effort that a place asks for, beside what control and inertia make of the error of the position.
+"""Disturbance: the effort that a place requires, without what control and inertia add because of the position error.
 
-A control answers an error of the position with effort, and an acceleration takes some. So much of an effort's scatter
-may go with the errors of the neighbouring samples and tell nothing of the place. How it goes with them is fitted to the
-scatter beside the wave, and what they explain is taken away, of the wave too: a disturbance observer whose model is the
-stroke itself.
+A controller answers a position error with effort, and acceleration takes effort. So much of the scatter of the effort
+may follow the errors of the neighbouring samples and say nothing about the place. This dependence is fitted to the
+scatter about the wave, and what the errors explain is subtracted, from the wave too: a disturbance observer whose model
+is the stroke itself.
 
-Where the effort is nothing but a control's answer, the torque of a place reaches it through the error alone, and would
-be taken away with it. The healthy wave takes the same way as that of a damage at the same wavelength, so what of it
-is left tells whether waves may be freed of errors at all.
+If the effort is nothing but the controller's answer, the torque of a place reaches it through the error alone, and
+would be subtracted as well. The healthy wave takes the same path as the wave of a damage at the same wavelength. So how
+much of the healthy wave is left shows whether waves may be freed of errors at all.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from ..criteria import CONTRADICTED, FEWEST_ROWS, MOSTLY, NEGLIGIBLE
 from .motion_record import MotionRecord
 from .wave import beside_wave
 
-_TAPS = 2  # errors before and after
-_TAPS_A_WAVE = 4  # so that those of a quarter wave before and after tell any phase, those of half a wave any trend
+_TAPS = 2  # number of errors before and after
+_TAPS_A_WAVE = 4  # errors a quarter wave before and after can follow any phase, those half a wave away any trend
 
 
 def disturbance(
     record: MotionRecord, effort: np.ndarray, rows: np.ndarray, place: np.ndarray, wavelength: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(effort (m,) less what the error of the position explains, place (m,)) of the rows (n,) that have neighbours.
+    """(effort (m,) without what the position error explains, place (m,)) for those of the rows (n,) with neighbours.
 
-    The effort and the place are those of the whole record. Without a command there is no error of the position, and
-    too few rows do not tell what it explains: then the effort stays as it is.
+    ``effort`` and ``place`` are those of the whole record. Without a command there is no position error, and too few
+    rows do not show what it explains: then the effort is unchanged.
     """
     if record.command is None:
         return effort[rows], place[rows]
@@ -41,14 +41,14 @@ def disturbance(
     if len(inside) < FEWEST_ROWS + len(shifts):
         return effort[rows], place[rows]
     error = record.command - record.position
-    # Means over a step leave the scatter about the wave's own frequency, at which the errors are to explain it.
+    # Averages over a step keep the scatter near the wave's own frequency, where the errors have to explain it.
     mean = np.full(step, 1.0 / step)
     slow = np.convolve(error, mean, "same")
     values, where = effort[inside], place[inside]
     errors = np.column_stack([slow[inside + shift] for shift in shifts])
     scatter = beside_wave(errors, where, wavelength)
     squares = scatter.T @ scatter
-    # Where errors hardly scatter but in the wave itself, they do not tell what of the effort is theirs.
+    # If errors hardly scatter except in the wave itself, they do not show which part of the effort they cause.
     floor = NEGLIGIBLE**2 * np.trace(beside_wave(errors, where, np.inf).T @ errors) / len(shifts)
     if not floor > 0.0:
         return values, where
@@ -58,10 +58,10 @@ def disturbance(
 
 
 def tells_more(plain: np.ndarray, freed: np.ndarray, tests: Sequence[str]) -> bool:
-    """Whether waves freed of errors (n, k) tell a damage of a place better than the plain ones (n, k) of healthy runs.
+    """Whether waves freed of errors (n, k) show local damage better than plain ones (n, k), judged by healthy runs.
 
-    They do where the healthy wave is known, the greater share of it is left, and that stands out more over how it
-    differs from run to run. The k numbers are those of phasors, the same in both.
+    They do if the healthy wave is known, most of it (MOSTLY) is left, and that is larger relative to its scatter from
+    run to run. The k numbers are components of phasors, the same in both.
     """
     labels = np.asarray(tests)
     means = np.array([plain[labels == test].mean(axis=0) for test in dict.fromkeys(tests)])

@@ -1,10 +1,10 @@
-"""Drift of a feature or a parameter: a level, then wear from an onset on that nobody knows, by a law that nobody knows.
+"""Drift of a feature or a parameter: a level, then wear from an unknown onset on, by an unknown law.
 
-Wear goes with a power of the time since its onset, or exponentially where damage makes damage; and it goes in random
-steps, as a gamma process does, whose size is not known either. For each possible onset, law and size of the steps the
-level, the change until now and what the steps have come to are a Kalman filter's, each weighted by its marginal
-likelihood and, laws, by how usual they are: what is told of the slope or of a later value holds the doubt about all.
-How much values scatter is told by their second differences, which hardly see wear, and by the errors that were given.
+Wear grows with a power of the time since its onset, or exponentially if damage causes more damage. It also has random
+steps of unknown size, as a gamma process has. For each possible onset, law and size of steps, a Kalman filter estimates
+the level, the change until now and the sum of the steps. Each is weighted by its marginal likelihood, and each law by
+how common it is, so the slope or a later value includes the uncertainty about all of them. The scatter of the values is
+estimated from their second differences, which hardly contain wear, and from the given errors.
 (Gamma processes of wear: van Noortwijk, Reliability Engineering & System Safety 94, 2009.)
 """
 
@@ -20,19 +20,19 @@ from ..criteria import CONTRADICTED
 from .change_point import inflation
 
 _FEWEST = 5  # values
-_ONSETS = 40  # that are tried at most
+_ONSETS = 40  # number of onsets to try, about
 _POWERS = np.exp2(np.arange(-2.0, 5.0) / 3.0)  # 0.63 to 2.5, by thirds of an octave
 _RATES = np.array([0.5, 1.0, 2.0, 3.5])  # of exponential growth until now
-_USUAL = np.append(np.exp(-0.5 * np.log2(_POWERS) ** 2), np.ones(len(_RATES)))  # laws: a power of one most of all
-_STEPS = np.array([0.0, 0.05, 0.1, 0.2])  # of random steps: standard deviation of the wear until now, of itself
-_HARDLY = 1e-4  # of the likeliest: less likely ones count nothing
-_SECOND_DIFFERENCES = 18.0 / 35.0  # degrees of freedom of each, which share values
-_DIFFUSE = 30.0  # times the range of the values: level and change are not known before
+_USUAL = np.append(np.exp(-0.5 * np.log2(_POWERS) ** 2), np.ones(len(_RATES)))  # prior weights of laws
+_STEPS = np.array([0.0, 0.05, 0.1, 0.2])  # sizes of random steps: standard deviation as a share of the wear until now
+_HARDLY = 1e-4  # of the weight of the likeliest part: less likely parts are dropped
+_SECOND_DIFFERENCES = 18.0 / 35.0  # degrees of freedom of each second difference: neighbours share values
+_DIFFUSE = 30.0  # times the range of the values: prior standard deviation of level and change
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """How wear goes on from its onsets (k,), with powers (k,) or rates (k,) of the time; a rate of 0 is a power."""
+    """How wear grows from its onsets (k,), with powers (k,) or rates (k,) of the time; a rate of 0 is a power law."""
 
     onsets: np.ndarray
     powers: np.ndarray
@@ -40,7 +40,7 @@ class Law:
     last: float  # the time at which the wear until now is 1
 
     def gone(self, time: float | np.ndarray) -> np.ndarray:
-        """Wear (k, ...) at times (...), in that until the last one."""
+        """Wear (k, ...) at times (...), relative to the wear until the last time."""
         shape = (-1, *[1] * np.ndim(time))
         onsets, powers, rates = (of.reshape(shape) for of in (self.onsets, self.powers, self.rates))
         since = np.maximum(0.0, time - onsets) / (self.last - onsets)
@@ -51,18 +51,18 @@ class Law:
 
     @property
     def by_time(self) -> np.ndarray:
-        """What turns the wear until now into its rate at the last time (k,)."""
+        """Rate of wear at the last time, relative to the wear until then (k,)."""
         safe = np.where(self.rates > 0.0, self.rates, 1.0)
         return np.where(self.rates > 0.0, safe / -np.expm1(-safe), self.powers) / (self.last - self.onsets)
 
     def of(self, which: np.ndarray) -> Law:
-        """Some of them."""
+        """Some of the laws."""
         return Law(self.onsets[which], self.powers[which], self.rates[which], self.last)
 
 
 @dataclass(frozen=True, eq=False)
 class Drift:
-    """What the values do over time; with its parts (k,) by onset, law and size of random steps."""
+    """How the values change over time, in parts (k,) by onset, law and size of random steps."""
 
     times: np.ndarray  # (n,)
     law: Law
@@ -71,22 +71,22 @@ class Drift:
     covariances: np.ndarray  # (k, 3, 3)
     steps: np.ndarray  # (k,) variance of random steps for as much wear as until the last time
     freedom: float  # degrees of freedom of the errors' size
-    is_trend: bool  # whether the change is beyond chance: each part's in its own error, as likely as it is
+    is_trend: bool  # whether the change is beyond chance: mean over the parts, each in its own standard errors
 
     @property
     def slope(self) -> float:
-        """Per time, at the last one."""
+        """Change per unit of time at the last time."""
         return float(self.weights @ (self.fits[:, 1] * self.law.by_time))
 
     @property
     def slope_error(self) -> float:
-        """Standard error, with the doubt about onset and law."""
+        """Standard error of the slope, including the uncertainty of onset and law."""
         slopes = self.fits[:, 1] * self.law.by_time
         spread = self.weights @ (self.covariances[:, 1, 1] * self.law.by_time**2 + (slopes - self.slope) ** 2)
         return float(np.sqrt(spread))
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """Value and standard error (k,) at the last time or after it, by each part."""
+        """Value and standard error (k,) of each part at the last time or after it."""
         gone = self.law.gone(time)
         rows = np.column_stack([np.ones_like(gone), gone, np.ones_like(gone)])
         values = np.einsum("ij,ij->i", rows, self.fits)
@@ -101,7 +101,10 @@ class Drift:
 
 
 def drift(times: np.ndarray, values: np.ndarray, errors: np.ndarray) -> Drift:
-    """From values (n,) with standard errors (n,) at rising times (n,). Raises InputError where they are too few."""
+    """Estimate the drift of values (n,) with standard errors (n,) at rising times (n,).
+
+    Raises InputError if there are fewer than 5 values, or the times do not rise.
+    """
     times, values, errors = (np.asarray(x, dtype=np.float64) for x in (times, values, errors))
     if len(times) < _FEWEST or not (np.diff(times) > 0.0).all():
         raise InputError(f"{len(times)} values at rising times show no drift; give {_FEWEST}")
@@ -170,7 +173,7 @@ def _kept(
     times: np.ndarray, law: Law, weights: np.ndarray, fits: np.ndarray, covariances: np.ndarray, steps: np.ndarray,
     freedom: float, *, is_trend: bool,
 ) -> Drift:  # fmt: skip
-    """Without what is hardly likely."""
+    """The drift without very unlikely parts."""
     kept = weights > _HARDLY * weights.max()
     shares = weights[kept] / weights[kept].sum()
     return Drift(times, law.of(kept), shares, fits[kept], covariances[kept], steps[kept], freedom, is_trend)

@@ -1,19 +1,19 @@
-"""Health: which family of damage moves the features as a run's were moved.
+"""Health: which family of damage changes the features in the way that a run's features have changed.
 
-Each family is a set of directions: what it raises (+) or lowers (-), and by how much it may is free. The family whose
-directions take most of the change away (least squares with amounts that are not negative), less 2 for each direction
-as Akaike's criterion has it, is named. None of the directions was learnt from damaged units; each is physics:
+Each family is a set of directions: the features that it raises (+) or lowers (-), by any amount. The family is named
+whose directions explain most of the change (least squares with non-negative amounts), less 2 for each direction by
+Akaike's criterion. None of the directions was learnt from damaged units; each comes from physics:
 
 ==================  =================================================================================================
 family              what it does
 ==================  =================================================================================================
-friction up         dry or dirty contacts, tight seals: more effort both ways, and slip that sticks
+friction up         dry or dirty contacts, tight seals: more effort both ways, and stick-slip
 preload up          balls, nuts or bearings that fit tighter: more effort, and a machine that shakes and hunts less
-friction down       preload that is lost, oil that is warm: less effort both ways
-play                contacts that part: the control hunts across the gap, motion is rough at all rates, the effort after
-                    a stroke falls as the load is let go; two encoders part; preload goes with it
-local damage        pits and broken teeth: a wave or bumps that stay at their places; what is worn off loosens preload
-load                effort that does not turn round with the motion
+friction down       lost preload, warm oil: less effort both ways
+play                contacts that separate: the controller hunts across the gap, motion is rough at all rates, the
+                    effort after a stroke falls as the load is released; two encoders differ; preload is lost too
+local damage        pits and broken teeth: a wave or bumps at fixed places; material that is worn off reduces preload
+load                effort that does not reverse with the motion
 ==================  =================================================================================================
 """
 
@@ -60,16 +60,16 @@ _AKAIKE = 2.0
 
 @dataclass(frozen=True)
 class Ranked:
-    """A family and how it fares."""
+    """A family, and how well it explains the change."""
 
     family: Family
-    explained: float  # of the squared change, less what its directions cost
-    probability: float  # among the families, none of which need be right
+    explained: float  # part of the squared change that it explains, less 2 for each direction
+    probability: float  # among these families; none of them need be right
     because: tuple[str, ...]  # features that speak for it, the strongest first
 
 
 def rank(changes: Mapping[str, float]) -> tuple[Ranked, ...]:
-    """The families by what they explain, from each feature's change in standard deviations of healthy runs."""
+    """Rank the families by what they explain, from each feature's change in standard deviations of healthy runs."""
     naming = dict.fromkeys(name for directions in DIRECTIONS.values() for name in directions)
     names = [name for name in naming if np.isfinite(changes.get(name, np.nan))]
     values = np.array([changes[name] for name in names])

@@ -1,28 +1,27 @@
-"""Manipulation: from the samples of a run to a few numbers with a unit, each of which one kind of damage moves.
+"""Manipulation: reduce the samples of a run to a few features with a unit, each changed by one kind of damage.
 
 ==================  =================================================================================================
 feature             what it is
 ==================  =================================================================================================
 friction            mean effort against the motion, over both directions, while moving steadily
 load                half the difference of the effort between the directions
-rest_effort         mean effort at rest: what holds the load, and the offset of a supply's current
-roughness           scatter in steady motion beside waves, of effort and position (geometric mean)
+rest_effort         mean effort at rest: what holds the load, and the offset of a supply current
+roughness           scatter in steady motion about the waves, of effort and position (geometric mean)
 fast_roughness      the same from sample to sample
 slow_roughness      the same of means over a few samples: stick-slip, hunting while moving
 rest_hunting        scatter at rest: a control loop that hunts across play
 wave_*              phasor of the wave that repeats with the position, as a share of the effort of that direction
 wave_depth          size of that wave in both directions (root of the mean square)
-wave_both_ways      what of that wave both directions meet at the same place, helped one way and hindered the other
-bump                largest local excess of the effort over a stroke, in its own scatter
-lag                 error of the position while starting and settling
-breakaway           largest effort while starting, less the steady one
+wave_both_ways      part of that wave at the same place in both directions: it helps one way and hinders the other
+bump                largest local excess of the effort over a stroke, relative to the scatter of that effort
+lag                 mean error of the position while starting
+breakaway           largest effort while starting, minus the steady one
 settling            mean effort while the motion settles after a stroke
-lost_motion         how far two encoders are further apart in one direction than in the other
-freed_wave_*        the waves once more, less what errors of the position explain (``disturbance``)
+lost_motion         half of how much the distance between two encoders differs between the directions
+freed_wave_*        the waves again, without what errors of the position explain (``disturbance``)
 ==================  =================================================================================================
 
-Scatters and lags are logarithms of their size in the unit that is told: a ratio to the healthy unit is then a
-difference.
+Scatters and lags are logarithms of their size in the given unit: a ratio to the healthy unit is then a difference.
 """
 
 from __future__ import annotations
@@ -37,36 +36,36 @@ from .motion_record import MotionRecord
 from .phases import Phases, Piece, phases_of
 from .wave import FEWEST_CYCLES, beside_wave, wave_phasor
 
-_FEW = 5  # samples of the means that show what is slow
-_PEAK = 3  # samples that make a peak
-_LOCAL = 3  # samples of a local excess
+_FEW = 5  # samples that are averaged to show slow scatter
+_PEAK = 3  # largest samples that are averaged to a peak
+_LOCAL = 3  # samples that are averaged to a local excess
 _FREED = "freed_"
-_TINY = 1e-9  # of the travel or of the effort: no scatter is less
+_TINY = 1e-9  # of the travel or of the effort: added to every scatter, so that none is zero
 
 
 class Feature(NamedTuple):
     """One number of a run."""
 
-    value: float  # in the unit; of logarithms, of the size in that unit
+    value: float  # in the unit; if a logarithm, of the size in that unit
     unit: str
     logarithm: bool = False
     of_effort: bool = True  # whether it needs the effort
 
     @property
     def scales(self) -> bool:
-        """Whether it is told in times the unit's own effort."""
+        """Whether it is compared after dividing by the unit's own effort."""
         return self.of_effort and not self.logarithm and self.unit != "1"
 
 
 @dataclass(frozen=True)
 class Features:
-    """All numbers of a run, by name."""
+    """All features of a run, by name."""
 
     values: dict[str, Feature]
     sides: tuple[float, float]  # effort against the motion, forward and backward, in the effort's unit
 
     def told(self, freed: bool) -> dict[str, Feature]:
-        """Each number once: the waves as they are, or freed of what errors of the position explain."""
+        """Each feature once: the waves unchanged, or (``freed``) without what errors of the position explain."""
         plain = {name: value for name, value in self.values.items() if not name.startswith(_FREED)}
         if not freed:
             return plain
@@ -74,7 +73,7 @@ class Features:
 
 
 def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Features:
-    """The features of a run. The wavelength, in the position's unit, may be NaN: then no wave is looked for."""
+    """The features of a run. ``wavelength``, in the position's unit, may be NaN: then no wave is fitted."""
     phases = phases_of(record)
     found: dict[str, Feature] = {}
     forward, backward = (level(record, phases, side, unsigned) for side in (1, -1))
@@ -109,13 +108,13 @@ def features_of(record: MotionRecord, wavelength: float, unsigned: bool) -> Feat
 
 
 def level(record: MotionRecord, phases: Phases, direction: int, unsigned: bool) -> float:
-    """Mean effort against the motion while moving steadily one way; NaN where the run never does."""
+    """Mean effort against the motion while moving steadily one way; NaN if the run never does."""
     pieces = phases.strokes(direction)
     return _mean(_along(record.effort, pieces[0], unsigned), pieces) if pieces else np.nan
 
 
 def _waves(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool) -> dict[str, float]:
-    """All that is told of the wave, freed of what errors of the position explain or as it is."""
+    """The features of the wave, unchanged or (``freed``) without what errors of the position explain."""
     found: dict[str, float] = {}
     for direction, name in ((1, "forward"), (-1, "backward")):
         strokes = [(p, np.r_[p.steady]) for p in phases.strokes(direction)]
@@ -136,7 +135,7 @@ def _phasor(
     record: MotionRecord, strokes: list[tuple[Piece, np.ndarray]], size: float, wavelength: float, unsigned: bool,
     freed: bool,
 ) -> complex:  # fmt: skip
-    """Mean over the rows of strokes, as a share of an effort."""
+    """Mean phasor over the rows of strokes, as a share of the effort ``size``."""
     where = _place(record)
     found = []
     for piece, rows in strokes:
@@ -151,12 +150,12 @@ def _phasor(
 def _wave_both_ways(
     record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool, freed: bool
 ) -> float | None:
-    """What of the wave is a torque of the place alone: its amplitude as a share of the effort, squared; None where
-    nothing tells it.
+    """The part of the wave that is a torque of the place alone: its amplitude as a share of the effort, squared.
 
-    A ball that rolls into a pit helps the motion, and hinders it where it rolls out: out and back, at the same places,
-    the effort against the motion rises where it fell. So it is the product of both waves with its sign turned; friction
-    that goes with the place makes it negative, and scatter, which the directions do not share, adds nothing.
+    None if the run does not show it. A ball that rolls into a pit helps the motion, and hinders it when it rolls out.
+    On the way back, the effort against the motion therefore rises at the places where it fell. So this is the product
+    of both waves with its sign reversed. Friction that depends on the place makes it negative; scatter, which the
+    directions do not share, adds nothing.
     """
     where = _place(record)
     sides = []
@@ -178,9 +177,9 @@ def _wave_both_ways(
 
 
 def lost_motion(record: MotionRecord, phases: Phases) -> float:
-    """Play and wind-up: half the way by which the motor's encoder, at the output's scale, is ahead in either direction.
+    """Play and wind-up: how far the motor's encoder, at the output's scale, leads in either direction (half the total).
 
-    The scale is fitted over the run, so that no gear ratio need be known.
+    The scale is fitted over the run, so the gear ratio need not be known.
     """
     assert record.motor_position is not None
     rows = [np.r_[p.steady] for p in phases.strokes(1)], [np.r_[p.steady] for p in phases.strokes(-1)]
@@ -200,7 +199,7 @@ def stroke_efforts(record: MotionRecord, unsigned: bool) -> list[tuple[np.ndarra
 
 
 def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: bool) -> dict[str, Feature]:
-    """Roughness and bumps of the steady strokes, and what hunts at rest."""
+    """Roughness and bumps of the steady strokes, and hunting at rest."""
     found: dict[str, Feature] = {}
     where = _place(record)
     whole, fast, slow, bumps = [], [], [], []
@@ -230,12 +229,12 @@ def _scatter(record: MotionRecord, phases: Phases, wavelength: float, unsigned: 
 
 
 def _place(record: MotionRecord) -> np.ndarray:
-    """Position that a wave is counted over: the commanded one, which is without noise, where there is one."""
+    """Position over which waves are fitted: the commanded one, which has no noise, if there is one."""
     return record.position if record.command is None else record.command
 
 
 def _along(effort: np.ndarray, piece: Piece, unsigned: bool) -> np.ndarray:
-    """The effort against the motion of a piece."""
+    """The effort against the motion of this piece."""
     return np.abs(effort) if unsigned else piece.direction * effort
 
 
@@ -262,7 +261,7 @@ def _slow(parts: list[np.ndarray]) -> float:
 
 
 def _bump(left: np.ndarray) -> float:
-    """Largest mean of a few neighbours over the scatter of all."""
+    """Largest mean of a few neighbouring samples, over the scatter of all."""
     local = np.convolve(left, np.full(_LOCAL, 1.0 / _LOCAL), "valid")
     return float(np.abs(local).max() / max(float(left.std()), 1e-30))
 

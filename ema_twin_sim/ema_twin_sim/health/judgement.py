@@ -1,5 +1,7 @@
-"""The health of a unit, run by run, in the order of ISO 13374: acquisition, manipulation, state, health; prognosis over
-many runs is in ``change_point``, ``drift`` and ``remaining_life``; the last sentence is the advice.
+"""Judge the health of a unit, run by run, in the order of ISO 13374: acquisition, manipulation, state, health.
+
+Prognosis over many runs is in ``change_point``, ``drift`` and ``remaining_life``; the last sentence of the words is the
+advice.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ _WORDS = {
     "lost_motion": "lost motion between the encoders",
 }
 _REASONS = {**_WORDS, "wave_both_ways": "wave that both directions meet at the same place"}
-"""What names a family: of a square, no share is told."""
+"""Words for the features that speak for a family. ``wave_both_ways`` is a square, so its change is not printed."""
 _ADVICE = {
     Family.FRICTION_UP: "Look at lubricant, seals and bearings.",
     Family.PRELOAD_UP: "Look at what sets the preload: balls, nut, bearings and their alignment.",
@@ -48,18 +50,18 @@ _ADVICE = {
 
 @dataclass(frozen=True)
 class Change:
-    """A feature of a run beside the healthy ones."""
+    """A feature of a run and its healthy value."""
 
     name: str
     value: float
     unit: str
     healthy: float  # in the same unit
-    standard_deviations: float  # of a further healthy run of a further test
+    standard_deviations: float  # of one more healthy run of one more test
 
 
 @dataclass(frozen=True)
 class HealthJudgement:
-    """All that is told of a run."""
+    """The judgement of one run."""
 
     name: str
     test: str
@@ -68,7 +70,7 @@ class HealthJudgement:
     changes: tuple[Change, ...]
     detected: bool | None  # None: not judged
     false_alarm: float  # share of healthy runs that would be called off
-    distance: float  # from the baseline, in times of the limit's; 1 is the limit, NaN where it was not judged
+    distance: float  # from the baseline, in times the limit's; 1 is the limit, NaN if it was not judged
     family: Family | None  # None: nothing was detected
     sureness: float  # probability among the families
     ranked: tuple[Ranked, ...]
@@ -81,7 +83,7 @@ def judge(record: MotionRecord, baseline: Baseline) -> HealthJudgement:
 
 
 def judge_run(run: RunFeatures, baseline: Baseline) -> HealthJudgement:
-    """Judge one run that was read with the wavelength of the baseline."""
+    """Judge one run whose features were computed with the wavelength of the baseline."""
     acquisition, features = run.acquisition, run.features
     if features is None:
         return _not_judged(run, baseline, acquisition.findings)
@@ -115,9 +117,10 @@ def judge_all(records: Sequence[MotionRecord], baseline: Baseline) -> list[Healt
 
 
 def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
-    """The families by the mean change of those of several runs that were called off, as of one test or stage.
+    """Rank the families by the mean change of those of several runs that were called off, such as of one test or stage.
 
-    What the runs do not have in common averages out; what tests differ by does not, so this names and detects nothing.
+    What differs between the runs averages out. What differs between tests does not, so this names a family, but detects
+    nothing.
     """
     off = [{c.name: c.standard_deviations for c in one.changes} for one in judgements if one.detected]
     magnitude = any(one.acquisition.unsigned for one in judgements)
@@ -126,7 +129,7 @@ def named_together(judgements: Sequence[HealthJudgement]) -> tuple[Ranked, ...]:
 
 
 def not_alike(run: RunFeatures, baseline: Baseline) -> str:
-    """How a run differs from the healthy ones, so that its features do not compare; nothing where they do."""
+    """How a run differs from the healthy ones so that its features do not compare; empty if they do."""
     if run.unsigned != baseline.unsigned:
         return f"{other_sign(run)}; record as the healthy ones were."
     units = "s", run.position_unit, f"{run.position_unit}/s"
@@ -170,7 +173,7 @@ def _named(
 
 
 def _words(changes: tuple[Change, ...], detected: bool, baseline: Baseline) -> tuple[str, ...]:
-    """What changed, the most first."""
+    """Sentences on what changed, the largest change first."""
     told = sorted((c for c in changes if c.name in _WORDS), key=lambda c: -abs(c.standard_deviations))
     if not detected:
         return (f"Healthy: like the {baseline.runs} recordings of {baseline.tests} tests that it is compared with.",)

@@ -1,4 +1,4 @@
-"""What the health judgement asks of one run: where a machine was, what effort moved it, and where it was told to be."""
+"""What the health judgement needs of one run: the measured position, the effort, and the commanded position."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ EFFORTS = ("current", "motor_torque")
 class MotionRecord:
     """One run of a unit, in SI units: positions in m (rad on rotary machines), the effort in A or N m.
 
-    The test is what was set up once: a day, a mounting, a series of repeats. Recordings of one test have more in common
-    than recordings of two. An unsigned effort is a magnitude: how large it is, not which way it acts.
+    A test is what was set up once: a day, a mounting, a series of repeats. Recordings of one test have more in common
+    than recordings of two. An unsigned effort is a magnitude: its size, without its direction.
     """
 
     name: str
@@ -28,10 +28,10 @@ class MotionRecord:
     position: np.ndarray  # m or rad (n,)
     effort: np.ndarray  # A or N m (n,)
     command: np.ndarray | None = None  # m or rad (n,), as position
-    motor_position: np.ndarray | None = None  # rad (n,), where the position is another encoder's
+    motor_position: np.ndarray | None = None  # rad (n,), if the position is that of another encoder
     position_unit: str = "m"
     effort_unit: str = "A"
-    unsigned: bool | None = None  # None: not told; a magnitude is then one that never changes its sign
+    unsigned: bool | None = None  # None: unknown; then an effort that never changes its sign is a magnitude
     place: str = "output_position"  # the signal that the position is
 
     def __post_init__(self) -> None:
@@ -46,9 +46,9 @@ class MotionRecord:
 
     @classmethod
     def from_recording(cls, recording: Recording, test: str) -> MotionRecord:
-        """The position nearest the load, the current or else the torque, and the commanded position where it is known.
+        """Take the position nearest the load, the current or else the torque, and the commanded position if known.
 
-        Raises InputError where a position or an effort is missing.
+        Raises InputError if a position or an effort is missing.
         """
         place = next((name for name in POSITIONS if recording.has(name)), None)
         effort = next((name for name in EFFORTS if recording.has(name)), None)
@@ -60,7 +60,7 @@ class MotionRecord:
         origin = {"output_position": recording.output_angle_origin, "motor_position": recording.motor_angle_origin}[
             place
         ]
-        shift = 0.0 if np.isnan(origin) else origin  # what repeats with the position does so from the encoder's zero
+        shift = 0.0 if np.isnan(origin) else origin  # waves are counted from the encoder's zero
         command = signals.get("output_command")
         return cls(
             name=recording.name,

@@ -1,4 +1,4 @@
-"""Which samples of a run move steadily each way, start, settle, and rest: by what was commanded, else by the motion."""
+"""Which samples of a run move steadily each way, start, settle or rest: by the command, else by the measured motion."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 from .motion_record import MotionRecord
 
 _SMOOTHED = 5  # samples over which a measured position is averaged before it is differentiated
-_FEWEST = 8  # samples of a piece that tell anything
-_TOP = 95.0  # percentile of the speed's magnitude that is called its top
+_FEWEST = 8  # minimum number of steady samples of a piece
+_TOP = 95.0  # percentile of the speed's magnitude that counts as the top speed
 _STARTING = 4  # a stroke's first quarter is its start
-_RESTING = 20  # what moves slower than a twentieth of the top speed rests
+_RESTING = 20  # slower than a twentieth of the top speed is rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,26 +21,26 @@ class Piece:
     """Neighbouring samples of one kind of motion."""
 
     direction: int  # 1, -1, or 0 at rest
-    beginning: slice  # what starts, or settles
-    steady: slice  # what follows
+    beginning: slice  # the start of a stroke, or settling at rest
+    steady: slice  # the samples after it
 
 
 @dataclass(frozen=True, eq=False)
 class Phases:
-    """The pieces of a run, and what they have in common."""
+    """The pieces of a run, and its speed and travel."""
 
     pieces: tuple[Piece, ...]
-    speed: np.ndarray  # m/s or rad/s (n,), of the command where there is one
+    speed: np.ndarray  # m/s or rad/s (n,), of the command if there is one
     top_speed: float  # m/s or rad/s
     travel: float  # m or rad
 
     def strokes(self, direction: int) -> tuple[Piece, ...]:
-        """The pieces that move one way; 0: that rest."""
+        """The pieces that move one way; 0: those at rest."""
         return tuple(piece for piece in self.pieces if piece.direction == direction)
 
 
 def phases_of(record: MotionRecord) -> Phases:
-    """The pieces of a run. A stroke is what moves one way faster than half the top speed."""
+    """Divide a run into pieces. A stroke is motion one way at more than half the top speed."""
     reference = record.position if record.command is None else record.command
     smooth = _smoothed(reference) if record.command is None else reference
     speed = np.gradient(smooth, record.time)
@@ -67,6 +67,6 @@ def phases_of(record: MotionRecord) -> Phases:
 
 
 def _smoothed(values: np.ndarray) -> np.ndarray:
-    """A moving average, with as many samples as went in."""
+    """A moving average with the same number of samples."""
     ends = np.pad(values, _SMOOTHED // 2, mode="reflect", reflect_type="odd")
     return np.convolve(ends, np.full(_SMOOTHED, 1.0 / _SMOOTHED), "valid")

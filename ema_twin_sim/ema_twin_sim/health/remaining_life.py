@@ -1,8 +1,8 @@
-"""Prognosis: the distance to a limit, and when a trend gets there.
+"""Prognosis: the distance to a limit, and when a trend reaches it.
 
-The chance that the limit is passed at a time is that of the line at that time to lie beyond it, with the errors of
-level and slope and the doubt about the onset; its quantiles are the interval (of one onset, they are Fieller's). Where
-the values show no trend towards the limit there is no remaining life to be told.
+The probability that the limit is passed at a time is the probability that the trend lies beyond it at that time, with
+the errors of level and slope and the uncertainty of the onset. Its quantiles are the interval (for one onset, they are
+Fieller's). If the values show no trend towards the limit, no remaining life is given.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from scipy import stats
 
 from .drift import Drift
 
-_BEYOND = 1e4  # times the history's length: longer is for ever
+_BEYOND = 1e4  # times the history's length: longer counts as never
 _HALVINGS = 30
 
 
 @dataclass(frozen=True)
 class Margin:
-    """How much of the way from a healthy value to a limit is left."""
+    """The share of the way from a healthy value to a limit that is left."""
 
     share: float  # 1: healthy; 0: at the limit
     standard_error: float
@@ -28,16 +28,16 @@ class Margin:
 
 @dataclass(frozen=True)
 class RemainingLife:
-    """When a limit is reached, in the unit of the history's times from its last on."""
+    """When a limit is reached, counted from the history's last time, in the unit of its times."""
 
     median: float
-    earliest: float  # limits of an interval that holds it with that probability
-    latest: float  # infinite where the trend may be too flat ever to get there
+    earliest: float  # with ``latest``: the interval that holds it with ``probability``
+    latest: float  # infinite if the trend may be too flat ever to reach it
     probability: float
 
 
 def margin(found: Drift, healthy: float, limit: float) -> Margin:
-    """What is left of the way from a healthy value to a limit, both in the values' unit."""
+    """The margin left between the present value and a limit; ``healthy`` and ``limit`` are in the values' unit."""
     value, error = found.now()
     return Margin((limit - value) / (limit - healthy), error / abs(limit - healthy))
 
@@ -45,11 +45,12 @@ def margin(found: Drift, healthy: float, limit: float) -> Margin:
 def remaining_life(
     found: Drift, limit: float, probability: float = 0.9, limit_error: float = 0.0, healthy: float | None = None
 ) -> RemainingLife | None:
-    """When the values reach a limit that they are drifting to, or None where they show no trend to it.
+    """When the values reach a limit that they drift to; None if they show no trend towards it.
 
-    The limit lies on its side of the ``healthy`` value, or where that is not given of the last: what has passed it, by
-    the interval's probability, has no life left, wherever it goes.
-    The standard error of the limit is what all values share: they tell each other, and not the limit, more exactly.
+    Which side of the limit is beyond it follows from the ``healthy`` value or, if that is not given, from the present
+    one. If ``healthy`` is given and the values have passed the limit with the interval's probability, no life is left,
+    whatever the trend. ``limit_error`` is the standard error that all values share: it does not affect the differences
+    between them, only their distance to the limit.
     """
     side = float(np.sign(limit - (found.now()[0] if healthy is None else healthy))) or 1.0
     tail = 0.5 * (1.0 - probability)
@@ -62,14 +63,14 @@ def remaining_life(
 
 
 def passed(found: Drift, limit: float, limit_error: float, side: float, after: float) -> float:
-    """Chance that the limit is passed so long after the last time."""
+    """Probability that the limit is passed at ``after`` the last time."""
     values, errors = found.at(float(found.times[-1]) + after)
     distance = side * (values - limit) / np.hypot(errors, limit_error)
     return float(found.weights @ stats.t.cdf(distance, found.freedom))
 
 
 def _when(found: Drift, limit: float, limit_error: float, side: float, share: float) -> float:
-    """The time after the last at which the limit is passed with that chance."""
+    """The time after the last one at which the limit is passed with the probability ``share``."""
     low, high = 0.0, float(found.times[-1] - found.times[0])
     longest = _BEYOND * high
     if passed(found, limit, limit_error, side, low) >= share:

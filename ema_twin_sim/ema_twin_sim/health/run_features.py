@@ -1,4 +1,4 @@
-"""What health asks of a run, once its samples have been read: kept as numbers, it is judged again without them."""
+"""The features of a run for the health judgement; with them it can be judged again without its samples."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class RunFeatures:
     name: str
     test: str
     acquisition: Acquisition
-    features: Features | None  # None where the acquisition is not usable
-    wavelength: float  # m or rad, of the wave that was looked for; NaN where none was
+    features: Features | None  # None if the acquisition is not usable
+    wavelength: float  # m or rad, of the wave that was fitted; NaN if there is none
     unsigned: bool  # whether the features are those of a magnitude
     motion: tuple[float, float, float]  # sample period s, travel m or rad, top speed m/s or rad/s
     position_unit: str
@@ -29,8 +29,9 @@ class RunFeatures:
 
 
 def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None = None) -> RunFeatures:
-    """Read a run. The wavelength is in the position's unit, NaN for none; an effort is taken for a magnitude as it is
-    told, else as the run itself tells.
+    """Compute the features of a run. ``wavelength`` is in the position's unit, NaN for none.
+
+    ``unsigned`` says whether the effort is a magnitude; None: decided from the run itself.
     """
     acquisition = judge_acquisition(record)
     taken = acquisition.unsigned if unsigned is None else unsigned
@@ -46,10 +47,10 @@ def run_features(record: MotionRecord, wavelength: float, unsigned: bool | None 
 
 
 def same_motion(one: RunFeatures, other: RunFeatures) -> bool:
-    """Whether two runs are of one kind of test, so that their features compare."""
+    """Whether two runs have the same kind of motion, so that their features compare."""
     return one.unsigned == other.unsigned and all(map(alike, one.motion, other.motion))
 
 
 def alike(mine: float, theirs: float) -> bool:
-    """Whether a run's sample period, travel or speed is that of others."""
+    """Whether a run's sample period, travel or speed agrees with that of others, within a quarter (``PART``)."""
     return abs(mine - theirs) <= PART * theirs

@@ -1,4 +1,4 @@
-"""What repeats with the position: the wave of one wavelength, as a phasor, and the wavelength that a unit shows."""
+"""What repeats with the position: the wave of one wavelength, as a phasor, and the search for that wavelength."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-FEWEST_CYCLES = 4  # in a stroke, or a wave is no wave
-_FINER = 4  # wavelengths tried within the width of a line
+FEWEST_CYCLES = 4  # minimum number of cycles of a wave in a stroke
+_FINER = 4  # wavelengths tried within the width of a spectral line
 _NEIGHBOURS = 10.0  # line widths on either side against which a line must stand out
 
 
 def wave_phasor(values: np.ndarray, position: np.ndarray, wavelength: float) -> complex:
-    """Phasor of a wave over the position, beside its second harmonic and a parabola.
+    """Phasor of a wave over the position, fitted together with its second harmonic and a parabola.
 
-    The phasor is exp(i 2π position / wavelength)'s, so that the same wave has the same phasor in every run that counts
-    its position from the same place. Units are those of the values.
+    Its real and imaginary parts are the amplitudes of cosine and sine of 2π position / wavelength, so that the same
+    wave has the same phasor in every run that counts its position from the same place. Units are those of the values.
     """
     found = np.linalg.lstsq(_columns(position, wavelength), values, rcond=None)[0]
     return complex(found[3], found[4])
 
 
 def beside_wave(values: np.ndarray, position: np.ndarray, wavelength: float) -> np.ndarray:
-    """What is left of values (n,) or (n, k) beside a wave as above; beside a parabola alone where it is infinite."""
+    """Residual of values (n,) or (n, k) after the fit of ``wave_phasor``; of a parabola alone for ``inf``."""
     columns = _columns(position, wavelength)
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
 
@@ -40,7 +40,7 @@ def _columns(position: np.ndarray, wavelength: float) -> np.ndarray:
 def found_wavelength(strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> float:
     """The wavelength that stands out most over its neighbours, from strokes of (values (n,), position (n,)); else NaN.
 
-    Powers of all strokes are added, so positions may begin anywhere. Searched between four cycles a stroke and the
+    Powers of all strokes are added, so positions may begin anywhere. The search goes from four cycles per stroke to the
     shortest wave that the samples resolve.
     """
     travel = float(np.median([np.ptp(position) for _, position in strokes]))

@@ -1,1 +1,1 @@
-"""What follows a bench sample by sample, and judges it meanwhile: pairs, pace, trend, verdict. No ROS."""
+"""Follow a bench sample by sample, and judge how well: pairing, pace, trend, verdict. No ROS."""

@@ -1,4 +1,4 @@
-"""A twin that follows a bench sample by sample: when it starts, what it leaves out, where it counts from. No ROS."""
+"""A twin that follows a bench sample by sample: when it starts, what it skips, where positions begin. No ROS."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _ZERO_OF = {
     "output_position": "output_position",
     "output_command": "output_position",
 }
-"""Signals that are measured from the run's first sample, and the one whose first value is their zero."""
+"""Signals that are counted from the run's first sample, and the signal that gives their zero at that sample."""
 
 
 def input_for(wanted: str, sample: Mapping[str, float], model: Model) -> str:
-    """The input that drives a twin beside this sample: as wanted; for `auto` as `simulation.choose_input` has it."""
+    """The input that drives a twin at this sample: as wanted; for `auto` by the rule of `simulation.choose_input`."""
     if wanted != "auto":
         return wanted
     return input_by_signals(not math.isnan(sample["speed_setpoint"]), not math.isnan(sample["current"]), model)
@@ -32,15 +32,15 @@ def input_for(wanted: str, sample: Mapping[str, float], model: Model) -> str:
 class Follower:
     """Answers each bench sample, by the rule of `sample_stream`.
 
-    After a gap of more than LONGEST_GAP it starts again. A run's positions need not begin at zero (a bench that has
-    been running): the twin counts from the first sample, and its answers are moved back.
+    After a gap of more than LONGEST_GAP it starts again. A run's positions need not begin at zero (the bench may have
+    been running): the twin counts from the first sample, and its answers are shifted back.
 
     Attributes:
         stream: counts of the samples that arrived.
         twin: the twin; its parameters may be changed between two samples.
         input: what drives it.
         answered: samples answered.
-        problem: why samples are not answered; empty where they are.
+        problem: why samples are not answered; empty if they are.
         pace: how fast the twin computes.
     """
 
@@ -59,7 +59,7 @@ class Follower:
         self._zeros: dict[str, float] = {}
 
     def answer(self, run: int, sequence: int, stamp: int, sample: dict[str, float]) -> dict[str, float] | None:
-        """The twin's signals at this sample (SI, stamped in ns); None where the sample is left out.
+        """The twin's signals at this sample (SI, stamped in ns); None if the sample is left out.
 
         A run's samples before the first one with a value of the driving signal are left out, and `problem` says so.
         """
@@ -101,7 +101,7 @@ class Follower:
         )
 
     def _moved(self, signals: dict[str, float], direction: float) -> dict[str, float]:
-        """The signals with those that count from the first sample moved to the twin's zero (-1) or back (1)."""
+        """The signals, those counted from the first sample shifted to the twin's zero (-1) or back (1)."""
         if not self._zeros:
             return signals
         return {**signals, **{name: signals[name] + direction * zero for name, zero in self._zeros.items()}}

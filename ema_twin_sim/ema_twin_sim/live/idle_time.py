@@ -1,4 +1,4 @@
-"""How long nothing has arrived, as told by a loop that may itself stand still. No ROS."""
+"""How long nothing has arrived, measured by a loop that may itself be held up. No ROS."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from collections.abc import Hashable
 
 
 class IdleTime:
-    """The time in which a count did not change, for a caller that looks at it now and then.
+    """The time in which a count did not change, for a caller that checks it now and then.
 
-    A look counts `longest_look` [s] at most, however long ago the look before was. While the process itself stood still
-    (a kernel compiles, the machine is suspended) nothing could arrive, so that time says nothing about what is on its
-    way. The first look counts nothing.
+    A check adds `longest_look` [s] at most, however long ago the previous one was. While the process itself is held up
+    (a kernel compiles, the machine is suspended) nothing can arrive, so that time says nothing about what is on its
+    way. The first check adds nothing.
     """
 
     def __init__(self, longest_look: float) -> None:
@@ -20,7 +20,7 @@ class IdleTime:
         self._idle = 0.0
 
     def look(self, count: Hashable, now: float) -> float:
-        """The time [s] without a change up to `now` [s, a monotonic clock], at which `count` is what has arrived."""
+        """The time [s] without a change up to `now` [s, a monotonic clock]; `count` is what has arrived by then."""
         if self._looked is None or count != self._count:
             self._idle = 0.0
         else:

@@ -1,4 +1,4 @@
-"""The models that run live."""
+"""Which models can run live."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from ..model import Model, load_model
 
 
 def live_model(model: str | Model) -> Model:
-    """A model, by its file or name, for twin and monitor. Raises InputError where it is of a linear machine.
+    """A model, by its file or name, for twin and monitor. Raises InputError if it is of a linear machine.
 
-    What counts as standstill, and the units of the topics, are a rotary machine's; offline a linear one is taken for a
-    drum that its carriage runs round (``model.equivalent``).
+    The limit of standstill and the units of the topics are those of a rotary machine. Offline, a linear machine is
+    treated as a drum that its carriage runs round (``model.equivalent``).
     """
     found = model if isinstance(model, Model) else load_model(model)
     if found.motion != "rotary":

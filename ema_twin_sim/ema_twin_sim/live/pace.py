@@ -1,4 +1,4 @@
-"""How fast a twin computes, beside the time that it simulates. No ROS."""
+"""How fast a twin computes, relative to the time that it simulates. No ROS."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from collections.abc import Callable
 from typing import TypeVar
 
 _WINDOW = 1_000_000_000
-"""ns of simulated time that the present pace is taken over."""
+"""Simulated time in ns over which the present pace is measured."""
 
 Answer = TypeVar("Answer")
 
 
 class Pace:
-    """The time that computing takes, over all that was simulated and over the last second of it."""
+    """The computing time, for everything simulated and for the last simulated second."""
 
     def __init__(self, clock: Callable[[], int] = time.perf_counter_ns) -> None:
-        """`clock` tells the time [ns]."""
+        """`clock` returns the time [ns]."""
         self._clock = clock
         self._steps: deque[tuple[int, int]] = deque()
-        self._of_window = (0, 0)  # ns simulated, ns of computing; so the next
+        self._of_window = (0, 0)  # ns simulated, ns of computing; the next one too
         self._of_all = (0, 0)
 
     def timed(self, nanoseconds: int, compute: Callable[[], Answer]) -> Answer:
-        """What `compute` returns, which simulates this much [ns]."""
+        """Call `compute`, which simulates this many ns, measure its time, and return its result."""
         begun = self._clock()
         answer = compute()
         self._add(nanoseconds, self._clock() - begun)
@@ -40,13 +40,13 @@ class Pace:
 
     @property
     def now(self) -> float | None:
-        """Simulated over computing time, of the last second simulated; None before anything was."""
+        """Simulated over computing time for the last simulated second; None before anything was simulated."""
         simulated, computing = self._of_window
         return simulated / computing if computing else None
 
     @property
     def overall(self) -> float | None:
-        """The same of everything that was simulated."""
+        """The same for everything that was simulated."""
         simulated, computing = self._of_all
         return simulated / computing if computing else None
 
@@ -57,7 +57,7 @@ class Pace:
 
     @property
     def complaint(self) -> str:
-        """That real time is not kept, by how much, and what would help; empty where it is kept."""
+        """A sentence on how far real time is missed and what would help; empty if real time is kept."""
         now = self.now
         if now is None or now >= 1.0:
             return ""

@@ -1,9 +1,9 @@
-"""Pairs of a bench's sample and the twin's answer to it, whichever comes first. No ROS.
+"""Pair each bench sample with the twin's answer to it, whichever comes first. No ROS.
 
-A *pass* is what a stream sends between two restarts: a new run, or a step back in time within a run. The bench says
-which pass is the present one; the twin goes through the same passes, a little before or behind it as seen from here.
-A twin that was started again goes back alone: by what its earlier self had not answered it is told from one that saw
-the bench go back.
+A *pass* is what a stream sends between two restarts; a restart is a new run, or a step back in time within a run. The
+bench decides which pass is the present one. The twin goes through the same passes, seen here a little earlier or later.
+A twin that was restarted goes back although the bench does not. It is recognised by bench samples that were not yet
+answered: a twin that goes back because the bench did has answered them all.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class _TwinPass(Generic[Sample]):
 
 
 class Pairing(Generic[Sample]):
-    """Pairs samples by run and sequence, with a bounded memory of those whose partner has not come.
+    """Pairs samples by run and sequence; keeps a bounded number of those whose partner has not arrived.
 
     Attributes:
         bench, twin: counts of what arrived on either side.
@@ -38,7 +38,7 @@ class Pairing(Generic[Sample]):
     """
 
     def __init__(self, make_waiting: Callable[[], Waiting[Sample]] = WaitingObjects, from_start: bool = True) -> None:
-        """`make_waiting` makes what keeps a pass's unpaired samples of a side; for `from_start` see `SampleStream`."""
+        """`make_waiting` makes the store of a pass's unpaired samples of one side; `from_start`: see `SampleStream`."""
         self._make_waiting = make_waiting
         self.bench = SampleStream(from_start)
         self.twin = SampleStream(from_start)
@@ -46,7 +46,7 @@ class Pairing(Generic[Sample]):
         self.outdated = 0
         self.passes = 0
         self._waiting = make_waiting()
-        # The twin's answers to the present pass, and to those that the bench, as seen from here, has not begun.
+        # The twin's answers to the present pass, and to passes that the bench, as seen here, has not begun yet.
         self._answers: _TwinPass[Sample] | None = None
         self._ahead: deque[_TwinPass[Sample]] = deque(maxlen=16)
 
@@ -57,23 +57,23 @@ class Pairing(Generic[Sample]):
 
     @property
     def seen(self) -> int:
-        """Samples that the run has had so far, lost ones included."""
+        """Samples of the run so far, including lost ones."""
         return 0 if self.run is None else self.bench.sequence + 1 - self._first
 
     @property
     def missing(self) -> int:
-        """Samples of the run that can no longer be compared: both streams, each in order, have gone past them."""
+        """Samples of the run that can no longer be compared: both streams, each in order, are past them."""
         if self.run is None or self._answers is None:
             return 0
         return min(self.bench.sequence, self._answers.newest) + 1 - self._first - self.compared
 
     @property
     def waiting(self) -> int:
-        """Samples of the present run whose partner has not come."""
+        """Samples of the present run whose partner has not arrived."""
         return len(self._waiting) + (len(self._answers.waiting) if self._answers else 0)
 
     def add_bench(self, sample: Sample) -> Sample | None:
-        """Take a sample of the bench; returns the twin's answer where that is here already."""
+        """Take a sample of the bench; return the twin's answer if it is here already."""
         kind = self.bench.accept(sample.run, sample.sequence, sample.stamp)
         if kind is Kind.LEFT_OUT:
             return None
@@ -89,7 +89,7 @@ class Pairing(Generic[Sample]):
         return answer
 
     def add_twin(self, sample: Sample) -> Sample | None:
-        """Take an answer of the twin; returns the bench's sample where that is here already."""
+        """Take an answer of the twin; return the bench's sample if it is here already."""
         kind = self.twin.accept(sample.run, sample.sequence, sample.stamp)
         if kind is Kind.LEFT_OUT:
             return None
@@ -104,12 +104,15 @@ class Pairing(Generic[Sample]):
         if partner is not None:
             self.compared += 1
         elif into is not self._answers or sample.sequence > self.bench.sequence:
-            into.waiting.keep(sample)  # else the earlier self of this twin has answered
+            into.waiting.keep(sample)  # else it was answered before the twin's restart
         return partner
 
     @property
     def _unanswered(self) -> bool:
-        """Whether the bench is past what was answered in its present pass: a twin that sees it go back never is."""
+        """Whether bench samples of the present pass are not answered yet.
+
+        False if the twin goes back because the bench did: then it has answered all of them.
+        """
         return self._answers is not None and self.bench.sequence > self._answers.newest
 
     @property
@@ -117,7 +120,7 @@ class Pairing(Generic[Sample]):
         return max(self.bench.first, self._answers.first) if self._answers else self.bench.first
 
     def _begin(self, run: int) -> None:
-        """The bench begins a pass: the twin may have begun it already."""
+        """Begin a pass of the bench; the twin may have begun it already."""
         self.passes += 1
         self.compared = 0
         self._waiting.clear()
@@ -139,7 +142,7 @@ class Pairing(Generic[Sample]):
             self._ahead.append(begun)
 
     def _go_on_with(self, begun: _TwinPass[Sample]) -> None:
-        """The twin was started again within the present pass: what its earlier self answered stays compared."""
+        """Continue the present pass after a restart of the twin; pairs compared before the restart stay counted."""
         if self._answers is not None:
             begun.first = self._answers.first
             begun.newest = max(begun.newest, self._answers.newest)

@@ -1,18 +1,18 @@
-"""Periods of a clock that must not drift. No ROS: the caller brings the time."""
+"""Periodic deadlines that do not drift. No ROS: the caller passes the time."""
 
 from __future__ import annotations
 
 
 class DeadlineClock:
-    """Deadlines at whole periods after a beginning, on a monotonic clock [ns].
+    """Deadlines at whole periods after a start time, on a monotonic clock [ns].
 
-    They are absolute: a late period does not shift those after it. Where the caller comes so late that whole periods
-    have passed, these are missed: they are counted, not made up for one by one. A timer of that period may be a little
-    early: it is served, or it would be a whole period late the next time.
+    They are absolute: a late period does not shift those after it. If the caller comes so late that whole periods have
+    passed, these are counted as missed and not made up for. A timer with this period may fire a little early: it is
+    served, otherwise it would be a whole period late the next time.
 
     Attributes:
         missed: periods missed.
-        worst: the longest delay behind a deadline [ns].
+        worst: the longest delay after a deadline [ns].
     """
 
     def __init__(self, period: int, now: int) -> None:
@@ -24,7 +24,7 @@ class DeadlineClock:
         self.worst = 0
 
     def tick(self, now: int) -> int | None:
-        """The number of the period that has begun, from 0; None where the next is half a period ahead, or more."""
+        """The number of the period that has begun, from 0; None if the next is half a period ahead or more."""
         late = now - self._origin - self._next * self._period
         if late <= -(self._period // 2):
             return None

@@ -2,13 +2,15 @@
 
 The rule, for bench samples at the twin and for both streams at the monitor:
 
-* another `run`, or a sequence that begins at 0 again, starts again from that sample;
-* a sequence number further on than the next means that samples were *lost*: the twin integrates on across the gap;
-* the last sample once more, or one of the few before it, is a *duplicate* and left out;
-* one of the few that were taken for lost and comes after all is *late* and left out: the twin has gone past it;
-* one that is earlier by more than a few samples, or whose stamp and number go on by different times, is left out until
-  the next tells what it was. Where that goes on from it, time has moved: back, which starts again (*backward*), or on,
-  which is a gap. Where the next goes on from the samples before it, it was a *stray* with a wrong stamp or number.
+* another `run`, or a sequence number that begins at 0 again, restarts from that sample;
+* a sequence number beyond the next one means that samples were *lost*: the twin integrates across the gap;
+* a repetition of the last sample, or of one of the few before it, is a *duplicate* and left out;
+* one of the few last samples that was counted as lost and arrives after all is *late* and left out: the twin has passed
+  it;
+* a sample that is earlier by more than a few samples, or whose stamp and number advance by different times, is left out
+  until the next sample decides. If the next one follows from it, time has jumped: back, which restarts (*backward*), or
+  forward, which is a gap. If the next one follows from the samples before, it was a *stray* with a wrong stamp or
+  number.
 
 "Few" is `REORDERED` samples.
 """
@@ -19,7 +21,7 @@ from collections import deque
 from enum import Enum, auto
 
 REORDERED = 10
-"""Samples by which the transport, or the bench, may put one out of order."""
+"""Number of samples by which the transport, or the bench, may put one out of order."""
 
 
 class Kind(Enum):
@@ -37,21 +39,21 @@ class SampleStream:
         run: number of the present run; None before the first sample.
         sequence: sequence number of the newest sample in it.
         first: sequence number that the run is counted from.
-        received: samples of this run, those left out not among them.
-        lost: samples of this run that did not come between its first here and its newest.
-        unseen: samples of this run before the first that came here; 0 where it is counted from there.
-        late, duplicate, backward, stray: see the module; since the node's start.
+        received: samples of this run, without those left out.
+        lost: samples of this run that were skipped between the first that arrived and the newest (late ones included).
+        unseen: samples of this run before the first that arrived; 0 if the run is counted from there.
+        late, duplicate, backward, stray: see the module; counted since the node's start.
         runs: runs begun.
     """
 
     def __init__(self, from_start: bool = True) -> None:
-        """`from_start`: what a run's samples before the first to arrive count as: unseen, or never meant to be seen."""
+        """`from_start`: whether a run's samples before the first that arrives count as unseen, or not at all."""
         self._from_start = from_start
         self._gaps: deque[range] = deque(maxlen=REORDERED)
         self._first_stamp = 0
         self._first_sequence = 0
         self._stamp = 0
-        self._elsewhere: tuple[int, int] | None = None  # (sequence, stamp) of a sample that waits for the next
+        self._elsewhere: tuple[int, int] | None = None  # (sequence, stamp) of a sample that the next one decides on
         self.run: int | None = None
         self.sequence = 0
         self.first = 0
@@ -118,12 +120,12 @@ class SampleStream:
         return Kind.NEXT
 
     def _agree(self, numbers: int, time: int) -> bool:
-        """Whether so many samples take so long [ns], but for a few of the run's mean periods."""
+        """Whether this many samples take this long [ns], within `REORDERED` of the run's mean periods."""
         so_far, passed = self.sequence - self._first_sequence, self._stamp - self._first_stamp
         return so_far == 0 or abs(time * so_far - numbers * passed) <= REORDERED * passed
 
     def _goes_on(self, waited: tuple[int, int], sequence: int, stamp: int) -> bool:
-        """Whether a sample goes on from one that waited, by its number and its stamp."""
+        """Whether a sample follows from the one that waited, by its number and its stamp."""
         numbers, time = sequence - waited[0], stamp - waited[1]
         return 0 < numbers <= REORDERED and time > 0 and self._agree(numbers, time)
 

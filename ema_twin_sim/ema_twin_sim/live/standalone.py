@@ -12,7 +12,7 @@ from .pace import Pace
 from .warm_up import warm_up_twin
 
 _LOOKED_AT = 60.0
-"""s of a command in which its highest speed is looked for."""
+"""Length in s of the part of a command that is checked for the speed that the DC link limits."""
 
 
 class Standalone:

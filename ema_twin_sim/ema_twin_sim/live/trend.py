@@ -10,28 +10,28 @@ import numpy as np
 from ..criteria import APART, SMALL
 
 _LEAST = 4
-"""Windows that a slope with a standard error takes."""
+"""Number of windows that a slope with a standard error needs."""
 _WINDOWS = 720
-"""Windows looked back over: an hour of 5 s each."""
+"""Number of windows that are kept: an hour of 5 s each."""
 _TOLD = 20
-"""Windows from which on a slope is told in words: of fewer, the standard error itself is a guess."""
+"""Number of windows from which a slope is reported in words: with fewer, the standard error itself is uncertain."""
 
 
 class Trend:
-    """RMSE of whole windows, one after another, over runs; the slope by least squares."""
+    """RMSE of successive whole windows, across runs; the slope by least squares."""
 
     def __init__(self, window: float) -> None:
-        """`window` is the length of each in s."""
+        """`window` is the length of a window in s."""
         self._window = window
         self._errors: dict[str, _LastWindows] = {}
-        self._slopes: dict[str, tuple[float, float]] = {}  # with their standard errors
+        self._slopes: dict[str, tuple[float, float]] = {}  # slope and its standard error
         self._next = window
-        self._before = 0.0  # s of the runs that are over
+        self._before = 0.0  # length in s of the finished runs
         self._in_run = 0.0
 
     def add(self, elapsed: float, rmse_window: Mapping[str, float]) -> None:
         """Take the RMSE of the last window, `elapsed` s after the run's first sample; most calls change nothing."""
-        if elapsed < self._in_run:  # another run: its first window is not whole before it has lasted one
+        if elapsed < self._in_run:  # another run: its first window is whole after one window's length
             self._before += self._in_run
             self._next = self._window
         self._in_run = elapsed
@@ -46,20 +46,20 @@ class Trend:
                     self._slopes[name] = _slope(*errors.held)
 
     def clear(self) -> None:
-        """Begin anew: the twin has changed."""
+        """Begin again from scratch, because the twin has changed."""
         self._errors.clear()
         self._slopes.clear()
         self._next = self._in_run + self._window
 
     def slopes(self) -> dict[str, float]:
-        """Per signal, in its unit per s; signals of fewer than four windows are left out."""
+        """Slope of the RMSE per signal, in its unit per s; signals with fewer than four windows are left out."""
         return {name: slope for name, (slope, _) in self._slopes.items()}
 
     def growing(self) -> tuple[str, float] | None:
-        """The signal whose error surely grows the most, and by which share of its mean in an hour; None without one.
+        """The signal whose error grows most, and its growth per hour as a share of its mean; None if none surely grows.
 
-        A slope is asked after each window, and neighbouring windows are alike: more than chance is wanted of it, and
-        that a share of the mean has come together over all windows.
+        The slope is tested after every window, and neighbouring windows are correlated. So it has to exceed `APART`
+        times its standard error, and the growth over all windows `SMALL` times the mean.
         """
         shares = {}
         for name, (slope, std) in self._slopes.items():
@@ -71,14 +71,14 @@ class Trend:
 
 
 class _LastWindows:
-    """Times [s] and errors of the last windows; the room for all of them is taken once."""
+    """Times [s] and errors of the last windows, in memory that is allocated once."""
 
     def __init__(self) -> None:
         self._rows = np.zeros((2, _WINDOWS))
         self.count = 0
 
     def add(self, time: float, error: float) -> None:
-        """Take one more, in the place of the oldest where there are enough."""
+        """Add one; the oldest is dropped if the memory is full."""
         if self.count == _WINDOWS:
             self._rows[:, :-1] = self._rows[:, 1:]
             self.count -= 1
@@ -93,7 +93,7 @@ class _LastWindows:
 
 
 def _slope(time: np.ndarray, value: np.ndarray) -> tuple[float, float]:
-    """Slope and its standard error."""
+    """Slope by least squares, and its standard error."""
     time = time - time.mean()
     spread = float(time @ time)
     slope = float(time @ value) / spread

@@ -1,4 +1,4 @@
-"""The running unit, judged beside its own healthy recordings: the health numbers of a campaign, live."""
+"""Judge the running unit by its own healthy recordings: the health numbers of a campaign, live."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ class UnitWatch:
 
     Attributes:
         unit: its name.
-        last: what was told of the last run; None before, and where that could not be read.
-        refused: why it could not; empty where it could.
+        last: the judgement of the last run; None before one, or if the last run could not be judged.
+        refused: why it could not be judged; empty if it could.
     """
 
     def __init__(self, unit: str, learnt: Learnt) -> None:
-        """Judge a unit by what was learnt. Raises InputError where that is nothing."""
+        """Judge a unit by what was learnt from its healthy recordings. Raises InputError if that is nothing."""
         if not learnt.kinds:
             raise InputError(f"{unit}: {learnt.remarks[0]}")
         self.unit = unit
@@ -42,7 +42,7 @@ class UnitWatch:
 
     @classmethod
     def opened(cls, results: Path, unit: str, healthy: str | None) -> UnitWatch:
-        """By the results of a campaign, in which one unit may be named. Raises InputError where they do not suffice."""
+        """Use a campaign's results; `unit` may be empty if they hold one. Raises InputError if they do not suffice."""
         found = units_of(Store.opened(results).rows())
         named = [one for one in found if one.name == unit or (not unit and len(found) == 1)]
         if not named:
@@ -54,7 +54,7 @@ class UnitWatch:
         return cls(named[0].name, learnt_from([run for run, flag in zip(runs, flags, strict=True) if flag]))
 
     def judge(self, read: Callable[[], Recording]) -> None:
-        """Judge a run, or a stretch of one, that is ``read``; what cannot be judged is told, and ends nothing."""
+        """Judge the run, or part of one, that `read` returns; if it cannot be judged, `refused` says why."""
         self.last = None
         try:
             record = MotionRecord.from_recording(read(), _NOW)
@@ -62,18 +62,18 @@ class UnitWatch:
             self.refused = ""
         except InputError as error:
             self.refused = str(error)
-        except Exception as error:  # a fault of ours: told whole on standard error, and where health is told in a line
+        except Exception as error:  # our own fault: traceback to standard error, one line in `refused`
             traceback.print_exc()
             self.refused = f"an internal fault, told on the monitor's standard error: {error!r}"
 
     @property
     def off(self) -> bool:
-        """Whether the last run is not as the healthy ones."""
+        """Whether the last run differs from the healthy ones."""
         return self.last is not None and bool(self.last.detected)
 
     @property
     def words(self) -> str:
-        """What the last run was like."""
+        """The judgement of the last run in words, or why there is none."""
         if self.refused:
             return self.refused
         if self.last is None:
@@ -82,7 +82,7 @@ class UnitWatch:
 
     @property
     def figures(self) -> Mapping[str, object]:
-        """The health numbers of the last run, beside the healthy ones."""
+        """The health numbers of the last run, each with its healthy value."""
         last = self.last
         if last is None:
             return {}

@@ -23,7 +23,8 @@ def level_of(
 ) -> tuple[Level, str]:
     """The level of the worst signal, by its RMSE over its noise floor, and that signal in words.
 
-    Signals whose RMSE is NaN do not count, nor do the `driven` ones: they are the twin's input. STALE without any.
+    Signals with RMSE NaN do not count. The `driven` ones do not count either: they are the twin's input. STALE if no
+    signal is left.
     """
     worst, ratio = "", -1.0
     for name, floor in noise_floor.items():
@@ -40,7 +41,7 @@ def level_of(
 def errors_in_words(
     rmse: Mapping[str, float], noise_floor: Mapping[str, float], units: Mapping[str, str]
 ) -> dict[str, str]:
-    """The RMSE of each signal as a figure of the diagnostics; what was not compared is left out."""
+    """The RMSE of each signal as text for the diagnostics; signals that were not compared are left out."""
     words = {}
     for name, value in rmse.items():
         if math.isfinite(value):

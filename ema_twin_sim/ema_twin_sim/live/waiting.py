@@ -1,16 +1,16 @@
-"""Samples of one side that wait for their partner of the other, by their number in a run. No ROS."""
+"""Samples of one side that wait for their partner from the other, by their number in a run. No ROS."""
 
 from __future__ import annotations
 
 from typing import Generic, Protocol, TypeVar
 
 CAPACITY = 25_000
-"""Samples of a side that may wait: more than can be on their way. Fast DDS keeps 5000 for a reader at the writer's side
-and 5000 at the reader's, on the way to the twin and on the way from it; then a publisher waits."""
+"""Number of samples of a side that may wait: more than can be in transit. Fast DDS keeps 5000 samples per reader at the
+writer and 5000 at the reader, both on the way to the twin and on the way back; beyond that a publisher waits."""
 
 
 class Stamped(Protocol):
-    """What can be paired: it has a run, a sequence number in it, and a stamp [ns]."""
+    """A sample that can be paired: it has a run, a sequence number in it, and a stamp [ns]."""
 
     @property
     def run(self) -> int:
@@ -29,26 +29,26 @@ Sample = TypeVar("Sample", bound=Stamped)
 
 
 class Waiting(Protocol[Sample]):
-    """Samples of one run; where there are too many, the oldest go."""
+    """Waiting samples of one run; if there are too many, the oldest are dropped."""
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of waiting samples."""
 
     def keep(self, sample: Sample) -> None:
-        """Let one wait."""
+        """Keep a sample until it is taken."""
 
     def take(self, sequence: int) -> Sample | None:
-        """The one of that number, which waits no longer; None where it does not wait."""
+        """Remove and return the sample of this number; None if it is not waiting."""
 
     def forget_before(self, sequence: int) -> None:
-        """Let those go that have a smaller number."""
+        """Drop the samples with a smaller number."""
 
     def clear(self) -> None:
-        """Let all go."""
+        """Drop all samples."""
 
 
 class WaitingObjects(Generic[Sample]):
-    """Keeps the objects themselves."""
+    """Keeps the sample objects themselves."""
 
     def __init__(self, capacity: int = CAPACITY) -> None:
         self._capacity = capacity

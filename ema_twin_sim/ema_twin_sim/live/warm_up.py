@@ -1,4 +1,4 @@
-"""Compiled code is loaded, and the first time compiled, before a node promises to be in time. No ROS."""
+"""Load the compiled code (compile it the first time) before a node has to be in time. No ROS."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from ..simulation.twin import Twin
 
 
 def warm_up_twin(model: Model, source: str) -> None:
-    """Let another twin take one step: the first one in a process can take seconds."""
+    """Run one step of a separate twin: the first step in a process can take seconds."""
     twin = Twin(model, source)
     twin.start({})
     twin.advance(1_000_000, {})
 
 
 def warm_up_comparison(model: Model) -> None:
-    """Work out the sensors' noise floors once: a comparison does so when it is first asked."""
+    """Compute the sensors' noise floors once; otherwise the first comparison has to."""
     noise_floors(model)

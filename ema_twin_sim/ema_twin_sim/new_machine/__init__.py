@@ -1,1 +1,1 @@
-"""A new machine: a first import map and a first model, from a recording's header and what its signals show."""
+"""A new machine: draft an import map and a model from a recording's header and from what its signals show."""

@@ -1,4 +1,4 @@
-"""The mark of what a draft could not know: whoever uses it looks at every line that says so."""
+"""The mark of what a draft could not know: its user has to look at every line with this mark."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ CHECK = "CHECK"
 
 
 def check_comment(doubt: str) -> str:
-    """The comment at the end of a line, with what is in doubt of it; empty where nothing is."""
+    """Comment at the end of a line that says what is in doubt about it; empty if nothing is."""
     return f"  # {CHECK}: {doubt}" if doubt else ""

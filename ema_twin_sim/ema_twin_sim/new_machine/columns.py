@@ -1,7 +1,7 @@
-"""What the columns of a text trace are, guessed from their names and the units in them.
+"""Guess what the columns of a text trace are from their names and the units in them.
 
-The unit tells the quantity where a name has one, the words tell it elsewhere; the words also tell a setpoint from what
-was measured, and the motor's shaft from the output's. Each signal is taken once, each column too.
+If a name has a unit, that determines the quantity; otherwise the words do. The words also distinguish a setpoint from a
+measurement, and the motor's shaft from the output's. Each signal is taken once, and each column too.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _STEMS: dict[str, str] = {
     "position": r"posi|^pos|pos$|angle|winkel|^lage(?!r)|lage$|lageist|lagesoll|encoder|geber|^enc$|^weg$|travel|twist"
     r"|verdreh|^angol|^angul|^codeur|^recorrido$",
 }
-"""Parts of words that tell a quantity, in the order in which they are looked for."""
+"""Parts of words that determine a quantity, in the order in which they are looked for."""
 
 _ENCODER = r"encoder|geber|^enc$|codeur"
 
@@ -60,36 +60,36 @@ _NO_SIGNAL = (
     r"|zwischenkreis|^bus$|supply|^(id|isd)$|offset"
 )
 _TRANSDUCER = r"^sensor|transducer|^cell$|loadcell|messwelle|dehn|strain"
-"""What measures a torque behind a machine whose current is measured, too."""
+"""Names of transducers that measure the torque behind a machine whose current is measured too."""
 _FILTERED = r"^filt|smooth|geglaett"
-"""A copy of a signal that somebody smoothed: taken only where the signal itself is not there."""
+"""A smoothed copy of a signal: taken only if the signal itself is missing."""
 _SLIDES = r"^pos|^x$|^s$|weg$|travel|stroke|hub$"
-"""Words of positions that may be lengths."""
+"""Words for positions that may be lengths."""
 _TIME_WORDS = (
     r"^(t|time|zeit|timestamp|zeitstempel|elapsed|mess|messzeit|laufzeit|uhrzeit|stamp|rel|abs|relative|since|start|unix"
     r"|temps|tempo|tiempo)$"
 )
 _DIRECT_OR_PHASE = frozenset({"d", "u", "v", "w", "a", "b", "c", "alpha", "beta"})
-"""Subscripts of currents and voltages that are not the quadrature axis'."""
+"""Subscripts of currents and voltages that are not of the quadrature axis."""
 
 
 @dataclass(frozen=True)
 class Guess:
-    """One column that is taken for a signal; ``unit`` is None where its name tells none that the signal can have."""
+    """One column that is taken for a signal; ``unit`` is None if its name has none that the signal can have."""
 
     signal: str
     column: str
     unit: str | None
-    of_output: bool = False  # whether its name says that it is told at the output's shaft
-    counts: float | None = None  # of a turn, where it is a counter; None where they are unknown
-    doubt: str = ""  # what to look at, where the unit was not in the name
-    of_motor: bool = False  # whether its name says that it is told at the motor's shaft
-    shaft_doubt: str = ""  # what to look at, where the shaft was not in the name
-    turned_round: bool = False  # whether its sign is turned
+    of_output: bool = False  # whether its name says that it is given at the output's shaft
+    counts: float | None = None  # per turn, if it is a counter; None if they are unknown
+    doubt: str = ""  # what to check, if the unit was not in the name
+    of_motor: bool = False  # whether its name says that it is given at the motor's shaft
+    shaft_doubt: str = ""  # what to check, if the shaft was not in the name
+    turned_round: bool = False  # whether its sign is reversed
 
     @property
     def shaft(self) -> str:
-        """The shaft that its name says it is told at, motor or output."""
+        """The shaft at which it is given according to its name, motor or output."""
         return "output" if self.of_output and self.signal in AT_EITHER_SHAFT else "motor"
 
 
@@ -99,19 +99,19 @@ class Guesses:
 
     time: Guess | None
     signals: tuple[Guess, ...]
-    left: tuple[str, ...]  # columns that nothing is made of
-    motion: str  # rotary, or linear where a position is in metres
-    of_points: bool = False  # whether each row is an operating point, and no sample of a motion
-    points_doubt: str = ""  # why it is taken for one, where nobody said so
-    joint: Joint = ONE_JOINT  # whose columns they are, where a trace holds several joints'
+    left: tuple[str, ...]  # columns that are not used
+    motion: str  # rotary, or linear if a position is in metres
+    of_points: bool = False  # whether each row is an operating point, not a sample of a motion
+    points_doubt: str = ""  # why it is taken for one, if nobody said so
+    joint: Joint = ONE_JOINT  # whose columns they are, if a trace holds those of several joints
 
     @property
     def drives(self) -> bool:
-        """Whether what drives the machine is among them."""
+        """Whether the current or the motor's torque is among them."""
         return any(guess.signal in ("current", "motor_torque") for guess in self.signals)
 
     def without(self, columns: Sequence[str]) -> Guesses:
-        """The same with nothing made of these columns."""
+        """The same without using these columns."""
         kept = tuple(guess for guess in self.signals if guess.column not in columns)
         return replace(self, signals=kept, left=(*self.left, *columns))
 
@@ -129,7 +129,7 @@ class _Column:
     quantity: str
     setpoint: bool
     actual: bool
-    shaft: str  # motor, output, or empty where its name says none
+    shaft: str  # motor, output, or empty if its name says none
 
     @property
     def name(self) -> str:
@@ -142,12 +142,12 @@ def guess_columns(
     numbers: Mapping[str, np.ndarray] | None = None,
     joint: str = "",
 ) -> Guesses:
-    """What each column of a header is taken for.
+    """Guess what each column of a header is.
 
-    Nothing is made of the columns that hold ``no_numbers``. ``numbers`` are the columns' own, (n,) each: of two
-    positions that move together and whose names tell no shaft, the one that goes farther is the motor's. Of several
-    joints' columns, those of ``joint`` are taken, else those of the one that goes farthest. Raises InputError where the
-    time is among those without numbers.
+    Columns in ``no_numbers`` are not used. ``numbers`` are the columns' values, (n,) each: of two positions that move
+    together and whose names give no shaft, the one that goes farther is the motor's. If there are columns of several
+    joints, those of ``joint`` are taken, else those of the joint that goes farthest. Raises InputError if the time has
+    no numbers.
     """
     names = [header_words(name) for name in header]
     linear = _is_linear(names)
@@ -179,9 +179,9 @@ def guess_columns(
 
 
 def named_columns(named: Mapping[str, str]) -> Guesses:
-    """The columns that a person named, by signal (``time`` among them), with the units in their names.
+    """Guesses from the columns that a person named, by signal (including ``time``), with the units in their names.
 
-    Raises InputError where a name states a unit that its signal cannot have.
+    Raises InputError if a name has a unit that its signal cannot have.
     """
     read = {signal: header_words(name) for signal, name in named.items()}
     linear = _is_linear([words for signal, words in read.items() if signal.endswith("position")])
@@ -201,7 +201,7 @@ def named_columns(named: Mapping[str, str]) -> Guesses:
 
 
 def _timed(time: HeaderWords | None, signals: tuple[Guess, ...], left: tuple[str, ...], motion: str) -> Guesses:
-    """The guesses with a column of time, or with rows that are operating points."""
+    """Guesses with a time column or, without one, with rows that are operating points."""
     if time is not None:
         return Guesses(_time(time), signals, left, motion)
     return Guesses(None, signals, left, motion, of_points=True, points_doubt="no column of time was found")
@@ -212,18 +212,18 @@ def _has(words: Sequence[str], pattern: str) -> bool:
 
 
 def _is_linear(names: Sequence[HeaderWords]) -> bool:
-    """Whether the machine is linear, by the units of positions, speeds and torques that are beyond doubt."""
+    """Whether the machine is linear, by the unambiguous units of positions, speeds and torques."""
     sure = [read.linear for read in names if not read.in_doubt and read.linear is not None]
     if sure:
         positions = [read.linear for read in names if not read.in_doubt and read.quantity == "position"]
         told = [linear for linear in positions if linear is not None] or sure
         return any(told)
     doubted = [read for read in names if read.in_doubt and read.unit == "m"]
-    return len(doubted) == 1 and _has(doubted[0].words, _SLIDES)  # with more of them, it is the motor's subscript
+    return len(doubted) == 1 and _has(doubted[0].words, _SLIDES)  # if there are several, m is a subscript for the motor
 
 
 def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
-    """The name with what may be unit or subscript taken for one of both."""
+    """The name after deciding whether an ambiguous letter is a unit or a subscript."""
     if not read.in_doubt:
         return read
     fits = read.quantity == _word_quantity(read.words) and (read.linear is None or read.linear == linear)
@@ -231,7 +231,7 @@ def _settled(read: HeaderWords, linear: bool) -> HeaderWords:
 
 
 def _word_quantity(words: Sequence[str]) -> str | None:
-    """The quantity that the words tell; a dotted position is a speed."""
+    """The quantity that the words give; a position with a dot is a speed."""
     found = next(
         (quantity for quantity, pattern in _STEMS.items() if _has(words, pattern)),
         next((quantity for word in words for quantity, known in _SYMBOLS.items() if word in known), None),
@@ -240,9 +240,9 @@ def _word_quantity(words: Sequence[str]) -> str | None:
 
 
 def contradicted_quantity(name: str) -> str:
-    """The quantity that a column's words tell where its unit is plainly of another; empty where both agree.
+    """The quantity that a column's words give if its unit is clearly of another one; empty if both agree.
 
-    A torque may be told in amperes, a speed comes from an encoder, and a symbol of one letter tells too little.
+    Not a contradiction: a torque in amperes, and a speed of an encoder. Symbols of one letter are not considered.
     """
     read = header_words(name)
     said = {quantity for quantity, pattern in _STEMS.items() if _has(read.words, pattern)}
@@ -256,7 +256,7 @@ def contradicted_quantity(name: str) -> str:
 
 
 def _time_column(names: Sequence[HeaderWords], numbers: Mapping[str, np.ndarray]) -> HeaderWords | None:
-    """The column of the time: called so, or in a unit of time; of several, one that rises."""
+    """The time column: by its name, or by a unit of time; of several, the first that rises."""
     called = [read for read in names if _is_time(read)]
     others = [read for read in names if read.quantity == "time" and read not in called]
     if called and not numbers:
@@ -270,15 +270,15 @@ def _is_time(read: HeaderWords) -> bool:
         return False
     known = all(re.search(_TIME_WORDS, word) for word in read.words) and bool(read.words or read.quantity)
     if read.quantity == "time":
-        # of a drawing, the axis x is time where its unit is one of time
+        # the x axis of a plot is time if its unit is one of time
         return known or _word_quantity(read.words) == "time" or read.words == ("x",)
-    if read.words == ("x", "value"):  # as LabVIEW names its measurements' time
+    if read.words == ("x", "value"):  # LabVIEW's name for the time of a measurement
         return True
     return known or (_has(read.words, r"time|zeit|stamp") and not _has(read.words, _NO_SIGNAL))
 
 
 def _column(read: HeaderWords) -> _Column | None:
-    """What a column may be; None where it is no signal."""
+    """What a column may be; None if it is no signal."""
     if _has(read.words, _NO_SIGNAL) or "ddot" in read.words:
         return None
     by_words = _word_quantity(read.words)
@@ -303,7 +303,7 @@ def _column(read: HeaderWords) -> _Column | None:
 
 
 def _numbered(read: HeaderWords) -> Numbered:
-    """What a column may tell of a joint that its name numbers."""
+    """A column with its quantity, for the search for joints that are numbered in the names."""
     column = _column(read)
     return Numbered(read, None, False) if column is None else Numbered(read, column.quantity, column.setpoint)
 
@@ -342,7 +342,7 @@ def _signals(columns: Sequence[_Column], numbers: Mapping[str, np.ndarray]) -> d
         outputs += [c for c in beside if _of_one_train(motor, c, numbers)]
     take("output_position", outputs)
     for signal, other in (("motor_position", "output_position"), ("motor_torque", "load_torque")):
-        # of a joint's angle alone, it is the motor's that the joint tells
+        # a joint's angle without a motor's is taken for the motor's
         if signal not in taken and other in taken and not (signal == "motor_torque" and "current" in taken):
             taken[signal] = taken.pop(other)
     return {name: taken[name] for name in _ORDER if name in taken}
@@ -365,12 +365,12 @@ _ORDER = (
 
 
 def _of_one_train(one: _Column, other: _Column, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether two positions go the same way, or against each other, all the time; False where there are no numbers."""
+    """Whether two positions always move together, or always against each other; False if there are no numbers."""
     return bool(numbers) and likeness(numbers[one.name], numbers[other.name]) > 1.0 - SMALL
 
 
 def _measured_behind(torque: _Column) -> bool:
-    """Whether a torque's name tells that a transducer measured it, which the drive has none of."""
+    """Whether a torque's name says that a transducer measured it, which a drive does not have."""
     return _has(torque.read.words, _TRANSDUCER)
 
 
@@ -383,7 +383,7 @@ def _time(read: HeaderWords) -> Guess:
 
 
 def _unit(read: HeaderWords, signal: str, motion: str) -> str | None:
-    """The unit that the name tells, where the signal can have it."""
+    """The unit in the name, if the signal can have it."""
     if read.unit == COUNTS:
         return COUNTS if signal in ("motor_position", "output_position") and motion == "rotary" else None
     return read.unit if read.unit in units_of(signal, motion) else None

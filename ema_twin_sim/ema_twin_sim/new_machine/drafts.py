@@ -1,4 +1,4 @@
-"""Drafts of an import map and of a model that read the traces they are made from, and what to ask about these."""
+"""Drafts of an import map and a model that can read the traces they are made from, and questions about the traces."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from .unit_questions import questions_about_units
 
 
 class Drafts(NamedTuple):
-    """Texts of a map and of a model, what to ask about the recording's units, what was decided by usual sizes, and what
-    of the guesses the map leaves out, by column.
+    """Texts of a map and a model; questions about the recording's units; what was assumed from usual sizes; and the
+    columns of guesses that the map leaves out.
     """
 
     map: str
@@ -39,15 +39,15 @@ class Drafts(NamedTuple):
 
 
 def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Drafts:
-    """The drafts for a machine; ``traces`` are its recordings, none where there are none yet.
+    """The drafts for a machine; ``traces`` are its recordings, empty if there are none yet.
 
-    Raises InputError where a trace cannot be read so.
+    Raises InputError if a trace cannot be read with the drafts.
     """
     of = traces[0].name if traces else f"{given.name}'s traces"
     shaft = Shaft(given.shaft or "motor")
     drafted = draft_map(guesses, of, shaft)
     recordings = _read(drafted, traces)
-    if not traces:  # what a recording would tell of the sensors is left out
+    if not traces:  # without a recording, nothing is known of the sensors
         empty = {guess.signal: np.zeros(2) for guess in guesses.signals}
         metadata = {MOTION: guesses.motion} if guesses.motion != "rotary" else {}
         recording = Recording(given.name, np.arange(2) * 1_000_000, empty, metadata=metadata)
@@ -70,7 +70,7 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
     questions = tuple(question for recording in recordings for question in questions_about_units(recording, units))
     known = None not in (units.get("motor_position"), units.get("speed"))
     if any(guess.signal == "speed" and guess.of_output for guess in guesses.signals):
-        known = False  # the way by a speed of the output tells nothing of whose turns the position counts
+        known = False  # a speed of the output does not show whose turns the position counts
     shaft = position_shaft(farthest(recordings), given.gear_ratio, units_known=known)
     if shaft.name == "motor" and _told_at_the_output(guesses):
         shaft = Shaft("output", given.gear_ratio)
@@ -90,19 +90,19 @@ def checked_drafts(guesses: Guesses, given: Given, traces: Sequence[Path]) -> Dr
 
 
 def _turned_round(guess: Guess) -> Guess:
-    """The load's column, to be read with its sign turned."""
+    """The load's column, to be read with its sign reversed; other columns unchanged."""
     return replace(guess, turned_round=True) if guess.signal == "load_torque" else guess
 
 
 def _of_the_output(guess: Guess) -> Guess:
-    """A column whose name tells no shaft as the output's, which the position beside it is taken for."""
+    """A column whose name gives no shaft, taken for the output's like the position; other columns unchanged."""
     if guess.of_motor or guess.of_output or guess.signal not in AT_EITHER_SHAFT:
         return guess
     return replace(guess, of_output=True, shaft_doubt="taken for the output's, as the position is")
 
 
 def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
-    """The traces by an import map that is not written yet. Raises InputError where the map cannot read them."""
+    """Read the traces with an import map that is not written yet. Raises InputError if the map cannot read them."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "map.yaml"
         place.write_text(map_text)
@@ -111,7 +111,7 @@ def _read(map_text: str, traces: Sequence[Path]) -> list[Recording]:
 
 
 def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
-    """YAML of a first model that can be read. The motor's position is as its column has it, of that ``shaft``."""
+    """YAML of a first model that can be read. The motor's position is as in its column, which is of that ``shaft``."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "model.yaml"
         draft = draft_model(recordings, given, shaft)
@@ -121,7 +121,7 @@ def checked_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -
 
 
 def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:
-    """Raise InputError where samples come more seldom than any drive's trace, as where ms are read as s."""
+    """Raise InputError if the sample period is longer than any drive's, for example because ms are read as s."""
     longest = CONSTANTS["sensors.sample_period"].upper
     if guesses.time is not None and not recording.of_points and recording.sample_period > longest:
         raise InputError(
@@ -132,6 +132,6 @@ def _refuse_slow_samples(recording: Recording, guesses: Guesses) -> None:
 
 
 def _told_at_the_output(guesses: Guesses) -> bool:
-    """Whether position and speed, where there is one, both say in their names that they are the output's."""
+    """Whether the names of the position and of the speed, if there is one, say that they are the output's."""
     shafts = {guess.shaft for guess in guesses.signals if guess.signal in ("motor_position", "speed")}
     return shafts == {"output"}

@@ -1,8 +1,8 @@
-"""The gains of a drive's speed controller, where a recording shows its setpoint: torque over speed error.
+"""The gains of a drive's speed controller, if a recording has its setpoint: torque over speed error.
 
-A PI controller asks for K (e + 1/T times the integral of e), e the setpoint less the speed. The motor's torque shows
-it some samples later, by the current loop's lag and the drive's filters. Where that does not explain the torque, the
-drive is another kind, and nothing is said.
+A PI controller demands the torque K (e + 1/T times the integral of e), where e is the setpoint minus the speed. The
+motor's torque follows some samples later, because of the current loop's lag and the drive's filters. If that does not
+explain the torque, the drive is of another kind, and no gains are given.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from ..criteria import ALL_BUT_SPIKES, SMALL
 from ..measured.smoothing import gaussian, smooth
 from ..model.constants import CONSTANTS
 
-_LAGS = np.arange(0.0, 12.25, 0.25)  # samples by which the torque may follow
-_WIDTHS = (0.0, 2.0, 5.0, 12.0, 30.0)  # samples over which noise is smoothed away, no more than it takes
+_LAGS = np.arange(0.0, 12.25, 0.25)  # samples by which the torque may lag
+_WIDTHS = (0.0, 2.0, 5.0, 12.0, 30.0)  # samples of smoothing against noise; the first that works is used
 _FEWEST = 200  # samples
 
 
 @dataclass(frozen=True)
 class DriveGains:
-    """Of a PI speed controller: K [N m s/rad] and T [s]."""
+    """Gains of a PI speed controller: K [N m s/rad] and T [s]."""
 
     speed_gain: float
     integral_time: float
 
 
 def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | None:
-    """The gains that a recording (SI, at the motor's shaft) shows; None where it shows none of a PI controller."""
+    """The gains that a recording (SI, at the motor's shaft) shows; None if it does not show a PI controller."""
     drive = "current" if recording.has("current") else "motor_torque"
     if recording.of_points or not recording.has("speed_setpoint", "speed", drive) or len(recording) < _FEWEST:
         return None
@@ -40,7 +40,7 @@ def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | No
     if not (np.isfinite(torque).all() and np.isfinite(error).all()):
         return None
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (error[1:] + error[:-1]) * np.diff(recording.time))])
-    within = np.abs(torque) < (1.0 - SMALL) * np.quantile(np.abs(torque), ALL_BUT_SPIKES)  # no limit holds it there
+    within = np.abs(torque) < (1.0 - SMALL) * np.quantile(np.abs(torque), ALL_BUT_SPIKES)  # where no torque limit acts
     signals = np.stack([error, summed, torque])
     for width in _WIDTHS:
         if found := _by_lag(_smoothed(signals, width), within):
@@ -49,7 +49,7 @@ def drive_gains(recording: Recording, torque_constant: float) -> DriveGains | No
 
 
 def _smoothed(signals: np.ndarray, width: float) -> np.ndarray:
-    """Signals (k, n), smoothed by one kernel: a linear law between them stays the same."""
+    """Signals (k, n), smoothed by the same kernel, which leaves a linear law between them unchanged."""
     if not width:
         return signals
     kernel = gaussian(width, 1.0, 0)
@@ -73,4 +73,4 @@ def _by_lag(signals: np.ndarray, within: np.ndarray) -> DriveGains | None:
         return None
     gains = DriveGains(float(best[0]), float(best[0] / best[1]))
     times = CONSTANTS["drive.integral_time"]
-    return gains if times.lower <= gains.integral_time <= times.upper else None  # no controller has such a one
+    return gains if times.lower <= gains.integral_time <= times.upper else None  # else no controller has it

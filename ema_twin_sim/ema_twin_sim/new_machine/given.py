@@ -1,4 +1,4 @@
-"""What a person says of a machine."""
+"""What the user says about a machine."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Given:
-    """What a person said of the machine; None where they did not."""
+    """What the user said about the machine; None for what was not said."""
 
     name: str
     gear_ratio: float | None = None
-    torque_constant: float | None = None  # N m/A, or N/A where the machine is linear
+    torque_constant: float | None = None  # N m/A, or N/A if the machine is linear
     shaft: str | None = None  # of the motor's position: motor or output

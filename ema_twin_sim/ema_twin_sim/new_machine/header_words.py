@@ -1,4 +1,4 @@
-"""A column's name taken apart: its words in plain letters, and the unit that it tells.
+"""Split a column's name into its words in plain letters and its unit.
 
 People write units in brackets, after a slash, a comma, an underscore or the word "in", in English or German; symbols
 come in Greek letters, with subscripts, or with a dot for a rate.
@@ -88,18 +88,18 @@ _GREEK = str.maketrans(
 _ACCENTS = str.maketrans("éèê", "eee")
 _BRACKETS = re.compile(r"\s*[\[({<]\s*([^\])}>]*?)\s*[\])}>]")
 _SUBSCRIPTS = frozenset({"m", "r", "a", "c", "n", "v"})
-"""Units of one letter that are also a subscript: after an underscore they tell the motor, an axis or a phase."""
+"""Units of one letter that may also be a subscript: after an underscore they may mean the motor, an axis or a phase."""
 
 
 @dataclass(frozen=True)
 class HeaderWords:
-    """A column's name: its words in lower case and its unit, None where it tells none that is known."""
+    """A column's name: its words in lower case, and its unit; None if it has no known one."""
 
     name: str
     words: tuple[str, ...]
     unit: str | None
     in_doubt: bool = False  # whether the unit may be a subscript as well
-    foreign: str = ""  # what stands where a unit stands, and is none that is known
+    foreign: str = ""  # text in the place of a unit that is not a known unit
 
     @property
     def quantity(self) -> str | None:
@@ -107,20 +107,20 @@ class HeaderWords:
         return None if self.unit is None else _SPELLINGS[self.unit][0]
 
     def as_subscript(self) -> HeaderWords:
-        """The name where what may be a unit is a subscript."""
+        """The name if the ambiguous unit is a subscript."""
         letter = re.split(r"_", self.name.strip())[-1].lower()
         return replace(self, words=(*self.words, letter), unit=None, in_doubt=False)
 
     @property
     def linear(self) -> bool | None:
-        """Whether the unit is one of a linear machine; None where it tells nothing of that."""
+        """Whether the unit is one of a linear machine; None if it does not show that."""
         if self.quantity not in ("position", "speed", "torque") or self.unit == COUNTS:
             return None
         return self.unit in ("m", "mm", "cm", "um", "m/s", "mm/s", "cm/s", "m/min", "N", "mN", "kN")
 
 
 def header_words(name: str) -> HeaderWords:
-    """Take a column's name apart."""
+    """Split a column's name into words and unit."""
     text = unicodedata.normalize("NFC", name.strip()).translate(_SUPERSCRIPTS)
     if len(text) > 1 and (unit := _unit(text)):  # a single letter is a symbol
         return HeaderWords(name, (), unit)
@@ -135,7 +135,7 @@ def _unit(text: str) -> str | None:
 
 
 def _without_unit(text: str) -> tuple[str, str | None, bool, str]:
-    """(name without its unit, unit, whether it may be a subscript, what is no unit but stands in its place)."""
+    """(name without its unit, unit, whether that may be a subscript, unknown text in the place of a unit)."""
     foreign = ""
     for found in reversed(list(_BRACKETS.finditer(text))):
         if unit := _unit(found[1]):

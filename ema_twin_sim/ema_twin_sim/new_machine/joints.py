@@ -1,7 +1,8 @@
-"""The columns of several joints in one trace, as robots log them: a search judges one joint, whose columns are taken.
+"""Columns of several joints in one trace, as robots log them: the columns of one joint are taken, since a search judges
+one joint.
 
-Joints are told by a number in the names, as in ``q1 … q6`` or ``pos (3)``. Two numbered shafts that move together are
-one train, motor and output.
+Joints are distinguished by a number in the names, as in ``q1 … q6`` or ``pos (3)``. Two numbered shafts that move
+together are motor and output of one drive train.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ _MOVES = ("position", "speed")
 
 @dataclass(frozen=True)
 class Joint:
-    """The joint whose columns are taken, by its number, and the numbers of the others; empty where there is one."""
+    """The number of the joint whose columns are taken, and those of the others; empty if there is only one joint."""
 
     number: str = ""
     others: tuple[str, ...] = ()
 
     @property
     def sentence(self) -> str:
-        """Which was chosen and why, and what to do to have another."""
+        """Which joint was chosen and why, and how to choose another."""
         return (
             f"the columns numbered {self.number}, of the joint that goes farthest; those of {', '.join(self.others)} "
             "are not used (to have another joint, remove the others' columns, and run init again)"
@@ -52,9 +53,9 @@ class Numbered:
 def one_joint(
     columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray], wanted: str = ""
 ) -> tuple[Joint, list[HeaderWords]]:
-    """The joint whose columns are taken, and the names of those and of all that is no joint's, without its number.
+    """Choose one joint; return it with the names of its columns (without its number) and of those of no joint.
 
-    ``numbers`` are the columns' own, (n,) each; ``wanted`` is the joint of another trace of the same machine.
+    ``numbers`` are the columns' values, (n,) each; ``wanted`` is the joint taken in another trace of the same machine.
     """
     names = [column.read for column in columns]
     joints = _joints(columns, numbers)
@@ -71,7 +72,7 @@ def one_joint(
 
 
 def _joints(columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray]) -> dict[str, HeaderWords]:
-    """The column that tells the motion of each joint, by number; a joint has a drive and a motion of its own."""
+    """The column with the motion of each joint, by number; a joint has both a current or torque and a motion."""
     found: dict[str, dict[str, HeaderWords]] = {}
     for column in columns:
         digits = _numbers_in(column.read)
@@ -85,7 +86,7 @@ def _joints(columns: Sequence[Numbered], numbers: Mapping[str, np.ndarray]) -> d
 
 
 def _numbers_in(read: HeaderWords) -> list[str]:
-    """The numbers in a column's name, one in brackets among them."""
+    """The numbers in a column's name, including one in brackets."""
     return [word for word in (*read.words, read.foreign) if word.isdigit()]
 
 
@@ -95,19 +96,19 @@ def _pairs(joints: Mapping[str, HeaderWords]) -> list[tuple[HeaderWords, HeaderW
 
 
 def travel(read: HeaderWords, numbers: Mapping[str, np.ndarray]) -> float:
-    """How far a position goes, in SI units where its name tells one."""
+    """The range of a position, in SI units if its name has a unit."""
     known = {unit: size for motion in MOTIONS for unit, size in units_of("motor_position", motion).items()}
     values = numbers[read.name]
     return float(np.ptp(values[np.isfinite(values)])) * known.get(read.unit or "", 1.0)
 
 
 def _one_train(one: HeaderWords, other: HeaderWords, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether nearly all of one motion is that of the other: two joints may well swing to the same beat."""
+    """Whether nearly all of one motion is that of the other; less is not enough, since two joints may move in step."""
     return math.sqrt(1.0 - likeness(numbers[one.name], numbers[other.name]) ** 2) < SMALL
 
 
 def likeness(one: np.ndarray, other: np.ndarray) -> float:
-    """How far two motions (n,) go the same way, or against each other: the size of their correlation."""
+    """Absolute correlation of two motions (n,): 1 if they always go the same way, or always against each other."""
     both = np.isfinite(one) & np.isfinite(other)
     ways = [values[both] - values[both].mean() for values in (one, other)]
     size = math.sqrt(float(ways[0] @ ways[0]) * float(ways[1] @ ways[1]))

@@ -50,7 +50,7 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
     of_output = ", shaft: output" if (shaft.name if of_position else guess.shaft) == "output" else ""
 
     def look(at: str) -> str:
-        """The comment on what to look at: the size of the numbers, and whose shaft they are of."""
+        """The comment on what to check: the unit of the numbers, and the shaft that they belong to."""
         return check_comment("; ".join(filter(None, (at, shaft.doubt if of_position else guess.shaft_doubt))))
 
     if guess.unit == COUNTS:
@@ -69,9 +69,9 @@ def _signal_line(guess: Guess, motion: str, shaft: Shaft) -> str:
 
 
 def _quoted(column: str) -> str:
-    """A column's name as the regular expression that fits it alone, in single quotes.
+    """A column's name as a regular expression that matches only it, in single quotes.
 
-    ``re.escape`` would escape its blanks and hyphens too, and a person shall read it.
+    ``re.escape`` would escape its blanks and hyphens too, which is hard to read.
     """
     special = set(r".^$*+?{}[]\|()")
     plain = "".join("\\" + mark if mark in special else mark for mark in column)

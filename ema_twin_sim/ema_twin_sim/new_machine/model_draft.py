@@ -1,4 +1,4 @@
-"""The draft of a model: everything open that recordings may tell, the rest from what they show and what was given."""
+"""Draft of a model: what recordings can determine is open, the rest comes from what they show and what was given."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ AS_FINE_AS_NOISE = "as fine as the noise of the recording"
 DEPENDED_ON = ("motor_position", "speed", "load_torque")
 """What a drive's torque depends on at an operating point."""
 _FEWEST = 10
-_BEHIND = 0.2  # of inertia and friction: what is behind the gearbox, to begin with
+_BEHIND = 0.2  # share of inertia and friction that is behind the gearbox, as a start value
 
 
 class ModelDraft(NamedTuple):
-    """The text of a model, what in it was decided by usual sizes, with the remedy, and what to ask about it."""
+    """The text of a model, what was assumed in it from usual sizes (with the remedy), and questions about it."""
 
     text: str
     assumed: tuple[str, ...] = ()
@@ -52,10 +52,10 @@ class ModelDraft(NamedTuple):
 
 
 def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> ModelDraft:
-    """YAML of a first model, everything open that recordings may tell.
+    """YAML of a first model, in which everything is open that recordings can determine.
 
-    Their motor position is as its column has it, of that ``shaft``. Raises InputError where a torque constant was given
-    that no motor has.
+    Their motor position is that of its column, which is of that ``shaft``. Raises InputError if the given torque
+    constant is one that no motor has.
     """
     recording = farthest(recordings)
     motion = recording.motion
@@ -67,7 +67,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
         and recording.has("motor_position", "output_position")
         and (abs(ratio.value - 1.0) > ALIKE or positions_part(recording, ratio.value))
     )
-    two_sided |= of_encoders_alone(recording)  # which show nothing else than what is between them
+    two_sided |= of_encoders_alone(recording)  # which show only what is between them
     turns = 1.0 if ratio is None else ratio.value
     at_joint = _joint_constant(recordings, given.torque_constant, turns)
     lines = [
@@ -100,7 +100,7 @@ def draft_model(recordings: Sequence[Recording], given: Given, shaft: Shaft) -> 
 
 
 def farthest(recordings: Sequence[Recording]) -> Recording:
-    """The recording on which the motor goes farthest, which tells most of a ratio and of counts."""
+    """The recording in which the motor goes farthest, which shows most about a ratio and about counts."""
 
     def travel(recording: Recording) -> float:
         name = next((name for name in ("motor_position", "output_position") if recording.has(name)), None)
@@ -110,7 +110,7 @@ def farthest(recordings: Sequence[Recording]) -> Recording:
 
 
 def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
-    """The inertia; that behind the gearbox apart where an encoder there may show that it moves by itself."""
+    """The lines of the inertia; separate lines for that behind the gearbox if an encoder there may show its motion."""
 
     def line(name: str, value: float, comment: str) -> str:
         unit = unit_in("kg m^2", motion)
@@ -134,7 +134,7 @@ def _friction_line(name: str, side: str, torque: float) -> str:
 
 @dataclass(frozen=True)
 class _Ratio:
-    """A gear ratio, where it comes from, and what speaks against it."""
+    """A gear ratio, its source, and what is doubtful about it."""
 
     value: float
     source: str
@@ -146,7 +146,7 @@ class _Ratio:
 
 
 def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | None:
-    """The gear ratio: given, or what position and speed or both positions show, or one of a rotary machine."""
+    """The gear ratio: as given, else as position and speed or both positions show it, else 1 for a rotary machine."""
     if given:
         return _Ratio(given, "given")
     if shaft.ratio is not None:
@@ -173,7 +173,7 @@ def _ratio(recording: Recording, given: float | None, shaft: Shaft) -> _Ratio | 
 
 
 def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaft) -> str:
-    """Whether a gear ratio that was given is this machine's, where both positions make it another; empty: no doubt."""
+    """A question about the given gear ratio if both positions show another one; empty if there is no doubt."""
     shown = ratio_of_positions(recording) if given and shaft.name == "motor" else None
     if not given or shown is None or abs(abs(shown) / given - 1.0) <= SAME_RATIO:
         return ""
@@ -184,14 +184,14 @@ def _question_about_ratio(recording: Recording, given: float | None, shaft: Shaf
 
 
 def _joint_constant(recordings: Sequence[Recording], given: float | None, ratio: float) -> str:
-    """Why a torque constant that was given must be the joint's, as no motor behind the ``ratio`` has so much."""
+    """Why the given torque constant must be the joint's: no motor behind this ``ratio`` has so much; else empty."""
     if recordings[0].motion != "rotary" or not recordings[0].has("current"):
         return ""
     return told_at_joint(given, ratio, max(map(_fastest_of_motor(ratio), recordings)))
 
 
 def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> list[str]:
-    """The torque constant, where there is a current; ``at_joint`` is why it must be the joint's, else empty."""
+    """The torque constant's line if there is a current; ``at_joint`` says why it must be the joint's, or is empty."""
     if not recording.has("current"):
         return []
     source, doubt = ("given", "") if given else ("assumed", "take it from the motor's data sheet")
@@ -205,7 +205,7 @@ def _torque_lines(recording: Recording, given: float | None, at_joint: str) -> l
 
 
 def _fastest_of_motor(ratio: float) -> Callable[[Recording], float]:
-    """The fastest [rad/s] that the motor went in a recording, which may tell its motion at the output."""
+    """Function for the highest speed [rad/s] of the motor in a recording, whose motion may be given at the output."""
 
     def fastest(recording: Recording) -> float:
         told = "speed" if recording.has("speed") else "motor_position"
@@ -215,7 +215,7 @@ def _fastest_of_motor(ratio: float) -> Callable[[Recording], float]:
 
 
 def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> list[str]:
-    """The speed controller, where a recording shows its gains; what drives the twin else, where there is a setpoint."""
+    """The lines of the speed controller if a recording shows its gains; else a comment if there is a setpoint."""
     if not any(recording.has("speed_setpoint") for recording in recordings):
         return []
     shown = (drive_gains(recording, torque_constant) for recording in recordings)
@@ -235,9 +235,9 @@ def _drive_lines(recordings: Sequence[Recording], torque_constant: float) -> lis
 
 
 def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
-    """What a recording tells of its sensors; nothing where there is none yet.
+    """What a recording shows of its sensors; empty if it has too few samples, as before the first recording.
 
-    The motor turns ``ratio`` times as far as its position tells.
+    The motor turns ``ratio`` times as far as its position column says.
     """
     if len(recording) <= _FEWEST:
         return []
@@ -251,10 +251,10 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
         step, source = smallest_step(position), SMALLEST_STEP
         if counts := _counts_of_the_map(recording, f"{side}_position"):
             step, source = turn / counts * (ratio if side == "motor" else 1.0), "counts of the import map"
-        if step is None:  # as fine as a counter whose steps would make as much noise
+        if step is None:  # a counter whose steps would make as much noise
             step, source = math.sqrt(12.0) * reading_noise(position), AS_FINE_AS_NOISE
         bounds = CONSTANTS[f"sensors.{side}_encoder_counts"]
-        if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # a simulation's position may be finer
+        if step > 0.0 and bounds.lower <= turn / step <= bounds.upper:  # the position of a simulation may be finer
             usual = usual_counts(turn / step) if motion == "rotary" and source == SMALLEST_STEP else None
             lines.append(
                 f"  {side}_encoder_counts: {{value: {usual or turn / step:.9g}, unit: {unit_in('1/rev', motion)}, "
@@ -262,7 +262,7 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
             )
     of_speed = ratio if recording.metadata.get(f"speed{AT}") == "output" else 1.0
     for name, turned in (("current", 1.0), ("speed", of_speed)):
-        if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has a speed of its own
+        if recording.has(name) and not (recording.of_points and name == "speed"):  # each point has its own speed
             noise = turned * _noise(recording, name)
             lines.append(
                 f"  {name}_noise: {{value: {noise:.3g}, "
@@ -284,14 +284,14 @@ def _sensor_lines(recording: Recording, ratio: float) -> list[str]:
 
 
 def _counts_of_the_map(recording: Recording, signal: str) -> float | None:
-    """The counts per turn by which a recording was read; None where it is no counter's."""
+    """The counts per turn with which a recording was read; None if the column is not a counter's."""
     content = yaml.safe_load(recording.metadata.get("map_text", "")) or {}
     counts = content.get("signals", {}).get(signal, {}).get("counts_per_revolution")
     return None if counts is None else float(counts)
 
 
 def _noise(recording: Recording, signal: str) -> float:
-    """The noise of a reading of a signal, in its own unit."""
+    """The noise of a signal's readings, in its own unit."""
     values = recording.signals[signal]
     if not recording.of_points:
         return reading_noise(_finite(values))

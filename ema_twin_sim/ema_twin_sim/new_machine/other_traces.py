@@ -1,4 +1,4 @@
-"""The traces of a machine beside the first, after which its map is drafted: whether the map reads them all alike."""
+"""Check whether the map drafted from a machine's first trace also reads its other traces."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .columns import Guesses, guess_columns
 
 
 def differing_columns(first: Path, guesses: Guesses, others: Sequence[Path]) -> Iterator[str]:
-    """What a map of the ``first`` trace's columns leaves unread, or misses, in the ``others``: a sentence each.
+    """Yield a sentence for what a map of the ``first`` trace's columns does not read, or misses, in the ``others``.
 
-    Raises InputError where another trace has the same under other names, so that the map would not find it.
+    Raises InputError if another trace has the same signals under other names, so that the map would not find them.
     """
     wanted = {guess.signal: guess.column for guess in guesses.signals}
     if guesses.time is not None:

@@ -1,4 +1,4 @@
-"""Drives whose logs name no units, known by how they name their columns."""
+"""Drives whose logs have no units, recognised by how they name their columns."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from .header_words import header_words
 
 @dataclass(frozen=True)
 class Product:
-    """A drive that tells positions in turns and speeds in turns per second, and the words of columns that only it has.
+    """A drive that logs positions in turns and speeds in turns per second, with the column names that only it has.
 
-    All of one of the groups of names must be there, each as the end of a column's name.
+    All names of one of the groups must be there, each as the end of a column's name.
     """
 
     name: str
@@ -37,9 +37,10 @@ IN_TURNS = (
 
 
 def with_products_units(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> Guesses:
-    """The guesses, positions and speeds without a unit in turns where a drive wrote them that tells them so.
+    """The guesses; positions and speeds without a unit are in turns if a drive that logs turns wrote them.
 
-    ``numbers`` (n,) are those of each column: older ODrives counted, and no motor turns as fast as that would be.
+    ``numbers`` (n,) are each column's values: older ODrives logged counts, and as turns they would be faster than any
+    motor.
     """
     header = [guess.column for guess in guesses.signals] + list(guesses.left)
     product = next((product.name for product in IN_TURNS if product.wrote(header)), None)

@@ -1,4 +1,4 @@
-"""What the rows of a table are: samples of one motion, or operating points, at rest or at a constant speed each."""
+"""Decide what the rows of a table are: samples of one motion, or operating points (at rest or at constant speed)."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..model.constants import CONSTANTS
 from .columns import Guesses
 
 _SERIES = 500  # rows; fewer may be operating points, one after the other
-_CLOCKED = 2.0  # times the usual step of time, or one over it, within which a clock's steps are
+_CLOCKED = 2.0  # a clock's time steps are between the usual step over this and times this
 
 
 def with_kind_of_rows(guesses: Guesses, numbers: Mapping[str, np.ndarray], said: bool) -> Guesses:
-    """The guesses, with rows that are operating points where they are ``said`` to be, or seem so by the ``numbers``.
+    """The guesses, with rows as operating points if the user ``said`` so, or if the ``numbers`` look like it.
 
-    Points that were not taken in the order of their time are left without it. Raises InputError where rows without a
-    time seem to be samples.
+    Points that are not in the order of their time lose the time column. Raises InputError if rows without a time look
+    like samples.
     """
     if said:
         guesses = replace(guesses, of_points=True, points_doubt="")
@@ -40,10 +40,10 @@ def with_kind_of_rows(guesses: Guesses, numbers: Mapping[str, np.ndarray], said:
 
 
 def _why_points(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> str:
-    """Why rows that have a time are operating points all the same; empty where they are samples.
+    """Why rows with a time are operating points nevertheless; empty if they are samples.
 
-    ``numbers`` (n,) are those of each column. No clock sampled them, and either the shaft rested at each though it went
-    from one to the next, or they are too far apart to show how a motion goes on.
+    ``numbers`` (n,) are each column's values. No clock sampled the rows, and either the shaft rested at each of them
+    although it moved from one to the next, or they are too far apart in time to show a motion.
     """
     if guesses.time is None:
         return ""
@@ -61,10 +61,10 @@ def _why_points(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> str:
 
 
 def _is_time_series(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether rows without a time follow each other as samples do, and are no operating points.
+    """Whether rows without a time follow each other like samples, and are not operating points.
 
-    What moves then changes slowly, and a position goes by what the speed beside it makes in a row. Of a position alone,
-    one that goes by the same step each time is one that was set; or that turned steadily, which is no other thing.
+    Then positions and speeds change slowly from row to row, and the steps of the position fit the speed. If there is a
+    position alone and it always moves by the same step, it was set (or turned steadily, which looks the same).
     """
     known = _by_signal(guesses, numbers)
     moving = [known[name] for name in ("motor_position", "speed", "output_position") if name in known]
@@ -87,7 +87,7 @@ def _by_signal(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> dict[str,
 
 
 def _uneven(time: np.ndarray) -> bool:
-    """Whether many steps of a time (n,) are far from the usual one, as no clock makes them that drops a few."""
+    """Whether many steps of a time (n,) are far from the usual one; a clock that only drops some samples has few."""
     steps = np.diff(time)
     usual = float(np.median(steps))
     if usual <= 0.0:
@@ -96,7 +96,7 @@ def _uneven(time: np.ndarray) -> bool:
 
 
 def _rested(known: Mapping[str, np.ndarray]) -> bool:
-    """Whether the speed is zero at all rows but a few, between which the position goes on."""
+    """Whether the speed is zero at all but a few rows, although the position changes between them."""
     position = next((known[name] for name in ("motor_position", "output_position") if name in known), None)
     if position is None or "speed" not in known or np.ptp(position) == 0.0:
         return False

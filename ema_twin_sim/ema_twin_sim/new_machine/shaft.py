@@ -1,5 +1,5 @@
-"""Of which shaft a motor's position is given: guessed from how far it goes where the motor's speed is known, else from
-whether a motor behind its gear would go so slowly.
+"""Guess to which shaft a motor's position belongs: from how far it goes if the motor's speed is known, otherwise from
+whether a motor behind its gear would turn so slowly.
 """
 
 from __future__ import annotations
@@ -17,35 +17,35 @@ from ..measured.consistency import is_usual_mistake, way_by_speed
 from ..measured.smoothing import gaussian, smooth
 from ..reading_noise import reading_noise
 
-OWN = 0.1  # of one, within which a position goes the way of the motor's speed
-ALIKE = 0.02  # of a gear ratio of one: both shafts turn alike
-SAME_RATIO = 0.1  # relative, within which a way is that of the gear ratio that was given
+OWN = 0.1  # relative deviation up to which a position moves as the motor's speed says
+ALIKE = 0.02  # deviation from a gear ratio of one up to which both shafts turn alike
+SAME_RATIO = 0.1  # relative deviation up to which a ratio agrees with the given gear ratio
 NEAR_A_WHOLE = 0.05  # of a turn
 ANGLE_ERROR = 1e-3  # rad, of an encoder over the travel of a recording
-EXACT = 2e-4  # relative, within which a ratio is the whole number beyond doubt
+EXACT = 2e-4  # relative deviation up to which a ratio is the whole number beyond doubt
 GEARED = 5.0
-"""A gear ratio from which on a gear is there to let the motor run fast. Below it are belts and couplings, whose shafts
-go about equally fast, so that no size tells one from the other."""
+"""Gear ratio from which the purpose of a gear is to let the motor run fast. Lower ratios are belts and couplings, whose
+shafts turn about equally fast, so that their speeds do not show which is which."""
 SLOW_MOTOR = 1.0
 """rad/s, ten turns a minute, which a motor behind such a gear exceeds somewhere in a recording. Motors are wound for
-1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale that
-would tell a motor's speed; data sheets have, in SI."""
+1000 turns a minute and more, small or large, and a gear is bought to use that. A recording alone has no scale for a
+motor's speed; data sheets have one, in SI."""
 _FEWEST_TO_REFINE = 400  # samples
 _SMOOTHED = 10.0  # samples
-_AT_ENDS = 40  # samples at either end that this smoothing bends by more than half a per cent
-_ROUND = 1.0 / 3.0  # of a turn of the output, from which on an angle error is told from a slope
+_AT_ENDS = 40  # samples at either end that this smoothing distorts by more than half a per cent
+_ROUND = 1.0 / 3.0  # of a turn of the output, beyond which an angle error can be distinguished from a slope
 _STEPS = 20  # of a robust regression
-_MOVING = 0.3  # of the furthest way
+_MOVING = 0.3  # of the largest distance
 _FEWEST = 10
-_PIECES = 500  # of a recording, over each of which a speed is told
-_WINDOW = 0.1  # of a recording's samples: the way over which shafts are compared
+_PIECES = 500  # of a recording, over each of which a speed is computed
+_WINDOW = 0.1  # of a recording's samples, over which the motions of the shafts are compared
 
 
 @dataclass(frozen=True)
 class Shaft:
-    """Whose turns a motor's position counts, ``motor`` or ``output``; the gear ratio that shows, and what to look at.
+    """Whose turns a motor's position counts (``motor`` or ``output``), the gear ratio that shows, and what to check.
 
-    ``ratio`` is None where the recording shows none. An empty ``doubt`` leaves none.
+    ``ratio`` is None if the recording shows none. An empty ``doubt`` means that there is none.
     """
 
     name: str = "motor"
@@ -76,9 +76,9 @@ def position_shaft(recording: Recording, gear_ratio: float | None, *, units_know
 
 
 def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | None) -> str:
-    """What speaks against a position, read as the motor's, being that of a motor behind a gear; empty: nothing.
+    """Why a position, read as the motor's, cannot be that of a motor behind a gear; empty if nothing speaks against it.
 
-    A gear is there to let the motor run fast. One that crept all along behind it would hardly move the output.
+    A gear is there to let the motor run fast. A motor that is slow all the time would hardly move the output.
     """
     if gear_ratio is None or gear_ratio < GEARED or any(r.motion != "rotary" or r.of_points for r in recordings):
         return ""
@@ -89,7 +89,7 @@ def too_slow_for_a_motor(recordings: Sequence[Recording], gear_ratio: float | No
 
 
 def fastest_motion(recording: Recording) -> float:
-    """The fastest [rad/s] that a motor's speed, else its position, shows but for a few samples; 0 where none does."""
+    """Highest speed [rad/s] by the motor's speed, else by its position, without a few peaks; 0 if there is neither."""
     if recording.has("speed"):
         speed = recording.signals["speed"]
     elif recording.has("motor_position") and len(recording) > _FEWEST:
@@ -102,7 +102,7 @@ def fastest_motion(recording: Recording) -> float:
 
 
 def ratio_of_positions(recording: Recording) -> float | None:
-    """The gear ratio that both positions show, negative where they turn against each other; None where they do not."""
+    """The gear ratio that both positions show, negative if they turn against each other; None if they show none."""
     if not recording.has("motor_position", "output_position"):
         return None
     lag = max(1, int(_WINDOW * len(recording)))
@@ -121,10 +121,9 @@ def ratio_of_positions(recording: Recording) -> float | None:
 
 
 def _beside_lags(recording: Recording) -> float:
-    """The ratio of both positions where the output may be late, lie on either side of its play, wind up, or have its
-    encoder off its centre.
+    """The ratio of both positions, fitted together with a delay of the output, play, wind-up and an off-centre encoder.
 
-    Robustly, and of motion alone: at rest and while its play is crossed, the output is anywhere.
+    The regression is robust and uses motion only: at rest, and while play is crossed, the output may be anywhere.
     """
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     step, bend = (smooth(motor, gaussian(_SMOOTHED, 1.0, order)) for order in (1, 2))
@@ -147,7 +146,7 @@ def _beside_lags(recording: Recording) -> float:
 
 
 def positions_part(recording: Recording, ratio: float) -> bool:
-    """Whether motor and output part by more than the noise of their encoders: then something is between them."""
+    """Whether motor and output encoder differ by far more than their noise: then play or compliance is between them."""
     motor, output = (recording.signals[name] for name in ("motor_position", "output_position"))
     known = np.isfinite(motor) & np.isfinite(output)
     noise = math.hypot(reading_noise(motor[known]), ratio * reading_noise(output[known]))
@@ -155,15 +154,15 @@ def positions_part(recording: Recording, ratio: float) -> bool:
 
 
 def _parting(recording: Recording, ratio: float) -> float:
-    """How far [rad of the motor] both positions part at most, but for a few samples."""
+    """Range [rad of the motor] of the difference between both positions, without a few samples."""
     apart = recording.signals["motor_position"] - ratio * recording.signals["output_position"]
     return float(np.ptp(np.quantile(apart[np.isfinite(apart)], (1.0 - NEARLY_ALL, NEARLY_ALL))))
 
 
 def whole_ratio(ratio: float, recording: Recording) -> float | None:
-    """The whole number that an encoder's angle error, or play, may have bent a ratio from; None where none is so near.
+    """The whole number from which an encoder's angle error, or play, may have shifted a ratio; None if none is so near.
 
-    It is taken where it is as good as the slope by what either leaves of how the positions part.
+    It is taken if the difference between the positions is about as small with it as with the slope.
     """
     nearest = float(round(ratio))
     if nearest == 0.0 or abs(ratio - nearest) > NEAR_A_WHOLE:

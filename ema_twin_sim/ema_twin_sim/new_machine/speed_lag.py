@@ -1,7 +1,7 @@
-"""By how much a drive's speed lags behind its position: the time constant of the drive's smoothing.
+"""The lag of a drive's speed behind its position: the time constant of the drive's smoothing.
 
-A speed v that is smoothed to first order with the time constant T obeys T·v + ∫v dt = position, whatever moves the
-motor: one regression without a derivative finds T, far below a sample.
+A speed v after a first-order filter with the time constant T satisfies T·v + ∫v dt = position, however the motor moves.
+So one regression without a derivative finds T, to far less than a sample.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from ema_bench_replay.recording import Recording
 
 from ..criteria import SIGNIFICANT, SMALL
 
-_BLOCKS = 10  # of the recording, each of which is left out once
-_FEWEST = 40  # samples of a block
+_BLOCKS = 10  # blocks of the recording, each of which is left out once
+_FEWEST = 40  # minimum number of samples of a block
 
 
 def speed_lag(recording: Recording, turned: float = 1.0) -> float | None:
-    """The lag [s] of a recording's speed; None where none shows. The motor turns ``turned`` times its position."""
+    """The lag [s] of a recording's speed; None if it shows none. The motor turns ``turned`` times its position."""
     if recording.of_points or not recording.has("motor_position", "speed"):
         return None
     position, speed = turned * recording.signals["motor_position"], recording.signals["speed"]
@@ -44,6 +44,6 @@ def speed_lag(recording: Recording, turned: float = 1.0) -> float | None:
         solved(squares.sum(axis=0) - s, products.sum(axis=0) - p) for s, p in zip(squares, products, strict=True)
     ]
     error = math.sqrt((_BLOCKS - 1) * float(np.var([found[1] for found in without])))
-    if abs(whole - 1.0) > SMALL or lag < SIGNIFICANT * error:  # it is another shaft's, or in another unit
+    if abs(whole - 1.0) > SMALL or lag < SIGNIFICANT * error:  # another shaft or unit, or no lag
         return None
     return float(lag / whole) or None

@@ -8,9 +8,9 @@ from ..criteria import NEARLY_ALL
 
 
 def smallest_step(values: np.ndarray) -> float | None:
-    """The step that all differences of a counter's values (n,) are made of; None where they come in no steps.
+    """The step of which all differences between a counter's values (n,) are multiples; None if there is none.
 
-    Nor where nearly all samples go by one such step: that is how a shaft goes that turns steadily.
+    Also None if nearly all samples advance by exactly one such step: a shaft that turns steadily does so too.
     """
     steps = np.diff(np.unique(values))
     if not len(steps):

@@ -1,4 +1,4 @@
-"""What a draft rests on, in words: what the recording showed, what was given, and what is only assumed."""
+"""What a draft is based on, in words: what the recording showed, what was given, and what is only assumed."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _HOW = {
 
 
 def shown(model: Model) -> list[str]:
-    """What a recording showed, or a person gave: each ``name value unit``."""
+    """What a recording showed or the user gave, each as ``name value unit``."""
     return [f"{name} {value}" for path, name, value in _values(model) if model.constants[path].source != ASSUMED]
 
 
@@ -45,10 +45,10 @@ def assumed(model: Model) -> list[str]:
 
 
 def assumed_units(guesses: Guesses) -> list[str]:
-    """Units that no header tells: a sentence for the columns that were read for one reason, with how to change that."""
+    """Units that are not in the header: one sentence for all columns with the same reason, with how to change it."""
     read: dict[str, list[Guess]] = {}
     for guess in guesses.signals:
-        if guess.unit is None and not header_words(guess.column).foreign:  # of foreign units a warning tells
+        if guess.unit is None and not header_words(guess.column).foreign:  # foreign units have a warning
             read.setdefault("no unit in the header", []).append(guess)
         elif guess.unit not in (None, COUNTS) and guess.doubt:
             read.setdefault(guess.doubt, []).append(guess)
@@ -64,10 +64,10 @@ def _assumed_unit(columns: Sequence[Guess], why: str, motion: str) -> str:
 
 
 def _values(model: Model) -> Iterator[tuple[str, str, str]]:
-    """(path, name, value with unit) of what a draft may have found."""
+    """Yield (path, name, value with unit) of the constants that a draft may have found."""
     for path, name in _TOLD.items():
         held = model.constants[path]
-        if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position that comes in no steps shows no counts
+        if held.source not in ("", ABSENT, AS_FINE_AS_NOISE):  # a position without steps shows no counts
             unit = model.unit(path)
             if unit == "1/rev":
                 yield path, name, f"{held.value:.0f} counts a turn"

@@ -1,5 +1,5 @@
-"""Torque constants from data sheets, held against the volts that a motor with them would induce: at which shaft they
-are told, and whether they can be right at all.
+"""Check torque constants from data sheets by the voltage that a motor with them would induce: at which shaft they are
+given, and whether they are possible at all.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from ..criteria import TOO_MUCH
 from .shaft import GEARED
 
 BUS = 600.0
-"""V, that a motor may induce: the DC link of a drive at a mains of 400 V, as most servo drives are (565 V, rectified),
-where drives of small motors and robots have 24 to 325 V."""
+"""V that a motor may induce: about the DC link of a drive at a mains of 400 V, as most servo drives are (565 V,
+rectified). Drives of small motors and robots have 24 to 325 V."""
 RATED_SPEED = 1000.0 * 2.0 * math.pi / 60.0
-"""rad/s, for which motors behind a gear are wound at least."""
+"""rad/s, the lowest rated speed of motors behind a gear."""
 
 
 def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed: float) -> str:
-    """Why a torque per ampere [N m/A] must be the joint's, with the gear in it; empty: it may be the motor's.
+    """Why a torque per ampere [N m/A] must be that of the joint, including the gear; empty if it may be the motor's.
 
-    A motor of so many N m/A induces as many V s/rad: at ``motor_speed`` [rad/s] more than any drive's bus has.
+    A motor with k N m/A induces k V s/rad: at ``motor_speed`` [rad/s] that would be more than any drive's bus has.
     """
     if torque_constant is None or gear_ratio < GEARED or torque_constant * motor_speed <= BUS:
         return ""
@@ -35,10 +35,10 @@ def told_at_joint(torque_constant: float | None, gear_ratio: float, motor_speed:
 def question_about(
     torque_constant: float | None, gear_ratio: float, motor_speed: float, *, at_joint: bool, motion: str
 ) -> str:
-    """What to ask about a torque constant [N m/A, N/A] that hardly a motor has; empty: nothing.
+    """A question about a torque constant [N m/A, N/A] that hardly any motor has; empty if there is none.
 
-    ``motor_speed`` [rad/s, m/s] is the fastest that was recorded; what is told ``at_joint`` has the gear's ratio in it.
-    Raises InputError where no motor has it.
+    ``motor_speed`` [rad/s, m/s] is the highest that was recorded; a constant ``at_joint`` includes the gear ratio.
+    Raises InputError if no motor has it.
     """
     if torque_constant is None:
         return ""

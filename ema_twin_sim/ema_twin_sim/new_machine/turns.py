@@ -1,4 +1,4 @@
-"""Positions whose column begins again after each turn, counted on before they are compared with anything."""
+"""Unwrap positions whose column starts again after each turn, before they are compared with anything."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .usual_counts import usual_counts
 
 
 def counted_on_turns(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> tuple[Guesses, dict[str, np.ndarray]]:
-    """The guesses, with the counts a turn that a counter which begins again shows, and the numbers (n,) counted on."""
+    """The guesses, with the counts per turn that a wrapping counter shows, and the unwrapped numbers (n,)."""
     if guesses.motion != "rotary":
         return guesses, dict(numbers)
     on, signals = dict(numbers), []
@@ -28,7 +28,7 @@ def counted_on_turns(guesses: Guesses, numbers: Mapping[str, np.ndarray]) -> tup
 
 
 def _counted_on(guess: Guess, values: np.ndarray) -> tuple[Guess, np.ndarray]:
-    """The guess, its counts told where its numbers tell them, and the numbers (n,) as the shaft went."""
+    """The guess, with unit or counts if its numbers show them, and the unwrapped numbers (n,)."""
     units = units_of("motor_position")
     if guess.unit is None:
         for unit in ("deg", "rad", "rev"):

@@ -1,6 +1,6 @@
-"""What looks like a wrong unit: sizes that drives seldom have, and encoders whose counts no maker offers.
+"""Questions about units that look wrong: sizes that drives seldom have, and encoder counts that no maker offers.
 
-It is asked about, in a warning; nothing is decided by it.
+They are printed as warnings; nothing is decided by them.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from .usual_counts import usual_counts
 def questions_about_units(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
     """Questions about a recording's units, in words; ``units`` are those of its columns (None: not known)."""
     yield from unusual_sizes(recording)
-    if recording.motion == "rotary" and not recording.has("speed"):  # with a speed, the way itself tells
+    if recording.motion == "rotary" and not recording.has("speed"):  # with a speed, the distance shows it
         yield from _by_counts(recording, units)
 
 
 def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterator[str]:
-    """Whether an encoder's steps make a usual number of counts a turn in degrees, and none in radians, or so."""
+    """A question if an encoder's steps give usual counts per turn in another unit, but not in the one it is read in."""
     for signal in ("motor_position", "output_position"):
         read = units.get(signal)
         if not recording.has(signal) or read not in units_of(signal):
@@ -37,7 +37,7 @@ def _by_counts(recording: Recording, units: Mapping[str, str | None]) -> Iterato
             continue
         own = step / units_of(signal)[read]  # in the column's own unit
         if is_decimal(own):
-            continue  # so many digits were written: this is no encoder's step
+            continue  # the step of a rounded decimal number, not an encoder's
         for unit, size in units_of(signal).items():
             if unit != read and usual_counts(2.0 * math.pi / (own * size)) is not None:
                 yield (

@@ -1,7 +1,7 @@
-"""Units that no header tells, found from the numbers: a position must go the way that its speed makes.
+"""Find units that are not in the header from the numbers: a position must be the integral of its speed.
 
-Where the speed's unit is known, the position's is, and a counter's counts per turn; and the other way round. Time
-without a unit is taken in the largest unit in which samples come as quickly as a drive's do.
+If the speed's unit is known, this gives the position's, and a counter's counts per turn; and the other way round. Time
+without a unit is taken in the largest unit in which the sample period is one of a drive.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from .unit_questions import is_decimal
 from .usual_counts import usual_counts
 
 SLOWEST_SAMPLES = 0.1
-"""s between two samples, of a drive's trace; slower ones tell their unit of time, or are taken in a smaller one."""
+"""s, longest sample period of a drive's trace; a time without a unit that is slower is taken in a smaller unit."""
 
-_PARTS = 40  # of a recording, whose ways are compared
-_FEWEST = 8  # of them that must be long enough
+_PARTS = 40  # parts of a recording whose distances are compared
+_FEWEST = 8  # number of parts that must be long enough
 _USUAL = ("rad", "deg", "rev", "mrad"), ("rad/s", "rpm", "deg/s", "rev/s")
-"""Units of position and speed, the likelier first."""
+"""Units of position and speed, the more likely first."""
 
 
 def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: float | None) -> Guesses:
-    """The guesses with the units that the numbers (n,) of each column tell; what they do not tell stays unknown."""
+    """The guesses with the units that the numbers (n,) of each column show; other units stay unknown."""
     if guesses.time is None or guesses.of_points or guesses.motion != "rotary":
         return guesses
     clock = guesses.time
@@ -64,7 +64,7 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
         changed |= {guess.signal: guess for guess in _by_way(position, speed, ways, gear_ratio)}
         if changed.get("speed", speed).of_output and (asked := known.get("speed_setpoint")) is not None:
             scale = _steady(numbers[asked.column], numbers[speed.column])
-            if scale is not None and abs(scale - 1.0) < SMALL:  # told as the speed is
+            if scale is not None and abs(scale - 1.0) < SMALL:  # given like the speed
                 known["speed_setpoint"] = changed["speed_setpoint"] = replace(asked, of_output=True)
     motor = changed.get("motor_position", position)
     if motor is not None and output is not None and _open(output) and not _open(motor) and gear_ratio:
@@ -97,9 +97,10 @@ def with_units(guesses: Guesses, numbers: Mapping[str, np.ndarray], gear_ratio: 
 
 
 def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> tuple[Guess, Guess]:
-    """A position and a speed that go by one unit of angle, which neither name tells, with the likeliest one.
+    """A position and a speed that share an unknown unit of angle, with the most likely one.
 
-    An encoder's steps tell it where only one unit makes them usual; else radians, as long as a motor turns so fast.
+    If only one unit makes the encoder's steps usual, it is that one; otherwise radians, or degrees if the speed in
+    radians would be too high for a motor.
     """
     units, alike = units_of("motor_position"), ("rad", "deg", "rev")
     step = smallest_step(numbers[position.column][np.isfinite(numbers[position.column])])
@@ -118,7 +119,7 @@ def _alike(position: Guess, speed: Guess, numbers: Mapping[str, np.ndarray]) -> 
 
 
 def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np.ndarray]) -> bool:
-    """Whether a commanded position is that of the output, by what the position there does; a motor's has no signal."""
+    """Whether a commanded position is the output's, judged by the measured one; a motor's has no signal of its own."""
     positions = {guess.signal: guess for guess in signals if guess.signal.endswith("position")}
     followed = positions.get("output_position", positions.get("motor_position"))
     if followed is None or _open(followed):
@@ -131,7 +132,7 @@ def _commands(command: Guess, signals: Sequence[Guess], numbers: Mapping[str, np
 
 
 def _open(guess: Guess) -> bool:
-    """Whether one of the column's numbers is not known in rad."""
+    """Whether the size in rad of 1 in the column is unknown."""
     return guess.unit is None or (guess.unit == COUNTS and guess.counts is None)
 
 
@@ -142,7 +143,7 @@ def _radians(guess: Guess) -> float:
 
 
 def _time_unit(time: np.ndarray, position: Guess | None, speed: Guess | None, numbers: Mapping[str, np.ndarray]) -> str:
-    """The unit in which way and speed agree; where they do not tell, the largest in which samples come quickly."""
+    """The unit of time in which position and speed agree; else the largest with a sample period of a drive."""
     if position is not None and speed is not None and speed.unit is not None and not _open(position):
         ways = _ways(numbers[position.column], numbers[speed.column], time - time[0])
         if ways is not None:
@@ -155,12 +156,12 @@ def _time_unit(time: np.ndarray, position: Guess | None, speed: Guess | None, nu
 
 
 def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float | None) -> list[Guess]:
-    """Position and speed with the units in which the position goes the speed's way; as they were where none is such."""
+    """Position and speed with the units in which the position is the speed's integral; empty if there are none."""
     if ways is None:
         return []
     shafts = (1.0,) if gear_ratio is None else (1.0, 1.0 / gear_ratio, gear_ratio)
     if speed.unit is not None and _open(position):
-        one = units_of("speed")[speed.unit] / abs(ways)  # rad of one of the position's own
+        one = units_of("speed")[speed.unit] / abs(ways)  # rad per unit of the position's column
         for shaft in shafts:
             if told := _position_told(position, one * shaft):
                 return [told, replace(speed, of_output=speed.of_output or shaft > 1.0)]
@@ -170,7 +171,7 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
         if abs(times - 1.0) < NEGLIGIBLE:
             return [replace(speed, of_output=position.of_output)]
         if gear_ratio is not None and abs(times / gear_ratio - 1.0) < NEGLIGIBLE:
-            return [replace(speed, of_output=True)]  # the motor turns so much farther than the speed makes it
+            return [replace(speed, of_output=True)]  # the motor turns farther than the speed says by the ratio
         return []
     if speed.unit is None:
         positions = (position.unit,) if position.unit not in (None, COUNTS) else _USUAL[0]
@@ -187,35 +188,35 @@ def _by_way(position: Guess, speed: Guess, ways: float | None, gear_ratio: float
 
 
 def _position_told(position: Guess, one: float) -> Guess | None:
-    """The position with the unit whose size [rad] it is; None where none is."""
+    """The position with the unit, or the counts, whose size is ``one`` [rad]; None if there is none."""
     if position.unit == COUNTS:
         usual = usual_counts(2.0 * math.pi / one)
         return None if usual is None else replace(position, counts=usual)
     for unit in _USUAL[0]:
         if abs(one / units_of("motor_position")[unit] - 1.0) < NEGLIGIBLE:
             return replace(position, unit=unit)
-    counts = usual_counts(2.0 * math.pi / one)  # a counter that does not say so
+    counts = usual_counts(2.0 * math.pi / one)  # a counter whose name does not say so
     return None if counts is None else replace(position, unit=COUNTS, counts=counts)
 
 
 def _unusual(position: Guess, one: float) -> Guess:
-    """A counter whose counts a turn, by the speed, no usual encoder has."""
+    """A counter with counts per turn, by the speed, that no usual encoder has."""
     counts = 2.0 * math.pi / one
     return replace(position, counts=round(counts), doubt=f"{counts:.6g} counts a turn by the speed; none is usual")
 
 
 def _ways(position: np.ndarray, speed: np.ndarray, time: np.ndarray) -> float | None:
-    """How far a position goes, in its own unit, where its speed makes one of its own; None where it does not follow."""
+    """Distance in the position's unit per unit of distance by the speed; None if the position does not follow it."""
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * np.diff(time))])
     return _steady(*_differences(position, travelled))
 
 
 def _differences(*ways: np.ndarray) -> list[np.ndarray]:
-    """How far ways (n,) go in each part of a recording."""
+    """Distances that motions (n,) cover in the parts of a recording."""
     lag = max(1, len(ways[0]) // _PARTS)
     return [way[lag:] - way[:-lag] for way in ways]
 
 
 def _steady(way: np.ndarray, expected: np.ndarray) -> float | None:
-    """How many times what is expected a way goes; None where that is no steady multiple."""
+    """The factor between a distance and the expected one; None if it is not steady."""
     return steady_factor(way, expected, _FEWEST)

@@ -1,1 +1,1 @@
-"""The ROS nodes `twin` and `monitor`, and `live`, which runs them beside a replay in one process."""
+"""The ROS nodes `twin` and `monitor`, and `live`, which runs them together with a replay in one process."""

@@ -1,4 +1,4 @@
-"""The twin node beside a bench: it answers each bench sample with one of the same stamp, run and sequence."""
+"""The twin node that follows a bench: it answers each bench sample with one of the same stamp, run and sequence."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ class BesideBench:
 
     Attributes:
         follower: the twin and what it counts.
-        incoming: what was wrong with the messages that came.
-        failure: why the twin does not answer this run any more; None where it does. It starts again with the next one.
+        incoming: what was wrong with the messages that arrived.
+        failure: why the twin stopped answering this run; None if it answers. It starts again with the next run.
     """
 
     def __init__(self, node: Node, model: Model, output: TwinOutput, wanted: str, from_start: bool) -> None:
-        """`wanted` drives the twin, see `Follower`; `from_start`: answer also what was sent before this node came."""
+        """`wanted` drives the twin, see `Follower`; `from_start`: also answer samples sent before this node started."""
         self._output = output
         self.failure: InputError | None = None
         self._logger = node.get_logger()
@@ -56,7 +56,7 @@ class BesideBench:
             return
         try:
             answer = self.follower.answer(run, sequence, stamp, sample)
-        except InputError as error:  # raised here, it would be told with its whole stack
+        except InputError as error:  # raised here, it would be logged with its whole traceback
             self.failure, self._failed_run = error, run
             self._logger.error(f"{error}; the twin starts again with the next run")
             return
@@ -67,7 +67,7 @@ class BesideBench:
             self._output.send(stamp, run, sequence, answer)
 
     def report(self) -> diagnostics.Report:
-        """Counts of the bench's samples, and what is wrong with them."""
+        """Counts of the bench's samples, and any problem with them."""
         stream = self.follower.stream
         if self.failure is not None:
             level, message = diagnostics.ERROR, f"{self.failure}; the twin starts again with the next run"

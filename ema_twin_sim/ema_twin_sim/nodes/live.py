@@ -56,25 +56,25 @@ def run_live(
 
     Args:
         recording: what to play; None attaches to whatever publishes `bench/state`, from now on, until `stop`.
-        model: what the twin is made of.
-        input: what drives the twin: `setpoint`, `current`, or `auto`: the setpoint where the bench has one.
-        rate: speed of playing, 1 is real time, 0 as fast as it goes.
+        model: the twin's model.
+        input: what drives the twin: `setpoint`, `current`, or `auto`: the setpoint if the bench has one.
+        rate: replay speed, 1 is real time, 0 as fast as possible.
         loop: begin again after the last sample, until `stop`.
         changes: parameters to set on the running twin, and when.
         on_pairs: called about 20 times a second with the pairs compared since.
         notify: called with one line of text when something happens.
         on_start: called once with the monitor, whose diagnosis_services may be asked from another thread.
-        record_to: a folder that is made, with an MCAP of all topics.
+        record_to: a new folder to make, for an MCAP of all topics.
         max_bag_size: bytes at which the recording's next file begins; 0: it is one file.
         max_bag_duration: s that a file of the recording spans at most; 0: it is one file.
-        replaced: files of an earlier bag, which go when all is ready for the new one.
-        health: by what the health of the unit that runs is judged; None: it is not.
+        replaced: files of an earlier bag, deleted when everything is ready for the new one.
+        health: by what to judge the running unit's health; None: it is not judged.
         stop: set it to end early, from another thread or from a callback.
 
-    SIGINT and SIGTERM end it early too, where this is the process's main thread; the result then says `interrupted`.
+    SIGINT and SIGTERM end it early too, if this is the process's main thread; the result then says `interrupted`.
 
     Raises:
-        InputError: where a change is refused, `record_to` cannot be written, `health` tells of no unit, the twin's
+        InputError: if a change is refused, `record_to` cannot be written, `health` names no usable unit, the twin's
             simulation diverges, or Fast DDS did not take the profile that keeps the nodes on this machine.
     """
     context = Context()
@@ -82,7 +82,7 @@ def run_live(
     nodes: list[Node] = []
     from_start = Parameter("from_start", value=recording is not None)
     source = Parameter("input", value=input)
-    with signals_end_the_loop():  # until all is closed: a second Ctrl-C would leave the bag without its end
+    with signals_end_the_loop():  # until all is closed: a second Ctrl-C would cut off the bag
         keep_to_this_machine()
         rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
         try:

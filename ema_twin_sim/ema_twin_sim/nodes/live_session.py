@@ -1,4 +1,4 @@
-"""What passes between the nodes of one live run and its caller, and what the run ended with."""
+"""What is passed between the nodes of a live run and its caller, and the run's result."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from .monitor import MonitorNode
 from .twin import TwinNode
 
 TICK = 0.05
-"""s between two batches of pairs."""
+"""Interval in s between two batches of pairs."""
 
 
 PATIENCE = 3.0
-"""s in which nothing arrives anywhere after the last sample was sent: then what is missing will not come."""
+"""Time in s without any arrival after the last sample was sent; what is missing then will not come any more."""
 
 
 class Pair(NamedTuple):
@@ -42,7 +42,7 @@ class Pair(NamedTuple):
 
 
 class HealthAsked(NamedTuple):
-    """By what the monitor judges the health of the unit that runs: its parameters of the same names."""
+    """By what the monitor judges the running unit's health: its parameters of the same names."""
 
     results: Path  # of a campaign
     unit: str  # empty: the only one
@@ -51,7 +51,7 @@ class HealthAsked(NamedTuple):
 
     @property
     def parameters(self) -> list[Parameter]:
-        """Those of the monitor."""
+        """These as parameters of the monitor."""
         given = {"results": str(self.results), "unit": self.unit, "healthy": self.healthy}
         after = {} if self.judged_after is None else {"judged_after": self.judged_after}
         return [Parameter(name, value=value) for name, value in (given | after).items()]
@@ -67,14 +67,14 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True)
 class LiveResult:
-    """What the nodes ended with.
+    """Result of a live run.
 
-    `signals` is the monitor's, per compared signal, as in `RunningComparison.result`. `complete` tells whether every
-    sample of the run was compared: only then is it what `compare` gives. `counts`: sent, compared, missing, expected.
-    `pace` is the time that the twin simulated over the time that it computed; `elapsed` [s] from the first pair to the
-    last. `twin` is the model that the twin ended with, the effects that were switched on among its own. `unrecorded`
-    says in words why the recording of the topics is not whole; it is empty where it is, or none was asked for.
-    `health` is what `MonitorNode.health_of_unit` told at the end; None where it was not asked for.
+    `signals` are the monitor's errors per compared signal, as in `RunningComparison.result`. `complete`: whether every
+    sample of the run was compared; only then are they what `compare` gives. `counts`: sent, compared, missing,
+    expected. `pace` is the simulated time over the computing time of the twin; `elapsed` [s] from the first pair to the
+    last. `twin` is the twin's final model, including effects that were switched on. `unrecorded` says why the recording
+    of the topics is incomplete; empty if it is complete or was not asked for. `health` is the final
+    `MonitorNode.health_of_unit`; None if it was not asked for.
     """
 
     name: str
@@ -109,14 +109,14 @@ class Session:
     warnings: list[str] = field(default_factory=list)
     first_stamp: int | None = None
     last_stamp: int = 0
-    began: float = 0.0  # s on the monotonic clock, and so the next
+    began: float = 0.0  # s on the monotonic clock; the next one too
     ended: float = 0.0
     idle: IdleTime = field(default_factory=lambda: IdleTime(2.0 * TICK))
 
     def take_pair(
         self, stamp: int, bench: Mapping[str, float], twin: Mapping[str, float], residuals: Mapping[str, float]
     ) -> None:
-        """Called by the monitor."""
+        """Take a pair; the monitor calls this."""
         self.last_stamp = stamp
         self.ended = time.monotonic()
         if self.first_stamp is None:
@@ -126,7 +126,7 @@ class Session:
             self.pairs.append(Pair(stamp, bench, twin, residuals))
 
     def tick(self) -> None:
-        """Hand on the pairs, make the changes that are due, look around."""
+        """Pass the pairs on, make the changes that are due, and warn if several nodes publish one topic."""
         if self.pairs and self.on_pairs is not None:
             batch, self.pairs = self.pairs, []
             self.on_pairs(batch)
@@ -145,9 +145,9 @@ class Session:
         self.notify(f"{change.parameter} = {change.value} after {change.after:g} s")
 
     def over(self) -> bool:
-        """Whether the caller stops, or all samples were sent and nothing more comes of them.
+        """Whether the caller stops, or all samples were sent and no more pairs will come.
 
-        Raises InputError where the twin cannot go on.
+        Raises InputError if the twin cannot go on.
         """
         if self.twin.failure is not None:
             raise self.twin.failure
@@ -155,7 +155,7 @@ class Session:
             return True
         if self.replay is None or not self.replay.ended:
             return False
-        if self.monitor.expected and self.monitor.complete:  # a run that was not announced yet is complete at any time
+        if self.monitor.expected and self.monitor.complete:  # before its announcement a run may seem complete
             return True
         return self.idle.look(self._arrived, time.monotonic()) > PATIENCE
 
@@ -166,7 +166,7 @@ class Session:
         return pairing.bench.received, pairing.twin.received, pairing.compared
 
     def result(self, recording: Recording | None, unrecorded: str = "") -> LiveResult:
-        """What the nodes ended with, and what became of the recording of them."""
+        """The run's result; `unrecorded` says why the recording of the topics is incomplete."""
         pairing = self.monitor.pairing
         announced = self.monitor.announced
         expected = self.monitor.expected or pairing.seen

@@ -1,4 +1,4 @@
-"""Every number of a running twin's model, every effect's switch and options, as ROS parameters of its node."""
+"""All numbers of a running twin's model, and its effects' switches and options, as ROS parameters of its node."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from ..simulation.twin import Twin
 
 
 class ModelParameters:
-    """Declares a twin's parameters on a node, and sets them on the twin: from its next sample on.
+    """Declares a twin's parameters on a node, and sets them on the twin from its next sample on.
 
-    Several set at once are all refused where one is impossible.
+    Several parameters set at once are all refused if one of them is impossible.
     """
 
     def __init__(self, node: Node, twin: Callable[[], Twin]) -> None:
-        """`twin` returns the present twin: another one may take its place. Raises InputError on a wrong start value."""
+        """`twin` returns the present twin, which may be replaced. Raises InputError if a start value is wrong."""
         self._twin = twin
         self._declarations = _declarations(twin())
         before = {declaration.name: declaration.default for declaration in self._declarations}

@@ -63,9 +63,9 @@ if TYPE_CHECKING:
     from ..live.unit_watch import UnitWatch
 
 _HEALTH_PERIOD = 0.1
-"""s."""
+"""Period of the health messages in s."""
 _SETTLED = 2.0
-"""s of comparing after which the process that diagnoses is started: what ends sooner is not diagnosed."""
+"""Time in s of comparing after which the diagnosing process is started: a run that ends sooner is not diagnosed."""
 
 PairListener = Callable[[int, Mapping[str, float], Mapping[str, float], Mapping[str, float]], None]
 """Called with a pair's stamp [ns since the epoch], bench signals, twin signals and residuals (SI)."""
@@ -74,16 +74,16 @@ PairListener = Callable[[int, Mapping[str, float], Mapping[str, float], Mapping[
 class MonitorNode(Node):
     """Publishes the residual of every pair of samples, and health ten times a second.
 
-    Samples are paired by run and sequence, in either order of arrival (see `pairing`); statistics begin anew with each
-    run. Health is STALE where nothing arrives before the run is complete.
+    Samples are paired by run and sequence, in either order of arrival (see `pairing`); statistics start again with each
+    run. Health is STALE if nothing arrives before the run is complete.
 
     Attributes:
         pairing: counts of what arrived, and of what is missing.
         comparison: the statistics of the present run.
-        diagnosis_services: diagnoses and applies; None where they are switched off.
-        announced: what `bench/run` last told; None before.
-        unit_watch: judges the health of the unit that runs; None where no results were given.
-        on_pair: called for every pair, where given.
+        diagnosis_services: diagnoses and applies; None if they are switched off.
+        announced: the last message on `bench/run`; None before the first.
+        unit_watch: judges the running unit's health; None if no results were given.
+        on_pair: called for every pair, if given.
     """
 
     def __init__(
@@ -95,9 +95,9 @@ class MonitorNode(Node):
         on_pair: PairListener | None = None,
         noise: Mapping[str, float] | None = None,
     ) -> None:
-        """Compare by the noise of `model`, or of the one that the parameter names. Raises InputError on a wrong one.
+        """Compare by the noise of `model`, or of the model that the parameter names. Raises InputError if it is wrong.
 
-        `noise` is the noise floor where it is known of the recording that is played.
+        `noise` is the noise floor of the recording that is played, if it is known.
         """
         super().__init__("monitor", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
@@ -142,7 +142,7 @@ class MonitorNode(Node):
         self.unit_watch: UnitWatch | None = None
         self._judged_after, self._judged_at = round(given["judged_after"] * 1e9), 0
         if given["results"]:
-            from ..live.unit_watch import UnitWatch  # with libraries that no other monitor needs
+            from ..live.unit_watch import UnitWatch  # loads libraries that are needed only here
 
             self.unit_watch = UnitWatch.opened(Path(given["results"]), given["unit"], given["healthy"])
             diagnostics.Diagnostics(self, "health of the unit", self.unit_watch.unit, self._report_unit)
@@ -150,13 +150,13 @@ class MonitorNode(Node):
 
     @property
     def ready_words(self) -> str:
-        """What the node says when it runs."""
+        """What the node logs when it is ready."""
         bench, twin = (self.resolve_topic_name(f"{side}/state") for side in ("bench", "twin"))
         return f"compares {bench} with {twin}; health on {self.resolve_topic_name('monitor/health')}"
 
     @property
     def expected(self) -> int:
-        """Samples of the present run that will come, as announced on `bench/run`; 0 where that is not known."""
+        """Number of samples of the present run, as announced on `bench/run`; 0 if it is unknown."""
         announced = self.announced
         if not self._from_start or announced is None or announced.run != self.pairing.run:
             return 0
@@ -164,7 +164,7 @@ class MonitorNode(Node):
 
     @property
     def mixed(self) -> str:
-        """What is wrong where several nodes publish one of the two states, else empty."""
+        """A warning if several nodes publish one of the two states, else empty."""
         topics = [topic for topic, mixing in self._mixing.items() if mixing.mixed]
         if not topics:
             return ""
@@ -173,7 +173,7 @@ class MonitorNode(Node):
 
     @property
     def complete(self) -> bool:
-        """Whether every sample of the run was compared; of a run of unknown length, every one so far."""
+        """Whether every sample of the run was compared; if its length is unknown, every sample so far."""
         pairing = self.pairing
         return pairing.compared == self.expected if self.expected else pairing.compared > 0 and not pairing.missing
 
@@ -204,7 +204,7 @@ class MonitorNode(Node):
 
     def _on_change(self, event: ParameterEvent) -> None:
         if event.node == self._twin_name and (event.changed_parameters or event.new_parameters):
-            self._trend.clear()  # another twin from now on, changed or started again
+            self._trend.clear()  # the twin was changed or restarted
 
     def _compare(self, bench: State, twin: State) -> None:
         residuals = self.comparison.add(bench.signals, twin.signals, bench.stamp * 1e-9)
@@ -221,7 +221,7 @@ class MonitorNode(Node):
         return RunningComparison(self.model, source, self._window, noise=self._noise)
 
     def _level(self, rmse_window: Mapping[str, float]) -> tuple[Level, str]:
-        if mixed := self.mixed:  # before STALE: of two benches that mix, hardly a sample is answered
+        if mixed := self.mixed:  # before STALE: if two benches mix, hardly any sample is answered
             return Level.ERROR, mixed
         now, patience = time.monotonic(), self._limits["stale_after"]
         over = self.expected and self.complete
@@ -265,7 +265,7 @@ class MonitorNode(Node):
         )
 
     def _judge_unit(self) -> None:
-        """Judge the last of the present run, all of it where it is not long, unless nothing has come since."""
+        """Judge the last `judged_after` s of the present run (all of a shorter one), if anything arrived since."""
         if self.unit_watch is None or self._stamp <= self._judged_at:
             return
         stretch = min(self._stamp - self._first_stamp, self._judged_after) * 1e-9
@@ -273,7 +273,7 @@ class MonitorNode(Node):
         self.unit_watch.judge(lambda: self._history.recordings(stretch, self._place()[0])[-1])
 
     def health_of_unit(self) -> dict[str, object] | None:
-        """What is told of the unit that runs, its last samples included; None where no results were given."""
+        """The running unit's health, including its last samples; None if no results were given."""
         watch = self.unit_watch
         if watch is None:
             return None
@@ -282,7 +282,7 @@ class MonitorNode(Node):
 
     def _report_unit(self) -> diagnostics.Report:
         watch = self.unit_watch
-        assert watch is not None  # reported only where there is one
+        assert watch is not None  # reported only if there is one
         return diagnostics.Report(diagnostics.WARN if watch.off else diagnostics.OK, watch.words, watch.figures)
 
     def _report(self) -> diagnostics.Report:
@@ -321,7 +321,7 @@ class MonitorNode(Node):
         )
 
     def close(self) -> None:
-        """End the services, and what they calculate."""
+        """End the services and any diagnosis in progress."""
         if self.diagnosis_services is not None:
             self.diagnosis_services.close()
             self.diagnosis_services = None

@@ -20,7 +20,7 @@ from .twin_output import TwinOutput
 
 
 class OwnClock:
-    """Sends a sample every period; periods that are missed are counted, and integrated across.
+    """Sends a sample every period; missed periods are counted and integrated across.
 
     Stamps are whole periods after the start, so a missed one shows as a gap of stamps, not of sequence.
 
@@ -54,7 +54,7 @@ class OwnClock:
         return self._standalone.pace
 
     def _on_time(self) -> None:
-        if not self._begun:  # what came before, as other nodes' start, is no delay
+        if not self._begun:  # time before this, such as other nodes' start, is no delay
             self._begun, self._epoch = True, time.time_ns()
             self.deadlines = DeadlineClock(self._period, time.monotonic_ns())
         number = self.deadlines.tick(time.monotonic_ns())
@@ -63,7 +63,7 @@ class OwnClock:
         elapsed = number * self._period
         try:
             answer = self._standalone.answer(elapsed)
-        except InputError as error:  # raised here, it would be told with its whole stack
+        except InputError as error:  # raised here, it would be logged with its whole traceback
             self.failure = error
             self._logger.error(str(error))
             return
@@ -71,7 +71,7 @@ class OwnClock:
         self._sequence += 1
 
     def report(self) -> diagnostics.Report:
-        """Whether real time is held."""
+        """Whether real time is kept."""
         missed = self.deadlines.missed
         figures = {
             "input": "standalone",

@@ -51,7 +51,7 @@ class TwinNode(Node):
         parameters: Sequence[Parameter] = (),
         context: Context | None = None,
     ) -> None:
-        """Run `model`, or the one that the parameter names. Raises InputError where a parameter is wrong."""
+        """Run `model`, or the model that the parameter names. Raises InputError if a parameter is wrong."""
         super().__init__("twin", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         load_effects(given["effect_files"])
@@ -74,14 +74,14 @@ class TwinNode(Node):
 
     @property
     def ready_words(self) -> str:
-        """What the node says when it runs."""
+        """What the node logs when it is ready."""
         model = self.mode.twin.model.name
         if isinstance(self.mode, OwnClock):
             return f"runs {model} by itself, with a command of its own"
         return f"answers every sample of {self.resolve_topic_name('bench/state')} with the model {model}"
 
     def model_as_it_stands(self, begun: Model) -> Model:
-        """What runs: the model that it began with, as it was changed, and what was switched on since."""
+        """The running model: `begun` with its changes, and with the effects that were switched on since."""
         present = self.mode.twin.model
         kept = {name: held for name, held in present.effects.items() if held.enabled or name in begun.effects}
         return replace(present, effects=kept)
@@ -95,7 +95,7 @@ class TwinNode(Node):
 
 def main() -> int:
     """Run the node in this process; returns the exit status."""
-    logging.basicConfig(level=logging.INFO, format="%(message)s")  # that equations are being compiled
+    logging.basicConfig(level=logging.INFO, format="%(message)s")  # shows when equations are compiled
     return run(TwinNode, PARAMETERS)
 
 

@@ -1,4 +1,4 @@
-"""What a twin node publishes."""
+"""The samples that a twin node publishes."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ class TwinOutput:
 
     @property
     def figures(self) -> dict[str, object]:
-        """For the diagnostics."""
+        """Counts for the diagnostics."""
         return {"samples sent": self._states.sent, "sent again, a reader was behind": self._states.repeated}

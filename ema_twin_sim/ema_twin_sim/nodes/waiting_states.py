@@ -1,4 +1,4 @@
-"""States that wait for their partner, in memory that is taken once: as objects, each would take ten times as much."""
+"""States that wait for their partner, in memory allocated once; as objects, each would take ten times as much."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import struct
 from ema_bench_replay.nodes.sample_codec import FIELDS, State
 
 _ROW = struct.Struct(f"<QQq{len(FIELDS)}d")
-"""Which clearing it was kept after, 0 where the row is free; sequence; stamp; signals."""
+"""A row: number of the clearing after which it was kept (0: the row is free); sequence; stamp; signals."""
 _HEAD = struct.Struct("<QQ")
 _FREE = _HEAD.pack(0, 0)
 
 
 class WaitingStates:
-    """A `live.waiting.Waiting` of states: a ring of rows, in which each number has its place.
+    """A `live.waiting.Waiting` of states: a ring of rows with a fixed place for each number.
 
-    Where a state's place is taken by one of an earlier number, that one goes.
+    A state replaces the one of an earlier number in its place.
     """
 
     def __init__(self, capacity: int) -> None:
-        """Keep up to so many whose numbers follow each other."""
+        """Keep up to `capacity` states with consecutive numbers."""
         self._rows = bytearray(capacity * _ROW.size)
         self._capacity = capacity
-        self._since = 1  # clearings, from one on
+        self._since = 1  # number of clearings, counted from 1
         self._count = 0
         self._run = 0
 

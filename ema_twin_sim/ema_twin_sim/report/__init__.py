@@ -1,1 +1,1 @@
-"""A report: one self-contained page that tells a colleague what a model lacked, how sure that is, and what is left."""
+"""A report: one self-contained page that shows what a model lacked, how sure that is, and the error that is left."""

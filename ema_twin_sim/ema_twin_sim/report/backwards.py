@@ -1,4 +1,4 @@
-"""Two models that may have been given in the other order: the later lacks what the earlier has, or is farther off."""
+"""Detect two models given in the wrong order: the later lacks effects of the earlier, or is farther off."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .content import Content, signals_listed
 from .difference import NewEffect, new_effects
 
 _FARTHER = 0.95
-"""Times closer, below which a model counts as farther off."""
+"""A model that is fewer times closer than this counts as farther off."""
 
 
 def gone_effects(content: Content) -> list[NewEffect]:
@@ -19,7 +19,7 @@ def gone_effects(content: Content) -> list[NewEffect]:
 
 
 def backwards(content: Content) -> str:
-    """That the later model lacks effects of the earlier or is farther from the recordings; empty where neither is."""
+    """A sentence if the later model lacks effects of the earlier, or is farther from the recordings; else empty."""
     before, after = content.names[:2]
     gone = list(dict.fromkeys(effect_words(effect.name) for effect in gone_effects(content)))
     farther, everywhere = _farther(content)
@@ -37,14 +37,14 @@ def backwards(content: Content) -> str:
 
 
 def searched_model(content: Content) -> str:
-    """The name of the model beside which the search was made: that which lacks what was found."""
+    """Name of the model that was searched, that is, of the one that lacks what was found."""
     added = content.findings.added if content.findings is not None else ()
     first, second = ({instance.effect for instance in model.active.values()} for model in content.before_and_after)
     return content.names[1] if added and set(added) <= first - second else content.names[0]
 
 
 def _farther(content: Content) -> tuple[list[str], bool]:
-    """The headline signals in which the later model is farther off, and whether it is closer in none."""
+    """The main signals in which the later model is farther off, and whether it is closer in none of them."""
     times = closer(*content.given.comparisons[:2]).overall
     told = [name for name in content.given.headlines if name in times]
     farther = [name for name in told if times[name].times < _FARTHER]

@@ -1,4 +1,4 @@
-"""A model beside a recording, sample by sample, in the units of the machine's file."""
+"""Curves of a recording and of a model simulated with it, sample by sample, in the units of the machine's file."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..simulation.simulate import choose_input, simulate
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """One signal, float64 (n,) each: what was measured, and what the twin leaves over (measured minus twin)."""
+    """One signal, float64 (n,) each: the measured values, and the residual (measured minus twin)."""
 
     measured: np.ndarray
     residual: np.ndarray
@@ -30,11 +30,11 @@ class Curves:
 
 @dataclass(frozen=True, eq=False)
 class Beside:
-    """One recording beside a model: its curves by signal, and the residuals that are traced to a place."""
+    """One recording with a model: the curves by signal, and the residuals to be shown against speed and position."""
 
     name: str
     way: str  # rad or m
-    still: float  # rad/s or m/s of the motor, below which a direction means little
+    still: float  # rad/s or m/s of the motor; below it the direction means little
     time: np.ndarray  # s (n,)
     speed: np.ndarray  # (n,), of the motor
     motor_position: np.ndarray | None  # (n,)
@@ -46,9 +46,9 @@ class Beside:
 def beside(
     recordings: Sequence[Recording], model: Model, source: str | None = None, *, step: float | None = None
 ) -> list[Beside]:
-    """Simulate a model beside each recording, as ``compare`` does; ``source`` is the input, ``step`` [s] as there.
+    """Simulate a model with each recording, as ``compare`` does; ``source`` is the input, ``step`` [s] as there.
 
-    Raises InputError where a recording lacks the input's signal.
+    Raises InputError if a recording lacks the input's signal.
     """
     matched, model_of_drum = to_rotary_equivalent(recordings, model)
     inputs = [choose_input(recording, model_of_drum, source) for recording in matched]

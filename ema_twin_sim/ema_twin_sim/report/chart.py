@@ -1,4 +1,4 @@
-"""Charts as plotly draws them, in the page's own colours; arrays are packed, so that a page stays small."""
+"""Charts for plotly in the page's own colours; arrays are packed to keep the page small."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Trace = dict[str, Any]
 BENCH, BEFORE, AFTER, FITTED, RIVAL, FAINT, BAND = (
     f"@{name}" for name in ("bench", "before", "after", "fitted", "rival", "faint", "band")
 )
-"""Colours by name: the page's style sheet says what they are, on light ground and on dark."""
+"""Colours by name: the page's style sheet defines them for a light and for a dark background."""
 MODELS = (BEFORE, AFTER, FITTED)
 """The colours of models, the earliest first."""
 _OF_THREE = (1.0, 2.0, 0.8)
@@ -27,9 +27,9 @@ _OF_THREE = (1.0, 2.0, 0.8)
 
 @dataclass(frozen=True)
 class Chart:
-    """One chart: traces (of arrays) and layout as plotly takes them, or ``choices`` of both, one a recording.
+    """One chart: traces (of arrays) and layout as plotly takes them, or ``choices`` of both, one per recording.
 
-    Charts of one ``link`` are zoomed together along their x axes.
+    Charts with the same ``link`` are zoomed together along their x axes.
     """
 
     caption: str
@@ -41,7 +41,7 @@ class Chart:
     wide: bool = False
 
     def as_json(self) -> dict[str, Any]:
-        """What the page's script draws."""
+        """The chart as the page's script expects it."""
         content = {"layout": {**self.layout, "height": self.height}, "link": self.link}
         return content | ({"choices": list(self.choices)} if self.choices else {"traces": list(self.traces)})
 
@@ -53,14 +53,14 @@ class Charts:
     all: list[Chart] = field(default_factory=list)
 
     def add(self, chart: Chart) -> Markup:
-        """The place where a chart is drawn."""
+        """Add a chart; return the element in which it is drawn."""
         place = tag("div", "", class_="chart", data_chart=str(len(self.all)), style=f"min-height:{chart.height}px")
         self.all.append(chart)
         kind = "wide" if chart.wide else "narrow"
         return tag("figure", tag("figcaption", chart.caption), place, class_=kind)
 
     def as_json(self) -> str:
-        """All charts, for a script element: no ``<`` in it can end that."""
+        """All charts for a script element; ``<`` is escaped, so that no text can end the element."""
         content = [chart.as_json() for chart in self.all]
         text = json.dumps(content, allow_nan=False, separators=(",", ":"), default=_packed)
         return text.replace("<", "\\u003c")
@@ -72,12 +72,12 @@ def _packed(values: np.ndarray) -> dict[str, str]:
 
 
 def widths(models: int) -> tuple[float, ...]:
-    """How much wider than usual each model's lines are: the third lies thin on the second."""
+    """Line width of each model relative to the usual: the third is drawn thin on top of the second."""
     return _OF_THREE if models > 2 else (1.0, 1.0)
 
 
 def label(text: str) -> str:
-    """Text from a file as a chart's label: plotly would take tags in it for its own."""
+    """Text from a file as a chart's label, escaped because plotly interprets tags."""
     return html.escape(text, quote=False)
 
 

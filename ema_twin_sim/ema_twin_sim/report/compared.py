@@ -1,4 +1,4 @@
-"""Measured against the twins, with what is left over below, a recording at a time."""
+"""Curves of measurement and twins with the residuals below, one recording at a time."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .markup import Markup, capitalised, section, tag
 
 SHOWN = ("output_position", "current", "motor_torque", "speed", "motor_position", "unexplained_torque")
 MOST = 3  # signals that are drawn
-_BUDGET = 280_000  # numbers of all curves, so that a page stays below 4 MB of them
+_BUDGET = 280_000  # numbers in all curves of a page, which keeps them below 4 MB
 _MOST_POINTS = 4000  # of a curve: a screen shows no more
 _FEWEST_POINTS = 300
 
@@ -55,12 +55,12 @@ def compared(content: Content, charts: Charts) -> Markup:
 
 
 def _arrays(content: Content) -> int:
-    """How many arrays a plot of one recording holds: the time, what was measured, and two of each twin."""
+    """Number of arrays in a plot of one recording: the time, the measurement, and two for each twin."""
     return 2 + 2 * len(content.models)
 
 
 def _key(names: Sequence[str]) -> Markup:
-    """What the colours mean; each entry hides and shows its curves."""
+    """Legend of the colours; each entry hides and shows its curves."""
     roles = [colour.removeprefix("@") for colour in (BENCH, *MODELS)]
     entries = [
         tag(
@@ -73,7 +73,7 @@ def _key(names: Sequence[str]) -> Markup:
 
 
 def signals_drawn(given: Shown) -> list[str]:
-    """The signals that are drawn, the first of which tells most."""
+    """The signals that are drawn, the most informative first."""
     there = [name for name in SHOWN if name in given.signals and any(name in each.curves for each in given.curves[0])]
     return there[:MOST]
 
@@ -90,7 +90,7 @@ def _chart(name: str, parts: Sequence[Shown], names: Sequence[str], points: int,
 
 
 def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequence[str], points: int) -> dict[str, Any]:
-    """What is drawn of one recording; nothing where it lacks the signal."""
+    """Traces and layout of one recording; only a note if it lacks the signal."""
     if any(name not in beside.curves for beside in besides):
         text = f"this recording has no {signal_words(name)}"
         lacks = {"text": text, "showarrow": False, "xref": "paper", "yref": "paper"}
@@ -132,7 +132,7 @@ def _choice(name: str, besides: Sequence[Beside], errors: Signals, names: Sequen
 
 
 def abscissa(shown: Beside) -> tuple[np.ndarray, np.ndarray, str]:
-    """What curves are drawn over (n,), the order (n,) of their samples along it, and its title."""
+    """The values of the x axis (n,), the order (n,) of the samples along it, and its title."""
     if not shown.of_points:
         return shown.time, np.arange(len(shown.time)), "time [s]"
     if shown.motor_position is not None and np.ptp(shown.motor_position) > 0.0:

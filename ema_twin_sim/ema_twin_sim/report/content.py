@@ -1,4 +1,4 @@
-"""What a report is made of."""
+"""The content of a report."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from .beside import Beside, beside
 from .fitted import TwoValues, two_values
 
 ROLES = ("your model", "with what was found", "fitted")
-"""What a page or a view of three models calls them, in its tables and in the keys of its plots."""
+"""Names of three models in the tables and legends of a page or view."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """Recordings beside one to three models, the earliest first: errors as ``compare`` gives them, and the curves."""
+    """Recordings with one to three models, the earliest first: errors as ``compare`` gives them, and the curves."""
 
     recordings: Sequence[Recording]
     comparisons: tuple[Comparison, ...]
@@ -32,7 +32,7 @@ class Shown:
 
     @property
     def signals(self) -> list[str]:
-        """The signals whose errors tell something."""
+        """The signals whose errors are meaningful."""
         first = self.comparisons[0]
         return [name for name in shown_signals(first.input, first.overall) if name in self.comparisons[-1].overall]
 
@@ -45,13 +45,13 @@ class Shown:
 
     @property
     def input_of_all(self) -> str | None:
-        """The input that drove every twin; None where each recording's was its own."""
+        """The input that drove every twin; None if it differs between recordings."""
         chosen = self.comparisons[0].input
         return chosen if chosen in DRIVING else None
 
     @property
     def telling(self) -> int:
-        """The recording that the earlier model misses most."""
+        """Index of the recording with the largest error of the earlier model."""
         if not self.headlines:
             return 0
         name = self.headlines[-1]
@@ -70,9 +70,9 @@ def shown(
     step: float | None = None,
     comparisons: Sequence[Comparison] = (),
 ) -> Shown:
-    """Compare models with the recordings, unless that was done (``comparisons``); ``step`` [s] is the integration's.
+    """Compare models with the recordings, unless that was done (``comparisons``); ``step`` [s] is the integration step.
 
-    Raises InputError where a recording lacks the input's signal.
+    Raises InputError if a recording lacks the input's signal.
     """
     compared = comparisons or compare_all(recordings, models, source, step=step)
     return Shown(recordings, tuple(compared), tuple(beside(recordings, model, source, step=step) for model in models))
@@ -80,9 +80,9 @@ def shown(
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """Everything that a report tells; ``names`` are the models', told apart.
+    """Everything that a report shows; ``names`` are the models' names, made distinct.
 
-    The models are those before and after (what was found), and perhaps a third: the second with its numbers fitted.
+    The models are those before and after the search, and perhaps a third: the second with its numbers fitted.
     """
 
     models: tuple[Model, ...]
@@ -91,24 +91,24 @@ class Content:
     held_out: Shown | None
     findings: Findings | None
     version: str
-    story: str = ""  # said below the verdict
+    story: str = ""  # printed below the verdict
     undiagnosed: str = ""  # why there are no findings
     fit: FitFindings | None = None
-    note: str = ""  # said below the table of errors
+    note: str = ""  # printed below the table of errors
 
     @property
     def before_and_after(self) -> tuple[Model, Model]:
-        """The first two models, of which the verdict is told."""
+        """The first two models, which the verdict is about."""
         return self.models[0], self.models[1]
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What tables and keys call the models."""
+        """Names of the models in tables and legends."""
         return self.names if len(self.models) == 2 else ROLES
 
     @property
     def fitted_numbers(self) -> list[TwoValues]:
-        """What fitting changed; empty where there is no third model."""
+        """What fitting changed; empty if there is no third model."""
         if len(self.models) == 2:
             return []
         return two_values(self.models[1], self.models[2], self.findings, self.fit)

@@ -1,4 +1,4 @@
-"""What one model has that another lacks: effects with their sizes, and constants that moved."""
+"""What one model has and another lacks: effects with their sizes, and constants that changed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..quantities import estimate
 from ..words.findings import Findings, Held
 from ..words.sentences import effect_words, options_words
 
-SAME = 1e-6  # relative: numbers that went through a file and back
+SAME = 1e-6  # relative tolerance of numbers that were written to a file and read back
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class NewEffect:
 
 
 def new_effects(before: Model, after: Model, findings: Findings | None = None) -> list[NewEffect]:
-    """The active effects that ``before`` lacks; standard errors where the findings hold them for these very values.
+    """The active effects that ``before`` lacks, with standard errors if the findings have them for these very values.
 
-    They come in the order that the findings tell them in.
+    They are in the order of the findings.
     """
     found = []
     for name, instance in after.active.items():
@@ -55,7 +55,7 @@ def new_effects(before: Model, after: Model, findings: Findings | None = None) -
 
 
 def moved_numbers(before: Model, after: Model, findings: Findings | None = None) -> list[tuple[str, Held]]:
-    """What both models have but with other values: a name, and ``{value, std, unit, nominal}``."""
+    """The numbers that both models have with different values: a name, and ``{value, std, unit, nominal}``."""
     known = (findings.constants or {}) if findings else {}
     pairs = []
     for path, held in after.constants.items():
@@ -78,5 +78,5 @@ def moved_numbers(before: Model, after: Model, findings: Findings | None = None)
 
 
 def std_of(held: Held | None, value: float) -> float | None:
-    """The standard error that was found for this value, where it was."""
+    """The standard error, if ``held`` is of this value; else None."""
     return held["std"] if held is not None and math.isclose(held["value"], value, rel_tol=SAME) else None

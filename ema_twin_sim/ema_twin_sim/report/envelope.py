@@ -1,4 +1,4 @@
-"""Long curves in few points, none of whose peaks is lost."""
+"""Reduce long curves to few points without losing a peak."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ import numpy as np
 
 
 def envelope_rows(series: Sequence[np.ndarray], points: int) -> np.ndarray:
-    """The indices at which curves (n,) are drawn together: where any of them is least or largest in its stretch.
+    """The indices at which curves (n,) are drawn together: where any of them is smallest or largest in its stretch.
 
-    At most about ``points`` of them, in rising order, the ends included; all where there are no more. Samples that are
-    not finite count for nothing.
+    At most about ``points`` of them, in rising order, including the ends; all if there are no more. Samples that are
+    not finite are ignored.
     """
     length = len(series[0])
     if length <= points:
         return np.arange(length)
-    stretch = -(-length * 2 * len(series) // points)  # samples, so that each curve's two extremes fit
+    stretch = -(-length * 2 * len(series) // points)  # samples of a stretch, in which each curve has two extremes
     whole = -(-length // stretch) * stretch
     first = np.arange(0, length, stretch)
     chosen = [np.array([0, length - 1])]

@@ -1,4 +1,4 @@
-"""The model that was found beside the same one with its numbers fitted: what fitting moved, and what it is worth."""
+"""Compare the found model with the same model after a fit: which numbers moved, and whether beyond their errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .difference import SAME, std_of
 
 @dataclass(frozen=True)
 class TwoValues:
-    """One number as it was found and as it was fitted, with its standard errors where they are known."""
+    """One number as it was found and as it was fitted, with its standard errors if they are known."""
 
     part: str  # of the machine, or an effect's instance
     name: str
@@ -24,19 +24,19 @@ class TwoValues:
 
     @property
     def differ(self) -> bool:
-        """Whether they are apart by more than the larger of their standard errors."""
+        """Whether they differ by more than the larger of their standard errors."""
         return apart(self.found, self.fitted)
 
 
 def apart(first: Held, second: Held) -> bool:
-    """Whether two values of one number are apart by more than the larger of their standard errors."""
+    """Whether two values of one number differ by more than the larger of their standard errors."""
     return bool(abs(second["value"] - first["value"]) > max(first["std"] or 0.0, second["std"] or 0.0))
 
 
 def two_values(
     found: Model, fitted: Model, findings: Findings | None = None, fit: FitFindings | None = None
 ) -> list[TwoValues]:
-    """All numbers that fitting changed, those of effects first; standard errors where findings hold these values."""
+    """All numbers that fitting changed, those of effects first; with standard errors if findings hold these values."""
     numbers = []
     for name, held in fitted.active.items():
         for parameter, value in held.parameters.items():
@@ -58,7 +58,7 @@ def two_values(
 
 
 def _known(findings: Findings | FitFindings | None, part: str, name: str) -> Held | None:
-    """What findings hold of a number, among those of effects or of constants."""
+    """The entry of a number in findings, among those of effects or of constants."""
     if findings is None:
         return None
     of_effect = (findings.parameters or {}).get(part, {}).get(name)
@@ -66,7 +66,7 @@ def _known(findings: Findings | FitFindings | None, part: str, name: str) -> Hel
 
 
 def check_same_effects(found: Model, fitted: Model, names: tuple[str, str]) -> None:
-    """Raise InputError where the second model is not the first with other numbers; ``names`` are theirs."""
+    """Raise InputError unless the second model is the first with other numbers; ``names`` are their names."""
     first, second = (
         {name: (held.effect, tuple(sorted(held.options.items()))) for name, held in model.active.items()}
         for model in (found, fitted)

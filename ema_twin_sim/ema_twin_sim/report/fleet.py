@@ -1,6 +1,6 @@
-"""The fleet: a folder of pages, one of all units and one for each, which load nothing from anywhere.
+"""The fleet: a folder of self-contained pages, one of all units and one for each unit.
 
-A unit's page goes the way of ISO 13374: what was acquired, the unit's state, its health, where that leads, what to do.
+A unit's page follows ISO 13374: acquisition, the unit's state, its health, prognosis, advice.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ def write_fleet(
     *,
     force: bool = False,
 ) -> Path:
-    """Write the pages; the one of all units is returned.
+    """Write the pages; return the path of the one of all units.
 
-    Raises InputError where it exists (without ``force``) or cannot be written.
+    Raises InputError if it exists (without ``force``) or cannot be written.
     """
     overview = folder / "index.html"
     _write(overview, _overview(units, ahead, health), force)
@@ -139,7 +139,7 @@ def _state(unit: Unit) -> str:
 
 
 def _tests(health: UnitHealth | None) -> Iterator[Markup]:
-    """How a unit's tests are beside its healthy ones."""
+    """How a unit's tests compare with its healthy ones."""
     if health is None or not health.tests:
         return
     for one in health.baselines:
@@ -162,7 +162,7 @@ def _unchanged(looks: Sequence[Outlook]) -> str:
 
 
 def _changed(look: Outlook) -> str:
-    assert look.change is not None  # the caller's choice
+    assert look.change is not None  # the caller passes only those
     levels = f"{quantity(look.healthy, look.history.unit)} to {quantity(look.now, look.history.unit)}"
     since = look.history.names[look.change.begin]
     return f"{number_words(look)} went from {levels} ({change_of(look)}); it has changed since {since}."

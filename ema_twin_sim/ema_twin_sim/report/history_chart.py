@@ -1,4 +1,4 @@
-"""A number over time as a drawing: values with standard errors, the healthy level, the limit, where it changed."""
+"""Drawing of a number over time: values with standard errors, the healthy level, the limit, and where it changed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MARGIN = 0.06  # of the range, above and below
 
 
 def history_chart(look: Outlook) -> Markup:
-    """The drawing, as SVG: time in days or results to the right."""
+    """The drawing as SVG, with time in days or results along x."""
     of = look.history
     low, high = of.values - of.errors, of.values + of.errors
     levels = [look.healthy, *([] if look.limit is None else [look.limit])]

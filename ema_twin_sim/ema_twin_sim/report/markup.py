@@ -1,4 +1,4 @@
-"""HTML put together from parts: whatever is not markup already is escaped."""
+"""Build HTML from parts: everything that is not markup already is escaped."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Iterable, Sequence
 
-# a blank that does not part a number from its unit or its standard error
+# blanks between a number and its unit or standard error, where a line must not break
 _TIE = re.compile(r"(?<=\d) (?=[%±×]|[nµmkM]?(?:A|V|s|Hz|rad|N|kg|m)\b)|(?<=±) |(?<=N) (?=m\b)")
 
 
@@ -26,7 +26,7 @@ def joined(content: Iterable[str], between: str = "") -> Markup:
 
 
 def _escaped(text: str) -> str:
-    """Text as HTML, every number on one line with its unit."""
+    """Text as HTML, with every number kept on one line with its unit."""
     return _TIE.sub("\N{NO-BREAK SPACE}", html.escape(text))
 
 
@@ -43,10 +43,9 @@ def table(
     caption: str = "",
     stacked: bool = True,
 ) -> Markup:
-    """A table, all of whose columns but ``words`` hold numbers.
+    """A table whose columns hold numbers, except ``words``.
 
-    On a narrow screen, each row becomes a list of its cells under their heads where it is ``stacked``; else the table
-    scrolls.
+    On a narrow screen, each row becomes a list of its cells under their heads if ``stacked``; else the table scrolls.
     """
     kinds = ["word" if k in words else "number" for k in range(len(head))]
     titles = (tag("th", title, scope="col", class_=kind) for title, kind in zip(head, kinds, strict=True))
@@ -71,11 +70,11 @@ def items(*lines: str) -> Markup:
 
 
 def bar(share: float, text: str, kind: str = "") -> Markup:
-    """A bar of a length from 0 to 1, with its number beside it."""
+    """A bar with a length from 0 to 1, and its number next to it."""
     length = tag("span", "", class_=f"length {kind}".strip(), style=f"width:{100.0 * min(max(share, 0.0), 1.0):.1f}%")
     return tag("span", tag("span", length, class_="room"), tag("span", text, class_="value"), class_="bar")
 
 
 def capitalised(text: str) -> str:
-    """The text with a capital letter first, the others as they are."""
+    """The text with its first letter capitalised, the rest unchanged."""
     return text[:1].upper() + text[1:]

@@ -1,4 +1,4 @@
-"""The page: all sections in one self-contained HTML file, which loads nothing from anywhere."""
+"""The page: all sections in one self-contained HTML file, which loads nothing else."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .whole_page import whole_page
 
 
 def write_report(path: Path, content: Content, *, force: bool = False) -> None:
-    """Write the report. Raises InputError where the file exists (without ``force``) or cannot be written."""
+    """Write the report. Raises InputError if the file exists (without ``force``) or cannot be written."""
     text = page(content)
     with new_file(path, force=force) as file:
         file.write(text.encode())
@@ -56,7 +56,7 @@ def _contents() -> Markup:
 
 
 def _next(content: Content) -> Markup:
-    """What to record next, and what the machine's reader should know of the recordings."""
+    """The section on what to record next, with the warnings about recordings and models."""
     findings = content.findings
     of_models = (text for each in content.given.comparisons[1:] for text in each.warnings)
     warnings = dict.fromkeys((*of_models, *(findings.warnings if findings else ())))

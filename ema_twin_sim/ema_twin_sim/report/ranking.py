@@ -1,4 +1,4 @@
-"""The diagnosis: ranked effects with their probabilities, runners-up, and what the data cannot tell apart."""
+"""The diagnosis: ranked effects with their probabilities, runners-up, and effects that the data cannot tell apart."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from .content import Content
 from .markup import Markup, bar, capitalised, section, table, tag
 
 REFUSED = "nearest to what is left, but not added: it explains too little"
-"""Said of the signature of an effect that the search tried last."""
-_LEAST = 0.005  # probability that is shown as more than none
-_UNLIKELY = 3  # effects below it that are shown
+"""Caption of the signature of an effect that the search tried last and did not add."""
+_LEAST = 0.005  # smallest probability that is shown as more than none
+_UNLIKELY = 3  # number of effects below it that are shown
 _HEIGHT = 300  # pixels
-_HEADROOM = 1.4  # of the largest median, that the axis shows
+_HEADROOM = 1.4  # limit of the axis, times the largest median
 _QUANTITIES = {
     "torque": "torque that the model leaves over",
     "encoder_difference": "difference of the encoders that the model leaves over",
@@ -66,13 +66,13 @@ def diagnosis(content: Content, charts: Charts) -> Markup:
 
 
 def told_signatures(findings: Findings) -> list[Signature]:
-    """The signatures of what was found; of what was refused only where something is left that nothing explains."""
+    """The signatures of the effects that were found; those of refused ones only if the verdict is ``unknown``."""
     wanted = findings.verdict == "unknown"
     return [each for each in findings.signatures if each.curves and (each.taken or wanted)]
 
 
 def worth_showing(findings: Findings) -> list[Ranked]:
-    """The ranking but for most of what has no probability."""
+    """The ranking without most effects of probability 0."""
     likely = [entry for entry in findings.ranking if entry.found or entry.probability >= _LEAST]
     others = [entry for entry in findings.ranking if entry not in likely]
     return likely + others[:_UNLIKELY]
@@ -116,7 +116,7 @@ def _with_note(whole: Markup, note: str) -> Markup:
 
 
 def _tried(findings: Findings) -> Markup:
-    """What each step of the search had to choose among."""
+    """Table of what each step of the search tried."""
     rows: list[tuple[str, ...]] = []
     for step in findings.steps:
         if step.action != "add":
@@ -125,7 +125,7 @@ def _tried(findings: Findings) -> Markup:
         took = next((trial for trial in tried if step.instance in trial["names"]), None)
         if took is None or not took["gain"] > 0.0:
             continue
-        best = sorted(tried, key=lambda trial: float(trial["gain"]))  # of those of one name the best comes last
+        best = sorted(tried, key=lambda trial: float(trial["gain"]))  # the best of equal names comes last
         others = {_named(trial): trial for trial in best if step.instance not in trial["names"]}
         rivals = sorted(others.values(), key=lambda trial: -float(trial["gain"]))
         for trial in (took, *rivals[:_UNLIKELY]):
@@ -158,7 +158,7 @@ def _named(trial: Mapping[str, Any]) -> str:
 
 
 def signature_chart(signature: Signature) -> Chart:
-    """What is left over without an effect, with it, and with its runner-up, against the quantity that shows it best."""
+    """Residuals without an effect, with it, and with its runner-up, against the quantity that shows it best."""
     size = max((abs(v) for curve in signature.curves for v in curve["median"]), default=0.0)
     scale, unit = axis_unit(size, signature.unit)
     roles = dict(zip(CURVES, (BEFORE, AFTER, RIVAL), strict=True))
@@ -207,5 +207,5 @@ def signature_chart(signature: Signature) -> Chart:
 
 
 def _plain(title: str) -> str:
-    """The names of effects in a title as one says them."""
+    """A title with its effect ids replaced by words."""
     return " and ".join(effect_words(part) for part in title.split(" and "))

@@ -1,4 +1,4 @@
-"""A row a recording, a column a model: on the recordings given, and on those that were held out."""
+"""Tables with one row per recording and one column per model, for the given and for the held-out recordings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .summary import error_table
 
 
 def recordings(content: Content) -> Markup:
-    """The tables a recording."""
+    """The section with one table per main signal, for the given recordings."""
     tables = [_by_recording(content.given, name, content.labels) for name in content.given.headlines]
     other = "the model after" if len(content.models) == 2 else "the other model"
     told = (
@@ -28,7 +28,7 @@ def recordings(content: Content) -> Markup:
 
 
 def held_out(content: Content) -> Markup:
-    """Before and after on recordings that were not fitted to."""
+    """The section with errors before and after on recordings that were not fitted to."""
     title = "On recordings that were held out"
     if content.held_out is not None:
         shown = content.held_out
@@ -48,7 +48,7 @@ def held_out(content: Content) -> Markup:
 
 
 def _by_recording(shown: Shown, name: str, names: Sequence[str]) -> Markup:
-    """Table 5.1 of the thesis: a row a recording, a column a model, and how many times closer each later one is."""
+    """Table 5.1 of the thesis: a row for each recording, a column for each model, and how many times closer it is."""
     first, *others = shown.comparisons
     unit = first.overall[name]["unit"]
     closest = [closer(first, other) for other in others]

@@ -1,4 +1,4 @@
-"""Charts of what each model leaves over, against speed, output position, direction and order."""
+"""Charts of the residuals of each model against speed, output position, direction and order."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from .content import Shown, signal_words
 _BINS = 30
 
 
-_FEWEST = 5  # samples of a bin that has a median
+_FEWEST = 5  # minimum number of samples of a bin
 
 
-_BANDS = 240  # of a spectrum
+_BANDS = 240  # number of bands of a spectrum
 
 
-_LEAST_SHOWN = 10.0  # orders
+_LEAST_SHOWN = 10.0  # orders that a spectrum shows at least
 
 
-_BEYOND = 1.6  # times the highest order that the model names
+_BEYOND = 1.6  # highest order shown, times the highest that the model names
 
 
-_NEAR = 0.03  # orders that are taken to be a named one
+_NEAR = 0.03  # orders; a peak this near to a named order is that order's
 
 
-_APART = 0.09  # decades between the numbers over a spectrum, so that none covers another
+_APART = 0.09  # decades; numbers above a spectrum that are nearer are put together
 
 
 _HEIGHT = 300  # pixels
@@ -49,12 +49,12 @@ class Orders:
     chart: Chart
     named: tuple[tuple[float, str, tuple[float, ...]], ...]  # order, its name, amplitudes by model
     unit: str  # of the amplitudes
-    scale: float  # what they are divided by in the chart
+    scale: float  # divisor of the amplitudes in the chart
 
 
 @dataclass(frozen=True)
 class Failures:
-    """One signal's residual: charts against speed, position and direction, and its orders where anything turns."""
+    """One signal's residual: charts against speed, position and direction, and its orders if anything turns."""
 
     signal: str
     charts: tuple[Chart, ...]
@@ -62,9 +62,9 @@ class Failures:
 
 
 def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]:
-    """Where models fail, a headline signal at a time; ``model`` names the orders, ``names`` are those of all models.
+    """Where models fail, for each main signal; ``model`` names the orders, ``names`` are those of all models.
 
-    Empty where the recordings are too short to tell.
+    Empty if the recordings are too short.
     """
     found = []
     for name in given.headlines:
@@ -78,7 +78,7 @@ def failures(given: Shown, model: Model, names: Sequence[str]) -> list[Failures]
 
 
 def named_orders(model: Model) -> list[tuple[float, str]]:
-    """The orders that the machine's file names and the spectra reach, with their names, lowest first."""
+    """The orders that the machine's file names and the spectra cover, with their names, lowest first."""
     return sorted((order, name) for name, order in model.orders.items() if ORDERS[0] <= order <= ORDERS[-1])
 
 
@@ -110,7 +110,7 @@ class _Signal:
         return self._chart("the motor's speed", axis(f"speed of the motor [{self.way}/s]"), traces)
 
     def over_position(self) -> Chart:
-        """The residual over the output's position, forward and backward apart."""
+        """The residual over the output's position, separately forward and backward."""
         traces: list[Trace] = []
         for role, model, parts, speed, residual in zip(
             self.roles, self.models, self.stretches, self.speeds, self.residuals, strict=True
@@ -150,7 +150,7 @@ class _Signal:
         return self._chart("the direction of motion", axis("direction", type="category"), traces)
 
     def over_order(self, model: Model) -> Orders | None:
-        """The order spectra; None where nothing turns enough."""
+        """The order spectra; None if nothing turns enough."""
         first = find_order(_moving(self.stretches[0], self.still))
         if first is None:
             return None
@@ -213,10 +213,10 @@ class _Signal:
 def _moving(
     parts: Sequence[Stretch], still: float, *, flips: bool | None = None
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """What the search for orders takes, where the machine moves.
+    """Residual, motor angle and direction while the machine moves, as ``find_order`` takes them.
 
-    Where ``flips`` says whether residuals change sign with the direction, they are given with one direction throughout,
-    so that they are taken as they come.
+    If ``flips`` is given (whether residuals change sign with the direction), that sign is applied here and the
+    direction is set to 1, so that ``find_order`` does not decide about it again.
     """
     found = []
     for part in parts:
@@ -229,7 +229,7 @@ def _moving(
 
 
 def _marked(orders: Sequence[float]) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
-    """A line at each named order, and its number above; numbers that would cover each other stand together."""
+    """A line at each named order, and its number above; numbers that would overlap are put together."""
     lines = [
         {"type": "line", "xref": "x", "yref": "y domain", "x0": order, "x1": order, "y0": 0, "y1": 1, "layer": "below",
          "line": {"color": FAINT, "width": 1, "dash": "dot"}}

@@ -1,4 +1,4 @@
-"""The steps of the search: the error falling one by one, parameters with their errors, constants that moved."""
+"""The steps of the search: the error after each step, parameters with standard errors, and constants that moved."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from .fitted import TwoValues, apart
 from .markup import Markup, section, table, tag
 
 _HEIGHT = 340  # pixels
-_LEAST_CHANGE = 0.0005  # of a constant: a smaller one would be told as 0.0 %
+_LEAST_CHANGE = 0.0005  # relative change of a constant; a smaller one would be printed as 0.0 %
 
 
 def steps(content: Content, charts: Charts) -> Markup:
-    """The section of the steps and of the numbers that they came to."""
+    """The section of the steps and of the resulting numbers."""
     findings = content.findings
     parts: list[Markup] = []
     if findings is not None and findings.steps:
@@ -63,7 +63,7 @@ def steps(content: Content, charts: Charts) -> Markup:
 
 
 def _refit(findings: Findings) -> list[tuple[str, ...]]:
-    """The row of what fitting the model's own constants did, before any effect was added."""
+    """The row for fitting the model's own constants before any effect was added; empty if that changed nothing."""
     unseen = findings.unseen
     if unseen is None or unseen.given is None or unseen.given == unseen.rmse[0]:
         return []
@@ -73,7 +73,7 @@ def _refit(findings: Findings) -> list[tuple[str, ...]]:
 
 
 def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
-    """RMSE after each step, of all recordings together and of each by itself."""
+    """RMSE after each step, for all recordings together and for each recording."""
     whole, each = _from_the_given(unseen)
     scale, unit = axis_unit(max(whole), unseen.unit)
     places = _places(findings, len(unseen.rmse))
@@ -104,12 +104,12 @@ def falling(findings: Findings, unseen: UnseenErrors) -> Chart:
 
 
 def _points(size: int, colour: str) -> dict[str, object]:
-    """That a curve shows its points."""
+    """Style of a curve that shows its points."""
     return {"mode": "lines+markers", "marker": {"size": size, "color": colour}}
 
 
 def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple[str, tuple[float, ...]]]]:
-    """(pooled, by recording) RMSE after each step, the model as it was given first where its constants were fitted."""
+    """(pooled, by recording) RMSE after each step; starts with the unchanged model if its constants were fitted."""
     if unseen.given is None or unseen.given == unseen.rmse[0]:
         return unseen.rmse, list(unseen.recordings)
     pairs = zip(unseen.given_recordings, unseen.recordings, strict=True)
@@ -117,7 +117,7 @@ def _from_the_given(unseen: UnseenErrors) -> tuple[tuple[float, ...], list[tuple
 
 
 def _places(findings: Findings, count: int) -> list[str]:
-    """What the errors stand after: the start, each round (whose steps have the same errors), and the end."""
+    """Labels of the steps: the start, each round (whose steps have the same errors), and the end."""
     rounds = [
         "<br>".join(f"{'+' if step.action == 'add' else '−'} {label(effect_words(step.instance))}" for step in together)
         for _, together in groupby(findings.steps, key=lambda step: (step.rmse_before, step.rmse_after))
@@ -128,7 +128,7 @@ def _places(findings: Findings, count: int) -> list[str]:
 
 
 def _parameters(content: Content) -> list[Markup]:
-    """The parameters of the effects that came, and of those that went."""
+    """Tables of the parameters of the effects that were added, and of those that the later model lacks."""
     before, after = content.names[:2]
     came = new_effects(*content.before_and_after, content.findings)
     if len(content.models) == 2:
@@ -175,7 +175,7 @@ def _moved(both: TwoValues) -> str:
 
 
 def _constants(content: Content) -> list[Markup]:
-    """The constants that moved: by more than their standard error in a table, the others in a line."""
+    """The constants that moved: those by more than their standard error in a table, the others in one line."""
     rows, slightly = [], []
     for path, values in _moved_constants(content).items():
         part, _, constant = path.partition(".")
@@ -194,7 +194,7 @@ def _constants(content: Content) -> list[Markup]:
 
 
 def _moved_constants(content: Content) -> dict[str, list[Held]]:
-    """By path, the values in all models of the numbers that the first has too and that any later one changed."""
+    """By path: the values, in all models, of the numbers that the first model has too and a later one changed."""
     came = {effect.name for effect in new_effects(*content.before_and_after)}
     found = dict(moved_numbers(*content.before_and_after, content.findings))
     fitted = {f"{each.part}.{each.name}": each for each in content.fitted_numbers if each.part not in came}

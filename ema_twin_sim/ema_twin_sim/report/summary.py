@@ -1,4 +1,4 @@
-"""The head of a report: what was wrong, how sure that is, what is left, and the errors in one table."""
+"""The head of a report: what was wrong, how sure that is, what is left, and a table of the errors."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def head(content: Content) -> Markup:
 
 
 def _called(content: Content) -> str:
-    """Which model is called what, where that is not its name."""
+    """A sentence with the label of each model, if labels are not their names."""
     if content.labels == content.names:
         return ""
     pairs = zip(content.names, content.labels, strict=True)
@@ -73,14 +73,14 @@ def _called(content: Content) -> str:
 
 
 def _agrees(content: Content, new: list[NewEffect]) -> bool:
-    """Whether the later model is the one that the search came to."""
+    """Whether the later model has the effects that the search found."""
     if content.findings is None or gone_effects(content):
         return False
     return {effect.effect for effect in new} == set(content.findings.added)
 
 
 def _lead(content: Content) -> str:
-    """The errors that fell, in a sentence."""
+    """Sentences on how the errors of the main signals changed."""
     first, second = content.given.comparisons[:2]
     if not content.given.headlines:
         return "These recordings hold no signal whose error tells one model from another."
@@ -99,7 +99,7 @@ def _lead(content: Content) -> str:
 
 
 def _fitted(content: Content) -> str:
-    """What fitting the numbers of the second model did; empty where there is no third."""
+    """Sentences on what fitting the second model's numbers did; empty if there is no third model."""
     if len(content.models) == 2:
         return ""
     found, fitted = (comparison.overall for comparison in content.given.comparisons[1:])
@@ -196,7 +196,7 @@ def _left(content: Content) -> list[Markup]:
 def error_table(
     given: Shown, names: Sequence[str], caption: str = "RMSE, measured minus twin, all recordings"
 ) -> Markup:
-    """The errors of all models beside the sensors' noise, a row a signal, and what each later model removes."""
+    """Table of all models' errors and the sensors' noise, one row per signal, with what each later model removes."""
     rows = []
     for name in given.signals:
         before, *others = (comparison.overall[name] for comparison in given.comparisons)

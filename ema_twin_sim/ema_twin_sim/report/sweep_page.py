@@ -1,4 +1,4 @@
-"""A page of a sweep: a curve where one number was varied, a map where two were, and all points as a table."""
+"""A page of a sweep: a curve if one number was varied, a map if two were, and a table of all points."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ def write_sweep_page(
     path: Path, points: Sequence[SweptPoint], limit: DetectionLimit | None, *, lost: int = 0,
     ratios: frozenset[str] = frozenset(), force: bool = False,
 ) -> Path:  # fmt: skip
-    """Write it: with how many points were ``lost``, and the numbers that go by equal ``ratios`` on a logarithmic axis.
+    """Write the page; ``lost`` points have no result, and the numbers in ``ratios`` have a logarithmic axis.
 
-    Raises InputError where the file exists (without ``force``) or cannot be written.
+    Raises InputError if the file exists (without ``force``) or cannot be written.
     """
     count = sum(point.results for point in points)
     charts = Charts()
@@ -52,7 +52,7 @@ def write_sweep_page(
 
 
 def relative(points: Sequence[SweptPoint], axis: int) -> list[float | None]:
-    """The bound of the number that an axis is, in times its value; None where it has none."""
+    """The bound of the number along an axis, relative to its value; None if there is none."""
     found: list[float | None] = []
     for point in points:
         path, value, _ = point.settings[axis]
@@ -70,7 +70,7 @@ def _table(points: Sequence[SweptPoint]) -> Markup:
 def _curve(
     points: Sequence[SweptPoint], values: Sequence[float | None], title: str, ratios: frozenset[str]
 ) -> Chart | None:
-    """The values over the number that was varied."""
+    """Chart of the values over the varied number."""
     known = [(point.settings[0][1], value) for point, value in zip(points, values, strict=True) if value is not None]
     if len(known) < 2:
         return None
@@ -83,7 +83,7 @@ def _curve(
 def _map(
     points: Sequence[SweptPoint], values: Sequence[float | None], title: str, ratios: frozenset[str]
 ) -> Chart | None:
-    """The values over both numbers that were varied: cells of a grid, or points that were drawn anywhere."""
+    """Chart of the values over both varied numbers: cells of a grid, or scattered points."""
     known = [(point, value) for point, value in zip(points, values, strict=True) if value is not None]
     if not known:
         return None
@@ -106,12 +106,12 @@ def _map(
 
 
 def _axis_of_levels(path: str, unit: str, levels: np.ndarray) -> dict[str, object]:
-    """An axis along which levels (n,) stand side by side, as many of them named as can be read."""
+    """An axis along which levels (n,) are equally spaced, with as many labels as can be read."""
     named = range(0, len(levels), -(-len(levels) // _MOST_NAMED))
     return axis(path, tickvals=[*named], ticktext=[quantity(float(levels[k]), unit) for k in named])
 
 
 def _axis(path: str, unit: str, values: np.ndarray, ratios: frozenset[str]) -> dict[str, object]:
-    """An axis of a number and its unit, logarithmic where its values (n,) go by equal ratios."""
+    """An axis of a number and its unit, logarithmic if its path is in ``ratios``."""
     title = path if unit == "1" else f"{path} [{unit}]"
     return log_axis(title, values) if path in ratios else axis(title)

@@ -1,4 +1,4 @@
-"""Where each model fails: what is left over against speed, output position, direction and order."""
+"""Where each model fails: residuals against speed, output position, direction and order."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .residual_charts import failures, named_orders
 
 
 def where(content: Content, charts: Charts) -> Markup:
-    """The section with the residuals against what they may depend on."""
+    """The section with the residuals against the quantities that they may depend on."""
     figures: list[Markup] = []
     orders: dict[str, list[list[str]]] = {}
     for each in failures(content.given, content.models[0], content.labels):
@@ -41,7 +41,7 @@ def where(content: Content, charts: Charts) -> Markup:
 
 
 def _orders_table(content: Content, amplitudes: Mapping[str, list[list[str]]]) -> Markup:
-    """The orders that the machine's file names, by their numbers in the spectra, with the amplitudes there."""
+    """Table of the orders that the machine's file names, by their numbers in the spectra, with the amplitudes there."""
     named = named_orders(content.models[0])
     if not named:
         return tag("p", f"{content.names[0]} names no orders (`orders:` in its file).", class_="aside")

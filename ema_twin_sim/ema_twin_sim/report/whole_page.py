@@ -1,4 +1,4 @@
-"""A page as one file that loads nothing from anywhere: what it needs of styles, scripts and charts is in it."""
+"""A page as one file that loads nothing else: its styles, scripts and charts are in it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from .chart import Charts
 from .markup import Markup, tag
 
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:"
-"""What a browser may load for the page: nothing. What a reader saves of a plot is made in the page itself."""
+"""What a browser may load for the page: nothing. A picture of a plot that a reader saves is made in the page itself."""
 
 
 def whole_page(title: str, body: Markup, *, charts: Charts | None = None, script: str = "") -> str:
-    """The page, its charts drawn by plotly; those of pages that stand in folders of many are too large for that."""
+    """The page; plotly is included only if there are ``charts``, since it is too large for folders of many pages."""
     scripts = f"<script>{script}</script>"
     if charts is not None:
         from plotly.offline import get_plotlyjs

@@ -1,6 +1,6 @@
-"""Views in rerun: a twin beside its bench, live and from recordings, and the servers that show them."""
+"""Views in rerun: a twin and its bench, live and from recordings, and the servers that show them."""
 
 import os
 
-# read where rerun is imported first: what goes wrong is told once, by us
+# rerun reads this when it is first imported: we report errors ourselves, once
 os.environ.setdefault("RUST_LOG", "off")

@@ -1,7 +1,7 @@
-"""``python -m ema_twin_sim.views.bag_blueprint FOLDER``: write the layouts that rerun's viewer opens beside a file.
+"""``python -m ema_twin_sim.views.bag_blueprint FOLDER``: write the layouts that rerun's viewer opens with a file.
 
-Rerun reads our MCAP files as they are: a topic becomes an entity, and its message a component whose fields a layout
-can plot. It keeps layouts by application, for which it takes a bare MCAP by its name; so convert it once:
+Rerun reads our MCAP files directly: a topic becomes an entity, and its message a component whose fields a layout can
+plot. It keeps layouts per application, and takes the name of a bare MCAP for the application; so convert it once:
 
     rerun mcap convert --application-id ema-twin run.mcap -o run.rrd
     rerun run.rrd config/blueprints/bench.rbl
@@ -23,7 +23,7 @@ from .stream import APPLICATION, LIVE_APPLICATION
 
 _STATE = "ema_twin_msgs.msg.EmaState:message"
 _RESIDUAL = "ema_twin_msgs.msg.Residual:message"
-_TIMELINE = "ros2_timestamp"  # of the samples themselves; that of the log is when they came
+_TIMELINE = "ros2_timestamp"  # time of the samples; the log time is that of their arrival
 _SIGNALS = ("output_position", "current", "speed")
 _MORE = ("voltage", "unexplained_torque", "motor_position")
 
@@ -78,7 +78,7 @@ def _field(component: str, field: str, name: str, colour: Colour) -> rrb.Visuali
 
 
 def save_blueprints(folder: Path) -> list[Path]:
-    """Write all layouts; returns their files."""
+    """Write all layouts; return their files."""
     folder.mkdir(parents=True, exist_ok=True)
     bench, live = folder / "bench.rbl", folder / "live.rbl"
     bag_blueprint().save(APPLICATION, bench)

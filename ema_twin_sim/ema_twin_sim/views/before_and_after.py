@@ -1,4 +1,4 @@
-"""After: what each step of the discovery took off the error, and all models' errors beside the sensors' noise."""
+"""After: how much each step of the discovery reduced the error, and all models' errors in times the sensors' noise."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _COLOURS = ("orange", "blue", "pink")
 
 
 def log_after(stream: rr.RecordingStream, given: Shown, names: Sequence[str], findings: Findings | None) -> None:
-    """Draw all models' errors, and how they fell step by step where a search was made."""
+    """Draw all models' errors and, if a search was made, how they fell step by step."""
     bars = _errors(given, names)
     highest = max([10.0, *(bar.value for bar in bars)])
     axis = log_axis(0.5, 1.2 * highest, "RMSE over the sensors' noise: 1 is the best that can be")

@@ -1,4 +1,4 @@
-"""Measured and twin over each other, and below what is left between them with the band of the sensors' noise."""
+"""Curves of measurement and twin, and below them the residual with the band of the sensors' noise."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .palette import MEASURED, MODELS, QUIET, Colour
 from .stream import path_of, send, send_level, style
 
 ROOT = "compare"
-_TYPICAL = 0.98  # the quantile of a residual whose size its axis's unit fits
+_TYPICAL = 0.98  # quantile of a residual that determines the unit of its axis
 
 
 def log_curves(stream: rr.RecordingStream, given: Shown, names: Sequence[str]) -> None:
-    """The curves of every recording; ``names`` are the models'."""
+    """Send the curves of every recording; ``names`` are the models' names."""
     for number, recording in enumerate(given.comparisons[0].recordings):
         besides = [curves[number] for curves in given.curves]
         for name in signals_drawn(given):
@@ -48,7 +48,7 @@ def _log_signal(
 
 
 def residual_unit(curves: Sequence[Curves]) -> tuple[float, str]:
-    """What to divide residuals by so that an axis reads well, and their unit then."""
+    """Divisor of residuals for a readable axis, and their unit then."""
     sizes = [float(np.nanquantile(np.abs(c.residual), _TYPICAL)) for c in curves if np.isfinite(c.residual).any()]
     return axis_unit(max(sizes, default=0.0), curves[0].unit)
 
@@ -62,12 +62,12 @@ def log_noise(stream: rr.RecordingStream, at: str, time: Sequence[float] | np.nd
 
 
 def style_noise(stream: rr.RecordingStream, entity: str, unit: str) -> None:
-    """How an edge of the noise's band is drawn."""
+    """Set how an edge of the noise band is drawn."""
     style(stream, entity, f"± sensors' noise [{unit}]", QUIET, 1.5)
 
 
 def curves_tab(given: Shown) -> rrb.Container:
-    """A tab a recording, that which the earlier model misses most in front; a column a signal."""
+    """One tab per recording, in front the one with the largest error of the earlier model; one column per signal."""
     tabs = []
     for number, recording in enumerate(given.comparisons[0].recordings):
         besides = [curves[number] for curves in given.curves]
@@ -85,7 +85,7 @@ def curves_tab(given: Shown) -> rrb.Container:
 def signal_column(
     at: str, name: str, unit: str, residual_unit: str, along: str = "", tab: str | None = None
 ) -> rrb.Container:
-    """One signal above, its residual below; ``along`` says what stands for the time, ``tab`` names it as a tab."""
+    """One signal above, its residual below; ``along`` is the quantity shown as time, ``tab`` the name as a tab."""
     over = f" over {along}, a second for each unit" if along else ""
     words = signal_words(name)
     above = f"{words} [{unit}]: measured and twin{over}"
@@ -100,5 +100,5 @@ def signal_column(
 
 
 def colour_of(model: int) -> Colour:
-    """The colour of a model, the earlier 0."""
+    """The colour of a model by its number; the earliest is 0."""
     return MODELS[model]

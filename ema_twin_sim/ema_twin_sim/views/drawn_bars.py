@@ -1,4 +1,4 @@
-"""Bars that lie, one below another, each with its name before it and its number behind it."""
+"""Horizontal bars, one below another, each with its name on the left and its number on the right."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .palette import GRID, TEXT, Colour
 from .sheet import BOTTOM, LEFT, TOP, Axis, Sheet
 
 START, END = 62.0, 112.0
-"""Where an axis of bars begins and ends on its sheet: names stand before it, numbers behind."""
+"""Where the axis of the bars begins and ends on its sheet: names are on its left, numbers on its right."""
 THICKEST = 1.6
-"""Units to either side of a bar's middle, which also round its end."""
-_THICK = 0.3  # of a row
-_HIGHEST = 9.0  # units, a row
+"""Maximum half thickness of a bar in units, which is also the radius of its round end."""
+_THICK = 0.3  # half thickness, as a share of the row
+_HIGHEST = 9.0  # units, maximum height of a row
 
 
 @dataclass(frozen=True)
 class Bar:
-    """One bar: ``value`` in the axis's values, ``text`` behind it; ``deviation`` is its standard error."""
+    """One bar: ``value`` in the axis's values, ``text`` to its right; ``deviation`` is its standard error."""
 
     name: str
     value: float
@@ -31,7 +31,7 @@ class Bar:
 
 
 def draw_bars(stream: rr.RecordingStream, at: str, bars: Sequence[Bar], axis: Axis, heading: str) -> None:
-    """Draw bars from the axis's low end on below the entity ``at``."""
+    """Draw bars that start at the axis's low end, below the entity ``at``."""
     sheet = Sheet(stream, at, axis, Axis(0.0, 1.0, (), (), ""), left=START, right=END)
     sheet.write_from(LEFT, 6.0, heading, TEXT)
     row = min(_HIGHEST, (BOTTOM - TOP) / max(len(bars), 1))

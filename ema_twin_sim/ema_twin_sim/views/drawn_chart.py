@@ -1,4 +1,4 @@
-"""The report's charts, drawn on sheets: the same numbers, colours and titles as on its page."""
+"""The report's charts drawn on sheets, with the same numbers, colours and titles as on its page."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from ..report.chart import Chart, Trace
 from .palette import FAINT, QUIET, TEXT, Colour, named
 from .sheet import TOP, Axis, Sheet, linear_axis, log_axis, named_axis
 
-_ROOM = 0.06  # of an axis, beyond what is drawn
+_ROOM = 0.06  # share of an axis that is left free beyond what is drawn
 _NOISE = "± 2 σ of the sensors' noise"
 _LARGE = 8.0  # pixels
-_APART = 0.12  # of the distance between two names
+_APART = 0.12  # shift between traces, as a share of the distance between two names
 
 
 def draw(stream: rr.RecordingStream, at: str, chart: Chart) -> Sheet:
@@ -54,7 +54,7 @@ def _curve(sheet: Sheet, name: str, trace: Trace, x: np.ndarray, y: np.ndarray, 
 
 
 def _mark(sheet: Sheet, chart: Chart, x_axis: Axis, y_axis: Axis) -> None:
-    """The lines and the band that lie behind the curves, and the words beside them."""
+    """Draw the lines and the band behind the curves, and the words next to them."""
     for number, shape in enumerate(chart.layout.get("shapes", ())):
         if shape["xref"].endswith("domain"):  # along the whole of x
             for end in dict.fromkeys((shape["y0"], shape["y1"])):
@@ -73,7 +73,7 @@ def _mark(sheet: Sheet, chart: Chart, x_axis: Axis, y_axis: Axis) -> None:
 
 
 def _axis(chart: Chart, way: str, values: Sequence[np.ndarray]) -> Axis:
-    """The axis of a chart as its layout asks for it, over the values (n,) of all traces."""
+    """The axis that the chart's layout asks for, over the values (n,) of all traces."""
     layout: Mapping[str, Any] = chart.layout[f"{way}axis"]
     title = layout["title"]["text"]
     names = [name for trace in chart.traces for name in trace[way] if isinstance(name, str)]
@@ -102,7 +102,7 @@ def _axis(chart: Chart, way: str, values: Sequence[np.ndarray]) -> Axis:
 
 
 def _x(trace: Trace) -> np.ndarray:
-    """Where a trace's points stand along x (n,): names stand at 0, 1, 2 …"""
+    """Places of a trace's points along x (n,); names are at 0, 1, 2 …"""
     x = trace["x"]
     if len(x) and isinstance(x[0], str):
         return np.arange(len(x), dtype=np.float64)
@@ -110,14 +110,14 @@ def _x(trace: Trace) -> np.ndarray:
 
 
 def _extent(trace: Trace) -> list[np.ndarray]:
-    """What of a trace an axis must show."""
+    """The values of a trace that its axis must show."""
     y = np.asarray(trace["y"], np.float64)
     error = trace.get("error_y")
     return [y] if error is None else [y - error["arrayminus"], y + error["array"]]
 
 
 def _key(chart: Chart) -> list[tuple[str, Colour]]:
-    """What the colours mean, each told once; recordings that are drawn one by one share a word."""
+    """Legend of the colours, each once; recordings that are drawn one by one share an entry."""
     found: dict[str, Colour] = {}
     for trace in chart.traces:
         if trace.get("showlegend", True):

@@ -1,4 +1,4 @@
-"""Evidence as a bag: what each step of a discovery left over, sample by sample, for rerun, Foxglove and PlotJuggler.
+"""Evidence as a bag: the residuals of each step of a discovery, sample by sample, for rerun, Foxglove and PlotJuggler.
 
 Every topic is a ``sensor_msgs/JointState``, which all of them plot by the names in it: torques [N m, motor shaft] in
 ``effort``, encoder differences [rad, slow shaft] in ``position``.
@@ -42,14 +42,14 @@ class _Topic:
 
 
 def write_evidence(found: Discovery, recordings: Sequence[Recording], path: Path, *, force: bool = False) -> list[str]:
-    """Write the evidence as one MCAP file; returns its topics.
+    """Write the evidence as one MCAP file; return its topics.
 
-    ``/evidence/STEP/RECORDING/torque`` holds the measured motor torque and what the model before and after the step
-    needs for the measured motion, ``…/left_over`` measured minus model (before, after, and with the runner-up in its
-    place), ``…/encoder_difference`` the output encoder minus the motor's over the ratio. Operating points have no time
-    to speak of: theirs are ``…/over_position/forward/torque`` and so on (backward; over_speed where they have no
-    position), with a second for each radian of the motor, or rad/s, from the least on. Raises InputError where the file
-    exists (without ``force``) or cannot be written.
+    ``/evidence/STEP/RECORDING/torque`` holds the measured motor torque, and the torque that the model before and after
+    the step needs for the measured motion. ``…/left_over`` holds measured minus model (before, after, and with the
+    runner-up instead), ``…/encoder_difference`` the output encoder minus the motor's over the ratio. Operating points
+    have no meaningful time: their topics are ``…/over_position/forward/torque`` and so on (backward; over_speed if the
+    position does not vary), with one second for each radian of the motor, or rad/s, counted from the smallest value.
+    Raises InputError if the file exists (without ``force``) or cannot be written.
     """
     topics = [
         topic
@@ -93,9 +93,9 @@ def _topics(found: Discovery, recordings: Sequence[Recording], compared: Compare
 def _topics_of_points(
     found: Discovery, recordings: Sequence[Recording], compared: Compared, at: str
 ) -> Iterator[_Topic]:
-    """Torques of operating points in the order of their positions, those come to from either side by themselves.
+    """Torques of operating points in the order of their positions, separately for each direction of motion.
 
-    The halves of a lone table stand together again.
+    The halves of a single table that the search had split are put together again.
     """
     problem = found.equation
     residuals = {name: f.problem.left_over(f.predicted) for name, f in compared.fits.items()}
@@ -127,7 +127,7 @@ def _topics_of_points(
 
 
 def _titled(series: Mapping[str, np.ndarray], compared: Compared) -> dict[str, np.ndarray]:
-    """What is left over by each model, under a name that says so."""
+    """The residuals of each model, under a descriptive name."""
     titles = {
         "before": "left over before",
         "after": f"left over with {compared.title}",
@@ -166,7 +166,7 @@ def _records(file: McapFile, topic: _Topic) -> tuple[int, np.ndarray]:
 
 
 def _chunks(channels: Sequence[tuple[tuple[int, np.ndarray], _Topic]]) -> Iterator[list[Messages]]:
-    """All records, a chunk for every second that holds some."""
+    """All records, one chunk for every second that has any."""
     seconds = np.unique(np.concatenate([topic.stamps // _CHUNK for _, topic in channels] or [np.zeros(0, np.int64)]))
     for second in seconds:
         chunk = []

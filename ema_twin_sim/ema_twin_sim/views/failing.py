@@ -17,10 +17,10 @@ from .sheet import HIGH, RIGHT, TOP, WIDE
 
 ROOT = "where_it_fails"
 _SHARES, _SHARES_OF_THREE = [2, 1], [3, 2]
-"""How wide the charts and the words are: a column of amplitudes grows with every model."""
+"""Relative widths of the charts and the words: the column of amplitudes grows with every model."""
 _PLACES = ("speed", "output_position", "direction")
-_STANDS_OUT = 2.0  # times the usual amplitude of the orders about it: from there on an order is a peak
-_ABOUT = 0.25  # of the order, to either side
+_STANDS_OUT = 2.0  # times the median amplitude of the orders near it; above that an order is a peak
+_ABOUT = 0.25  # half width of "near", as a natural logarithm of the ratio of orders
 
 
 def log_failures(
@@ -38,7 +38,7 @@ def log_failures(
 
 
 def _log_orders(stream: rr.RecordingStream, at: str, each: Failures) -> None:
-    """The spectrum, with the name of the highest order that stands out of those about it, at its peak."""
+    """Draw the spectrum, and label the named order with the highest peak, if it stands out from the orders near it."""
     orders = each.orders
     assert orders is not None
     sheet = draw(stream, at, orders.chart)
@@ -55,13 +55,13 @@ def _log_orders(stream: rr.RecordingStream, at: str, each: Failures) -> None:
 
 
 def _usual(orders: np.ndarray, amplitudes: np.ndarray, order: float) -> float:
-    """The usual amplitude about an order; infinite where the spectrum has none there."""
+    """The median amplitude near an order; infinite if the spectrum has none there."""
     about = amplitudes[np.abs(np.log(orders / order)) < _ABOUT]
     return float(np.median(about)) if len(about) else np.inf
 
 
 def _told(each: Failures, said: Sequence[str], names: Sequence[str]) -> str:
-    """In words and one table: what the error depends on, and the machine's own orders."""
+    """Text and one table: what the error depends on, and the machine's own orders."""
     lines = ["## Where it fails", ""]
     lines += [f"**{name}**: {text}\n" for name, text in zip(names, said, strict=True)]
     lines += ["Line: median. Shaded: between the quartiles. Dots: moving backward.", ""]
@@ -81,7 +81,7 @@ def _told(each: Failures, said: Sequence[str], names: Sequence[str]) -> str:
 
 
 def failing_tab(found: Sequence[Failures], models: int) -> rrb.Container:
-    """A tab a signal: four charts, and beside them what they say of so many models."""
+    """One tab per signal: up to four charts, and next to them their description; ``models`` is the number of models."""
     tabs = []
     for each in found:
         at, words = f"{ROOT}/{each.signal}", signal_words(each.signal)

@@ -1,4 +1,4 @@
-"""The gearbox as it turns: sun, planets, carrier, both rings, coloured by the torque that their teeth bear."""
+"""The turning gearbox: sun, planets, carrier and both rings, coloured by the torque on their teeth."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ _TORQUES = (
 )
 _TURN = 2.0 * math.pi
 _EYE = (0.44, -0.84, 0.80)
-"""Where one looks from, in diameters of the fixed ring."""
+"""Position of the camera, in diameters of the fixed ring."""
 _RIGHT = (0.886, 0.464)
-"""The right hand from there, in the plane of the wheels."""
+"""Direction to the right as seen from there, in the plane of the wheels."""
 
 
 def log_train(stream: rr.RecordingStream, gearing: Gearing) -> None:
-    """The wheels themselves, and what is written beside them."""
+    """Send the wheels and the words next to them."""
     meshes = wheel_meshes(gearing)
     for name, mesh in _parts(meshes).items():
         solid = rr.Mesh3D(
@@ -62,7 +62,7 @@ def _parts(meshes: dict[str, WheelMesh]) -> dict[str, WheelMesh]:
 
 
 def _log_carrier(stream: rr.RecordingStream, gearing: Gearing) -> None:
-    """Three arms before the first stage, and the planets' shafts through both."""
+    """Send the carrier: three arms in front of the first stage, and the planets' shafts through both stages."""
     stage = _APART * gearing.face_width
     near = 0.85 * gearing.face_width
     pins = [gearing.centre_distance * np.array([math.cos(a), math.sin(a), 0.0]) for a in _places(0.0)]
@@ -93,7 +93,7 @@ def _log_words(stream: rr.RecordingStream, gearing: Gearing, meshes: dict[str, W
 def send_motion(
     stream: rr.RecordingStream, gearing: Gearing, motion: TrainMotion, strongest: tuple[float, float, float]
 ) -> None:
-    """Turn the wheels; colours are full at the ``strongest`` torques [N m] of sun, fixed ring and output ring."""
+    """Turn the wheels; colours are strongest at the ``strongest`` torques [N m] of sun, fixed ring and output ring."""
     times = [rr.TimeColumn(TIMELINE, duration=motion.time)]
     stage = -_APART * gearing.face_width
     sun, planets, seconds, ring, output = starting_angles(gearing)
@@ -128,15 +128,15 @@ def send_motion(
 
 
 def _places(carrier: float) -> list[float]:
-    """The directions [rad] in which the planets stand."""
+    """Directions [rad] of the planets, seen from the centre."""
     return [carrier + _TURN * k / PLANETS for k in range(PLANETS)]
 
 
 def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], float, float]:
-    """Angles [rad] at which all teeth stand in gaps: sun, planets, second planets, fixed ring, output ring.
+    """Angles [rad] at which all teeth mesh: sun, planets, second planets, fixed ring, output ring.
 
-    A wheel's phase in a direction is how many teeth it has from there to its own x axis. Wheels that turn opposite ways
-    mesh where their phases add to a half, those that turn the same way where they differ by a half.
+    A wheel's phase in a direction is the number of its teeth from there to its own x axis. Wheels that turn in opposite
+    directions mesh if their phases add up to a half; wheels that turn in the same direction, if they differ by a half.
     """
     g = gearing
     planets = [way + math.pi - (0.5 - g.sun_teeth * way / _TURN) * _TURN / g.planet_teeth for way in _places(0.0)]
@@ -146,7 +146,7 @@ def starting_angles(gearing: Gearing) -> tuple[float, list[float], list[float], 
 
 
 def _colours(share: np.ndarray) -> np.ndarray:
-    """Colours (n, 4): grey where nothing is borne, orange where teeth turn a wheel the motor's way, blue against it."""
+    """Colours (n, 4): grey without torque, orange for a torque in the motor's direction, blue for one against it."""
     share = np.clip(np.nan_to_num(share), -1.0, 1.0)[:, None]
     full = np.where(share >= 0.0, _FORWARD, _BACKWARD)
     mixed = np.asarray(_IDLE) + np.abs(share) * (full - np.asarray(_IDLE))
@@ -154,7 +154,7 @@ def _colours(share: np.ndarray) -> np.ndarray:
 
 
 def train_tab(of: str, strongest: tuple[float, float, float], gearing: Gearing, *, simulated: bool) -> rrb.Container:
-    """The train in space, and below it the torques over time; ``of`` says what turns it."""
+    """The train in 3D, and below it the torques over time; ``of`` says whose motion it shows."""
     reach = 2.0 * gearing.ring_radius
     eye = rrb.EyeControls3D(
         position=[share * reach for share in _EYE],

@@ -1,4 +1,4 @@
-"""The colours of the views: those of the report on dark ground, which rerun's viewer has."""
+"""The colours of the views: those of the report on a dark background, as rerun's viewer has it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ RULE: Colour = (58, 66, 75)
 GRID: Colour = (34, 39, 45)
 BENCH: Colour = (240, 242, 244)
 MEASURED: Colour = (145, 156, 167)
-"""What is measured in rerun's own charts, whose ground is as dark or as light as the desktop."""
+"""Measured curves in rerun's own charts, whose background is dark or light like the desktop."""
 BEFORE: Colour = (255, 154, 77)
 AFTER: Colour = (93, 184, 245)
 FITTED: Colour = (255, 122, 198)
@@ -33,11 +33,11 @@ NAMED = {
     "band": FAINT,
 }
 """The colours that the report's charts name."""
-_DIM = 0.28  # of a colour that lies behind others
+_DIM = 0.28  # opacity of a colour behind others
 
 
 def dimmed(colour: Sequence[int], share: float = _DIM) -> Colour:
-    """A colour as it shows through on the ground."""
+    """A colour blended with the background."""
     red, green, blue = (round(g + share * (c - g)) for c, g in zip(colour, GROUND, strict=True))
     return red, green, blue
 

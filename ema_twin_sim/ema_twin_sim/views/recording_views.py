@@ -1,4 +1,4 @@
-"""All views of recordings beside one to three models, as the tabs of one rerun file."""
+"""All views of recordings with one to three models, as the tabs of one rerun file."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ def write_views(
     *,
     force: bool = False,
 ) -> list[str]:
-    """Write the views of recordings beside models (one, before and after, or a fitted one too) as an .rrd.
+    """Write the views of recordings and models (one; before and after; or a fitted one too) as an .rrd.
 
     Returns the names of its tabs.
-    Raises InputError where the file exists (without ``force``) or cannot be written.
+    Raises InputError if the file exists (without ``force``) or cannot be written.
     """
     found = failures(given, models[0], names)
     tabs: list[rrb.Container] = [curves_tab(given)]
@@ -65,7 +65,7 @@ def write_views(
 
 
 def layout(tabs: Sequence[rrb.Container], active: int = 0) -> rrb.Blueprint:
-    """Tabs over the whole window, the panels around them closed, and time as it was recorded."""
+    """Tabs over the whole window, with the panels around them closed, and time as it was recorded."""
     return rrb.Blueprint(
         rrb.Tabs(*tabs, active_tab=active),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE),

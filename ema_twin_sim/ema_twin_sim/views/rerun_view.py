@@ -1,4 +1,4 @@
-"""The live view: bench and twin over each other, their residuals in the sensors' noise, the error, the gear train."""
+"""The live view: curves of bench and twin, their residuals with the sensors' noise, the error, and the gear train."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ from .stream import (
 from .train_motion import by_ratios, gearing_shown
 
 SHOWN = ("output_position", "current", "speed")
-"""Signals drawn bench over twin, each above its residual."""
+"""Signals that are drawn, bench and twin together, each above its residual."""
 ROOT = "live"
-_PAUSE = 0.25  # s from one sending to the next
-_WINDOW = 1.0  # s, of the RMSE that falls when an effect is added
+_PAUSE = 0.25  # s, minimum interval between two transmissions
+_WINDOW = 1.0  # s, window of the RMSE that falls when an effect is added
 _LEVEL_COLOURS = {"current": AFTER, "speed": GOOD, "output_position": RIVAL}
 _MILLI = 1e3
 _LEAST_LEVEL = -30.0  # dB
-_PICTURE = 0.04  # s from one picture of the gear train to the next
-_FULL = 0.6  # N m of the motor at which the train's colours are full, as no later sample is known
+_PICTURE = 0.04  # s, interval between two pictures of the gear train
+_FULL = 0.6  # N m of the motor at which the train's colours are strongest; fixed, since later samples are unknown
 
 
 _Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], Mapping[str, np.ndarray]]
@@ -50,7 +50,7 @@ _Batch = tuple[np.ndarray, Mapping[str, np.ndarray], Mapping[str, np.ndarray], M
 class RerunView:
     """A rerun recording into a file (a path) or to a viewer (its address); takes samples in batches, live or whole.
 
-    With a ``model`` whose gearbox is known, that turns too.
+    With a ``model`` whose gearbox is known, the gear train is shown too.
 
     Attributes:
         into: the file or the viewer.
@@ -65,7 +65,7 @@ class RerunView:
         model: Model | None = None,
         in_browser: bool = False,
     ) -> None:
-        """Raises InputError where the file cannot be written."""
+        """Open the file or connect to the viewer. Raises InputError if the file cannot be written."""
         self.into = into
         self._noise = noise_floor
         self._windows = {name: RmsWindow(_WINDOW) for name in SHOWN}
@@ -76,7 +76,7 @@ class RerunView:
         self._sent = -np.inf
         self._stream = rr.RecordingStream(LIVE_APPLICATION, send_properties=False)
         sink = rr.GrpcSink(into) if isinstance(into, str) else open_for_writing(into)
-        # a browser gets what was sent before it came in another order, and leaves a layout out that is but the default
+        # a browser receives earlier data in another order, and ignores a layout that is only the default
         begin(self._stream, sink, live_blueprint(self._gearing), active=in_browser)
         self._stream.send_recording_name(title)
         self._style()
@@ -101,13 +101,13 @@ class RerunView:
         twin: Mapping[str, np.ndarray],
         residuals: Mapping[str, np.ndarray],
     ) -> None:
-        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units. It is shown within moments."""
+        """Take a batch: times [s] (n,), signals and residuals (n,) by name in SI units. It is shown shortly after."""
         self._held.append((np.asarray(time, np.float64), bench, twin, residuals))
         if clock.monotonic() - self._sent >= _PAUSE:
             self._send_held()
 
     def _send_held(self) -> None:
-        """Send the batches that are held as one: what a message costs is little beside what each message costs."""
+        """Send the held batches as one, since each message has a large fixed cost."""
         held, self._held, self._sent = self._held, [], clock.monotonic()
         while held:
             alike = next((k for k, batch in enumerate(held) if _names(batch) != _names(held[0])), len(held))
@@ -142,12 +142,12 @@ class RerunView:
             self._turn(self._gearing, index, bench, twin)
 
     def _send_noise(self, at: str, index: np.ndarray, floor: float) -> None:
-        """The band goes on to the batch's end."""
+        """Extend the noise band to the end of the batch."""
         for side, level in (("above", floor), ("below", -floor)):
             send(self._stream, f"{at}/residual/noise_{side}", index[[0, -1]], np.full(2, level))
 
     def _levels(self, name: str, index: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        """RMSE over the last second above the sensor's noise floor [dB] (n,)."""
+        """RMSE over the last second, relative to the sensor's noise floor [dB] (n,)."""
         power = self._windows[name].mean_squares(index, residual) / self._noise[name] ** 2
         return 10.0 * np.log10(np.maximum(power, 10.0 ** (0.1 * _LEAST_LEVEL)))
 
@@ -167,15 +167,15 @@ class RerunView:
             send_motion(self._stream, gearing, motion, _full_colours(gearing))
 
     def tell(self, time: float, text: str) -> None:
-        """A line of the story at a time [s]."""
+        """Add a line to the log of events at a time [s]."""
         self._stream.set_time(TIMELINE, duration=time)
         self._stream.log("story", rr.TextLog(text))
         self._stream.reset_time()
 
     def close(self) -> None:
-        """Write what is held back.
+        """Send what is still buffered, and close.
 
-        Raises InputError where the file cannot be written, RuntimeError where the viewer did not take all.
+        Raises InputError if the file cannot be written, RuntimeError if the viewer did not take everything.
         """
         self._send_held()
         if isinstance(self.into, Path):
@@ -185,7 +185,7 @@ class RerunView:
 
 
 def _known(name: str, *sides: Mapping[str, np.ndarray]) -> np.ndarray | None:
-    """The first that knows a signal: live ones hold every signal, NaN where it is not measured."""
+    """The signal from the first side that has it: live sides hold every signal, NaN if it is not measured."""
     return next((side[name] for side in sides if name in side and np.isfinite(side[name]).any()), None)
 
 
@@ -198,7 +198,7 @@ def _full_colours(gearing: Gearing) -> tuple[float, float, float]:
 
 
 def live_blueprint(gearing: Gearing | None = None) -> rrb.Blueprint:
-    """The tabs of a live view: all signals side by side, then each alone, as a narrow screen shows it."""
+    """The tabs of a live view: all signals side by side, then each alone for a narrow screen."""
 
     def column(name: str, tab: str | None = None) -> rrb.Container:
         return signal_column(path_of(ROOT, name), name, UNITS[name], f"m{UNITS[name]}", tab=tab)

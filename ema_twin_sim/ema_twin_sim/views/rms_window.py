@@ -6,16 +6,16 @@ import numpy as np
 
 
 class RmsWindow:
-    """Holds the samples of the last ``width`` seconds; a value that is not finite does not count."""
+    """Holds the samples of the last ``width`` seconds; values that are not finite do not count."""
 
     def __init__(self, width: float) -> None:
         self._width = width
         self._time, self._squares, self._good = np.zeros(0), np.zeros(0), np.zeros(0)
 
     def mean_squares(self, time: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """The mean square (n,) of the window that ends with each sample, at times [s] (n,) that rise; NaN without one.
+        """The mean square (n,) of the window that ends at each sample, at rising times [s] (n,); NaN without values.
 
-        Where a batch begins before the samples that are held, as after a jump back, these are forgotten.
+        If a batch begins before samples that are held, as after a jump back in time, those samples are dropped.
         """
         held = self._time <= time[0] if len(time) else np.zeros(len(self._time), bool)
         times = np.concatenate([self._time[held], time])

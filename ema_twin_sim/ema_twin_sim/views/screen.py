@@ -1,4 +1,4 @@
-"""Whether there is a screen, and rerun's viewer on it."""
+"""Check whether there is a screen, and start rerun's viewer on it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 ADDRESS = "127.0.0.1"
-"""Where viewers listen: on this machine only."""
+"""Address on which viewers listen: this machine only."""
 _VIEWER = Path(sys.executable).with_name("rerun")
 _GRAPHICS = (
     ("/dev/dri", "*"),
@@ -20,10 +20,10 @@ _GRAPHICS = (
     ("/usr/share/vulkan/icd.d", "*.json"),
     ("/etc/vulkan/icd.d", "*.json"),
 )
-"""Folders, and what in them stands for something to draw with."""
+"""Folders, and the files in them that show that there is a graphics driver."""
 _PORT = 9876
 _PATIENCE = 60.0
-"""s in which a viewer must listen; one that ends is not waited for, but a busy machine may take long to start one."""
+"""Time in s for a viewer to start listening: a busy machine may take long. A viewer that ends is not waited for."""
 _NOWHERE = "http://127.0.0.1:9"
 
 
@@ -33,7 +33,7 @@ def display_available() -> bool:
 
 
 def why_not_shown() -> str:
-    """Why rerun's viewer cannot open a window here, in words; empty where nothing speaks against it."""
+    """Why rerun's viewer cannot open a window here, in words; empty if nothing prevents it."""
     if not display_available():
         return "there is no display"
     if not _VIEWER.is_file():
@@ -44,7 +44,7 @@ def why_not_shown() -> str:
 
 
 def open_viewer(path: Path) -> bool:
-    """Open a rerun recording in its viewer, as a process of its own; whether there was a screen to do so."""
+    """Open a rerun recording in its viewer, as a separate process; return whether there was a screen."""
     if why_not_shown():
         return False
     start_viewer(str(path))
@@ -52,18 +52,18 @@ def open_viewer(path: Path) -> bool:
 
 
 def open_live_viewer() -> str:
-    """Open a viewer for what will be sent; returns where to, or nothing where none comes up."""
+    """Open a viewer for live data; return its address, or an empty string if it does not start."""
     viewer = start_viewer("--port", str(_PORT), "--bind", ADDRESS, "--hide-welcome-screen")
     return f"rerun+http://{ADDRESS}:{_PORT}/proxy" if comes_up(viewer, _PORT) else ""
 
 
 def start_viewer(*arguments: str) -> subprocess.Popen[bytes]:
-    """Start rerun's viewer as a process of its own, which stays when this one ends."""
+    """Start rerun's viewer as a separate process, which stays when this one ends."""
     return subprocess.Popen([*viewer_command(), *arguments], env=viewer_environment(), start_new_session=True)
 
 
 def comes_up(process: subprocess.Popen[bytes], *ports: int) -> bool:
-    """Wait until all the ports listen; whether they do, before the process ends and in the time that it may take."""
+    """Wait until all the ports listen; False if the process ends first, or takes longer than ``_PATIENCE``."""
     end = time.monotonic() + _PATIENCE
     while not all(_listens(port) for port in ports):
         if process.poll() is not None or time.monotonic() > end:
@@ -81,16 +81,16 @@ def _listens(port: int) -> bool:
 
 
 def viewer_command() -> list[str]:
-    """How rerun's viewer is started: its binary itself, as the script of that name would leave it behind when ended."""
+    """Command of rerun's viewer: the binary itself, since the script of that name would leave it running when ended."""
     package = importlib.util.find_spec("rerun_cli")
     places = [Path(place) / "rerun" for place in (package.submodule_search_locations or ())] if package else []
     return [str(next((binary for binary in places if binary.is_file()), _VIEWER))]
 
 
 def viewer_environment() -> dict[str, str]:
-    """Its environment: without our ROS libraries, and reporting to nobody."""
+    """The viewer's environment: without our ROS libraries, and without reports to its makers."""
     environment = {k: v for k, v in os.environ.items() if k not in ("LD_LIBRARY_PATH", "PYTHONPATH")}
     environment["CI"] = "true"  # what rerun takes as "no analytics", without touching the user's configuration
-    # it asks for a newer version at each start, and nothing forbids it but that there is no way
+    # it looks for a newer version at each start; the only way to prevent that is a proxy that does not exist
     environment |= dict.fromkeys(("ALL_PROXY", "all_proxy", "HTTPS_PROXY", "https_proxy"), _NOWHERE)
     return environment | dict.fromkeys(("NO_PROXY", "no_proxy"), "localhost,127.0.0.1")

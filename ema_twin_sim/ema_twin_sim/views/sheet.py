@@ -1,7 +1,7 @@
 """A sheet to draw on in a 2D view: a frame with ticks and titles, lines, bars, points and words.
 
-Rerun plots scalars over time and nothing else, so what stands against speed or order is drawn. A sheet is ``WIDE`` by
-``HIGH`` units; words keep their size on the screen, whatever the view's.
+Rerun plots only scalars over time, so charts against speed or order are drawn. A sheet is ``WIDE`` by ``HIGH`` units;
+words keep their size on the screen, whatever the size of the view.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ WIDE, HIGH = 160.0, 91.0
 """The size of a sheet."""
 LEFT, RIGHT, TOP, BOTTOM = 19.0, 156.0, 14.0, 75.0
 """The frame's edges, unless it is made narrower."""
-_LETTER = 1.25  # units that a letter is wide in a view of a quarter of a screen
-_KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # and around a word, in a view of 400 pixels: words must not cover each other
-_ABOVE = 2.4  # units that words stand below the point that they are given
-_TICKS = 6  # about so many
+_LETTER = 1.25  # units, width of a letter in a view of a quarter of a screen
+_KEY_LETTER, _KEY_ROOM = 2.5, 5.0  # units, a letter and the room around a word in a view of 400 pixels: no overlaps
+_ABOVE = 2.4  # units that rerun puts words below their point
+_TICKS = 6  # approximate number of ticks
 
 
 @dataclass(frozen=True)
 class Axis:
-    """From values to places between two edges of the frame; ``ticks`` and their words, in values."""
+    """Maps values to places between two edges of the frame; ``ticks`` are in values, ``words`` are their labels."""
 
     low: float
     high: float
@@ -58,7 +58,7 @@ def linear_axis(low: float, high: float, title: str) -> Axis:
 
 
 def log_axis(low: float, high: float, title: str) -> Axis:
-    """A logarithmic axis, ticks at 1, 2 and 5 of each decade, or at decades alone where these are many."""
+    """A logarithmic axis with ticks at 1, 2 and 5 of each decade, or only at decades if there are many."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     factors = (1.0, 2.0, 5.0) if len(decades) <= 4 else (1.0,)
     ticks = tuple(f * 10.0**d for d in decades for f in factors if low <= f * 10.0**d <= high)
@@ -66,7 +66,7 @@ def log_axis(low: float, high: float, title: str) -> Axis:
 
 
 def named_axis(names: Sequence[str], title: str) -> Axis:
-    """An axis of names, which stand at 0, 1, 2 …"""
+    """An axis of names at 0, 1, 2 …"""
     places = tuple(float(k) for k in range(len(names)))
     return Axis(-0.5, len(names) - 0.5, places, tuple(names), title)
 
@@ -103,7 +103,7 @@ class Sheet:
         self.write_from(self._left, 3.0, self._y.title, TEXT)
 
     def place(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Values (n,) as points (n, 2) of the sheet, held within the frame."""
+        """Values (n,) as points (n, 2) of the sheet, limited to the frame."""
         across = self._left + (self._right - self._left) * np.clip(self._x.share(x), 0.0, 1.0)
         up = BOTTOM - (BOTTOM - TOP) * np.clip(self._y.share(y), 0.0, 1.0)
         return np.column_stack(np.broadcast_arrays(across, up))
@@ -111,7 +111,7 @@ class Sheet:
     def line(
         self, name: str, x: np.ndarray, y: np.ndarray, colour: Colour, width: float, *, dots: bool = False
     ) -> None:
-        """A curve through the values (n,) that are finite, ``width`` in pixels; ``dots`` parts it into short pieces."""
+        """A curve through the finite values (n,), ``width`` in pixels; ``dots`` divides it into short pieces."""
         good = np.isfinite(x) & np.isfinite(y)
         points = self.place(x[good], y[good])
         if len(points) < 2:
@@ -120,7 +120,7 @@ class Sheet:
         self._log(name, rr.LineStrips2D(strips, colors=[colour], radii=[-0.5 * width], draw_order=20.0))
 
     def band(self, name: str, x: np.ndarray, low: np.ndarray, high: np.ndarray, colour: Colour) -> None:
-        """What lies between two curves (n,), filled."""
+        """The filled area between two curves (n,)."""
         good = np.isfinite(x) & np.isfinite(low) & np.isfinite(high)
         below, above = self.place(x[good], low[good]), self.place(x[good], high[good])
         if len(below) < 2:
@@ -142,7 +142,7 @@ class Sheet:
         self._log(name, rr.Points2D(points, colors=[colour], radii=[-0.5 * size], draw_order=30.0))
 
     def write(self, x: float, y: float, text: str, colour: Colour) -> None:
-        """Words whose middle is at a point of the sheet."""
+        """Words centred at a point of the sheet."""
         if text:
             self._words.append((x, y - _ABOVE, text, colour))
 
@@ -155,7 +155,7 @@ class Sheet:
         self.write(x - 0.5 * _LETTER * (len(text) + 1), y, text, colour)
 
     def key(self, entries: Sequence[tuple[str, Colour]]) -> None:
-        """What the colours mean, in a row above the frame that ends at its right edge."""
+        """Legend of the colours, in a row above the frame that ends at its right edge."""
         wide = [_KEY_LETTER * len(text) + _KEY_ROOM for text, _ in entries]
         share = min(1.0, (self._right - self._left) / max(sum(wide), 1.0))
         x = self._right
@@ -175,7 +175,7 @@ class Sheet:
 
 
 def _pieces(points: np.ndarray, length: float = 1.2) -> list[np.ndarray]:
-    """A curve's points (n, 2) as short pieces with as much space between them."""
+    """A curve's points (n, 2) as short pieces with gaps of the same length."""
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     at = np.arange(0.0, along[-1], 0.5 * length)
     x, y = (np.interp(at, along, points[:, k]) for k in (0, 1))

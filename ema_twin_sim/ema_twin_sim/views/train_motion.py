@@ -1,4 +1,4 @@
-"""How the wheels of the gearbox turn beside a recording, and the torques of their teeth."""
+"""How the wheels of the gearbox turn in a recording, and the torques on their teeth."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ..plant.planetary.quasi_static import static_forces
 from ..simulation.fidelity import gearing_of
 from ..simulation.simulate import bench_of, choose_input, started
 
-PICTURES = 50.0  # a second, at most
-LONGEST = 60.0  # s that are shown
+PICTURES = 50.0  # per second, at most
+LONGEST = 60.0  # s that are shown at most
 _SAME_RATIO = 1e-3
-_USUAL = 0.9  # the quantile of torques at which colours are full
+_USUAL = 0.9  # the quantile of torques at which colours are strongest
 
 
 @dataclass(frozen=True, eq=False)
 class TrainMotion:
     """Angles [rad] since the first sample at times [s] (n,), and torques [N m] of the planets' teeth on the wheels.
 
-    A planet's angle is absolute. A torque is the sum over the planets, and positive where it acts the motor's way; at
-    rest the three add up to nothing.
+    A planet's angle is absolute. A torque is the sum over the planets, positive in the motor's direction; at rest the
+    three add up to zero.
     """
 
     time: np.ndarray
@@ -41,7 +41,7 @@ class TrainMotion:
 
     @property
     def strongest(self) -> tuple[float, float, float]:
-        """The largest torques [N m] on the sun, the fixed ring and the output ring, but for rare peaks."""
+        """The largest torques [N m] on the sun, the fixed ring and the output ring, without rare peaks."""
         sun, ring, output = (
             float(np.nanquantile(np.abs(t), _USUAL)) for t in (self.on_sun, self.on_ring, self.on_output)
         )
@@ -49,9 +49,9 @@ class TrainMotion:
 
 
 def gearing_shown(model: Model) -> Gearing | None:
-    """The gearbox of a model: a planetary one's own; of a lumped one, which keeps no teeth, the Politecnico's.
+    """The gearbox to show: a planetary model's own; for a lumped model, which has no teeth, the Politecnico's.
 
-    None where the ratio is not the one that these teeth make.
+    None if the model's ratio is not that of these teeth, or if the machine is linear.
     """
     if model.motion != "rotary":
         return None
@@ -60,10 +60,10 @@ def gearing_shown(model: Model) -> Gearing | None:
 
 
 def train_motion(model: Model, gearing: Gearing, recording: Recording, source: str | None = None) -> TrainMotion | None:
-    """The wheels beside a recording; None where it does not tell how the motor turns.
+    """The wheels' motion in a recording; None if the recording has no motor position, or consists of operating points.
 
-    A planetary model's are simulated; a lumped one's follow from the measured angle of the motor by the ratios, and its
-    teeth bear the motor's torque without friction or inertia.
+    A planetary model is simulated. A lumped model's wheels follow from the measured motor angle by the ratios, and
+    their teeth carry the motor's torque without friction or inertia.
     """
     if recording.of_points or not recording.has("motor_position"):
         return None
@@ -79,7 +79,7 @@ def train_motion(model: Model, gearing: Gearing, recording: Recording, source: s
 
 
 def by_ratios(gearing: Gearing, time: np.ndarray, sun: np.ndarray, torque: np.ndarray) -> TrainMotion:
-    """The wheels of a rigid train whose sun is at angles [rad] (n,) and takes a torque [N m] (n,)."""
+    """The wheels' motion in a rigid train, from the sun's angles [rad] (n,) and the torque on it [N m] (n,)."""
     carrier = gearing.carrier_ratio * sun
     planet = carrier - gearing.planet_ratio * sun
     on_sun, on_ring, on_output = _torques(gearing, PLANETS * static_forces(gearing, 1.0) * torque[:, None])
@@ -97,7 +97,7 @@ def by_ratios(gearing: Gearing, time: np.ndarray, sun: np.ndarray, torque: np.nd
 
 
 def _torques(gearing: Gearing, forces: np.ndarray) -> np.ndarray:
-    """Torques (3, n) on sun, fixed ring and output ring, of the forces (n, 3) [N] of their meshes, of all planets."""
+    """Torques (3, n) on sun, fixed ring and output ring from the forces (n, 3) [N] of their meshes with all planets."""
     radii = np.array([gearing.sun_radius, gearing.ring_radius, gearing.output_ring_radius])
     return -(forces * radii).T
 

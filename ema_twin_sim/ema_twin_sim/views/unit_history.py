@@ -24,10 +24,11 @@ _ROOT, _HEALTH = "numbers", "health"
 def write_unit_history(
     path: Path, looks: Sequence[Outlook], health: UnitHealth | None, *, force: bool = False
 ) -> list[str]:
-    """Write it as an .rrd; returns the names of its tabs.
+    """Write it as an .rrd; return the names of its tabs.
 
-    Time is days since a number's first value, or counts results or tests where they are not dated, a second each.
-    Raises InputError where the file exists (without ``force``) or cannot be written.
+    Time is that since a number's first value; if results are not dated, one second stands for each. In the tab of
+    health, one second stands for each recording. Raises InputError if the file exists (without ``force``) or cannot be
+    written.
     """
     runs = () if health is None else tuple(run for test in health.tests for run in test.runs if run.changes)
     names = list(dict.fromkeys(change.name for run in runs for change in run.changes))

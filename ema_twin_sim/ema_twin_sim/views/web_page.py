@@ -1,4 +1,4 @@
-"""The page that shows rerun's viewer in a browser: our own, so that nothing it loads or sends leaves this machine."""
+"""Our own page for rerun's viewer in a browser, so that nothing that it loads or sends leaves this machine."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 
 from .screen import ADDRESS
 
-_PATIENCE = 10.0  # s that the viewer's files may be waited for
+_PATIENCE = 10.0  # s, time limit for the viewer's files
 _OWN = {"/": ("web_page.html", "text/html; charset=utf-8"), "/web_page.js": ("web_page.js", "text/javascript")}
 _DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # a proxy does not know our loopback
 _VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "application/wasm"}
@@ -22,7 +22,7 @@ _VIEWERS = {"/re_viewer.js": "text/javascript", "/re_viewer_bg.wasm": "applicati
 
 class _Server(ThreadingHTTPServer):
     def handle_error(self, *request: Any) -> None:
-        if not isinstance(sys.exc_info()[1], ConnectionError):  # else the browser went away: nobody is left to be told
+        if not isinstance(sys.exc_info()[1], ConnectionError):  # else the browser has gone
             super().handle_error(*request)
 
 
@@ -34,7 +34,7 @@ class WebPage:
     """
 
     def __init__(self, viewer: str, sink: str) -> None:
-        """Take the viewer's files from the server at the address ``viewer``, and let it show what ``sink`` receives."""
+        """Take the viewer's files from the server at address ``viewer``; the viewer shows what ``sink`` receives."""
         policy = (
             "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
             f"img-src data: blob:; connect-src 'self' data: blob: {sink.removeprefix('rerun+').removesuffix('/proxy')}"
@@ -44,7 +44,7 @@ class WebPage:
             def do_GET(self) -> None:
                 path, port = self.path.partition("?")[0], self.connection.getsockname()[1]
                 if self.headers.get("Host") != f"{ADDRESS}:{port}":
-                    self.send_error(403)  # another site's name for this machine
+                    self.send_error(403)  # another site's name for this machine (DNS rebinding)
                 elif path in _OWN:
                     name, kind = _OWN[path]
                     text = (Path(__file__).parent / name).read_text().replace("{sink}", html.escape(sink))
@@ -70,13 +70,13 @@ class WebPage:
                 self.end_headers()
 
             def log_message(self, *_arguments: object) -> None:
-                """Say nothing: the terminal is the command's."""
+                """Log nothing: the terminal is for the command's output."""
 
         self._server = _Server((ADDRESS, 0), Handler)
         self.address = f"http://{ADDRESS}:{self._server.server_address[1]}/"
         threading.Thread(target=self._server.serve_forever, name="web page", daemon=True).start()
 
     def close(self) -> None:
-        """Serve no more."""
+        """Stop serving."""
         self._server.shutdown()
         self._server.server_close()

@@ -12,7 +12,7 @@ from .screen import ADDRESS, comes_up, viewer_command, viewer_environment
 from .web_page import WebPage
 
 _ENDING = 1.0
-"""s in which it must have ended: it does not hear SIGTERM while a browser is connected."""
+"""Time in s that the server has to end: it ignores SIGTERM while a browser is connected."""
 
 
 class WebViewer:
@@ -24,11 +24,11 @@ class WebViewer:
     """
 
     def __init__(self) -> None:
-        """Raises InputError where the server does not start."""
+        """Start the servers. Raises InputError if rerun's does not start."""
         data, files = _free_ports(2)
         self.sink = f"rerun+http://{ADDRESS}:{data}/proxy"
         arguments = ["--serve-web", "--bind", ADDRESS, "--port", str(data), "--web-viewer-port", str(files)]
-        # where this process is killed, the server must not stay behind
+        # if this process is killed, the server must end too
         guard = ["setpriv", "--pdeathsig", "KILL"] if shutil.which("setpriv") else []
         self._process = subprocess.Popen(
             [*guard, *viewer_command(), *arguments],
@@ -36,7 +36,7 @@ class WebViewer:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,  # a terminal's Ctrl-C is for us: the server is needed until the last is sent
+            start_new_session=True,  # Ctrl-C is for us only: the server is needed until all is sent
         )
         if not comes_up(self._process, data, files):
             self._end_server()

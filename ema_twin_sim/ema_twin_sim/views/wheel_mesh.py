@@ -23,7 +23,7 @@ class WheelMesh:
     positions: np.ndarray
     normals: np.ndarray
     triangles: np.ndarray
-    radius: float  # m, as far as it reaches
+    radius: float  # m, of its outermost point
 
 
 def wheel_meshes(gearing: Gearing) -> dict[str, WheelMesh]:
@@ -48,10 +48,10 @@ def _wheel(mesh: Mesh, teeth: int, base: float, inner: bool, width: float) -> Wh
 
 
 def outline(teeth: int, base: float, pressure_angle: float, root: float, tip: float, *, inner: bool) -> np.ndarray:
-    """The toothing of a wheel as a closed polygon (n, 2) [m], against the clock, a tooth's middle on the x axis.
+    """The toothing of a wheel as a closed polygon (n, 2) [m], counter-clockwise, with a tooth centred on the x axis.
 
-    At the pitch circle teeth and gaps are equally wide; below the base circle flanks are radial. Radii in m,
-    ``pressure_angle`` in rad; of an ``inner`` toothing the tips lie inside the roots.
+    At the pitch circle, teeth and gaps are equally wide; below the base circle, flanks are radial. Radii in m,
+    ``pressure_angle`` in rad; in an ``inner`` toothing the tips are inside the roots.
     """
     radii = np.linspace(root, tip, _FLANK)
     half = half_thickness(radii, teeth, base, pressure_angle, inner=inner)

@@ -1,4 +1,4 @@
-"""Why: the effects that may be missing, ranked, how well their numbers are known, and the signature of each."""
+"""Why: the ranked effects that may be missing, how well their parameters are known, and the signature of each."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .palette import AFTER, FAINT
 from .sheet import linear_axis
 
 ROOT = "why"
-_LONG = 90  # letters of a verdict, from which on it takes a second line
-_IN_A_ROW = 3  # signatures
+_LONG = 90  # letters; a longer verdict takes a second line, so its heading is smaller
+_IN_A_ROW = 3  # signatures in a row
 _EXPLAINED = {"torque": "torque", "encoder_difference": "difference of the encoders"}
 
 
 def log_why(stream: rr.RecordingStream, findings: Findings, verdict: str) -> None:
-    """Draw the ranking, the errors of the numbers and each signature; write the verdict."""
+    """Draw the ranking, the standard errors of the parameters and each signature; write the verdict."""
     if findings.ranking:
         draw_bars(stream, f"{ROOT}/ranking", _ranking(findings), linear_axis(0.0, 100.0, "probability [%]"),
                   "Which effect is missing?  blue: found;  grey: refused")  # fmt: skip
@@ -58,7 +58,7 @@ def _ranking(findings: Findings) -> list[Bar]:
 
 
 def _sizes(findings: Findings) -> list[Bar]:
-    """The numbers of the effects that were found, each as a hundred percent of itself."""
+    """Bars of the found effects' parameters, each as 100 % of its value."""
     bars = []
     for name, entry in (findings.parameters or {}).items():
         for parameter, held in numbers_of(entry).items():

@@ -1,1 +1,1 @@
-"""Words: what was found, told alike in the terminal, on the page and in the views."""
+"""Sentences and table cells of findings, the same on the terminal, on the page and in the views."""

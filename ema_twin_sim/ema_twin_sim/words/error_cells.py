@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from ..comparison.running_comparison import SignalError
 
 ALL = "all recordings"
-"""The name of the row that pools them."""
+"""Name of the row of all recordings together."""
 
 
 def error_cell(signal: SignalError | None) -> str:
-    """An RMSE, green where it is the sensors' noise; a dash where there is none."""
+    """An RMSE: green within the sensors' noise, yellow up to ``TOO_MUCH`` times it, else red; a dash if missing."""
     if signal is None:
         return "–"
     style = "green" if is_noise(signal) else ("yellow" if times_noise(signal) <= TOO_MUCH else "red")
@@ -30,7 +30,7 @@ def noise_cell(signal: SignalError | None) -> str:
 
 
 def closeness_cell(closeness: Closeness | None) -> str:
-    """``14.6 ×``, ``≥ 22 ×`` where the closer one is lost in the noise; a dash where both are."""
+    """``14.6 ×``; ``≥ 22 ×`` if the closer model's error is lost in the noise; a dash if both errors are."""
     if closeness is None:
         return "–"
     sign = {"at_least": "≥ ", "at_most": "≤ "}.get(closeness.bound, "")
@@ -38,5 +38,5 @@ def closeness_cell(closeness: Closeness | None) -> str:
 
 
 def number_of_times(times: float) -> str:
-    """A ratio in as many digits as it is worth."""
+    """A ratio with two decimals below 1, one below 100, and none above."""
     return f"{times:.{2 if times < 0.995 else (1 if times < 99.5 else 0)}f}"

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from ..discovery.discover import Discovery
 
 CURVES = ("before", "after", "runner_up")
-"""Whose curves evidence shows: the model's before a step, after it, and with the runner-up in its place."""
+"""Names of the curves in the evidence: the model before a step, after it, and with the runner-up in its place."""
 Held = Mapping[str, Any]
-"""``{value, std, unit}``, of a constant ``nominal`` too; ``std`` is None where it was not fitted."""
+"""``{value, std, unit}``, and ``nominal`` for a constant; ``std`` is None if it was not fitted."""
 
 
 @dataclass(frozen=True)
 class UnseenErrors:
     """RMSE on recordings that were not fitted to: at the start, and after each round; pooled and per recording.
 
-    The start is the given model with its own constants fitted, where that comes nearer.
+    The start is the given model with its own constants fitted, if that reduces the error.
     """
 
     signal: str
@@ -36,7 +36,7 @@ class UnseenErrors:
     noise_floor: float
     rmse: tuple[float, ...]
     recordings: tuple[tuple[str, tuple[float, ...]], ...]
-    given: float | None = None  # of the model as it was given; None where the file does not tell
+    given: float | None = None  # of the unchanged model; None if the file does not say
     given_recordings: tuple[float, ...] = ()
 
 
@@ -57,7 +57,7 @@ class Signature:
 
 @dataclass(frozen=True)
 class Findings:
-    """The parts of a discovery and of a diagnosis that a report tells; what is empty was not given."""
+    """The parts of a discovery and of a diagnosis that a report shows; empty parts were not given."""
 
     verdict: str  # explained, none or unknown
     added: tuple[str, ...]
@@ -74,12 +74,12 @@ class Findings:
     unseen: UnseenErrors | None = None
     signatures: tuple[Signature, ...] = ()
     warnings: tuple[str, ...] = ()
-    left_over: str = ""  # how large, and where along the first of ``depends_on``
-    beyond_noise: Mapping[str, float] = field(default_factory=dict)  # by signal, how many times its noise is left
+    left_over: str = ""  # how large the error left is, and where along the first of ``depends_on``
+    beyond_noise: Mapping[str, float] = field(default_factory=dict)  # by signal, the error left in times its noise
 
 
 def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
-    """The findings of a search, with what its diagnosis weighs."""
+    """Findings of a search, with the probabilities of its diagnosis."""
     from ..discovery.evidence import evidence_json
 
     told = _read({**found.as_json(), "evidence": evidence_json(found)})
@@ -87,7 +87,7 @@ def findings_of(found: Discovery, diagnosis: Diagnosis) -> Findings:
 
 
 def read_findings(path: Path) -> Findings:
-    """The findings in a file. Raises InputError where it is none that ``discover`` or ``diagnose`` wrote."""
+    """Read findings from a file. Raises InputError if ``discover`` or ``diagnose`` did not write it."""
     try:
         content = json.loads(path.read_bytes())
     except OSError as error:
@@ -105,7 +105,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
     ranking = tuple(_ranked(entry) for entry in content.get("ranking", ()))
     verdict = str(content["verdict"])
     added = content["added"] if "added" in content else [entry.effect for entry in ranking if entry.found]
-    if "added" not in content and verdict not in ("none", "unknown"):  # a diagnosis names the effect itself
+    if "added" not in content and verdict not in ("none", "unknown"):  # the verdict of a diagnosis is the effect's id
         verdict = "explained"
     return Findings(
         verdict,
@@ -132,7 +132,7 @@ def _read(content: Mapping[str, Any]) -> Findings:
 
 
 def number(value: Any) -> float:
-    """A finite number of a file. Raises ValueError where it is none."""
+    """A finite number from a file. Raises ValueError if it is not one."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise ValueError(f"{value!r} is no number")
     return float(value)
@@ -153,14 +153,14 @@ def _words(values: Sequence[Any]) -> tuple[str, ...]:
 
 
 def checked(held: Held) -> dict[str, Any]:
-    """``{value, std, unit}`` of a file. Raises KeyError or ValueError where it is not that."""
+    """``{value, std, unit}`` from a file. Raises KeyError or ValueError if it is not that."""
     numbers = {"value": number(held["value"]), "std": _perhaps(held["std"])}
     nominal = {"nominal": number(held["nominal"])} if "nominal" in held else {}
     return {**numbers, "unit": str(held["unit"]), **nominal}
 
 
 def checked_entry(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """An effect of a file: its id, its options, and each of its numbers ``checked``."""
+    """An effect from a file: its id, its options, and each of its numbers ``checked``."""
     head = {"effect": str(entry["effect"]), "options": _options(entry["options"])}
     return head | {str(name): checked(held) for name, held in entry.items() if name not in head}
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FitFindings:
-    """What a fit tells: its numbers with their standard errors, and the RMSE by signal on what it was not fitted to."""
+    """Result of a fit: its numbers with standard errors, and the RMSE by signal on data that was not fitted to."""
 
     parameters: Mapping[str, Mapping[str, Any]]
     constants: Mapping[str, Mapping[str, Held]]
@@ -28,12 +28,12 @@ class FitFindings:
 
 
 def fit_findings_of(fit: FitResult) -> FitFindings:
-    """The findings of a fit that was made."""
+    """Findings of a finished fit."""
     return _read(fit.as_json())
 
 
 def read_fit_findings(path: Path) -> FitFindings:
-    """The findings in a file. Raises InputError where it is none that ``fit`` wrote."""
+    """Read findings from a file. Raises InputError if ``fit`` did not write it."""
     try:
         return _read(json.loads(path.read_bytes()))
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Parameters of effects as rows of a table: an effect's name and options stand in the row of its first one."""
+"""Parameters of effects as rows of a table; the first row of an effect has its name and options."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Held = TypeVar("Held")
 def parameter_rows(
     name: str, options: Mapping[str, str], parameters: Mapping[str, Held]
 ) -> Iterator[tuple[tuple[str, str], str, Held]]:
-    """((effect, options) or blanks, parameter, what is held of it) of each parameter of an effect."""
+    """Yield ((effect, options) or blanks, parameter, its value) for each parameter of an effect."""
     first = (effect_words(name), options_words(options))
     for parameter, held in parameters.items():
         yield first, parameter, held
@@ -21,5 +21,5 @@ def parameter_rows(
 
 
 def numbers_of(entry: Mapping[str, Held]) -> dict[str, Held]:
-    """The parameters of an effect's entry in findings, which holds its id and options too."""
+    """The parameters in an effect's entry of findings, without its id and options."""
     return {name: held for name, held in entry.items() if name not in ("effect", "options")}

@@ -23,8 +23,8 @@ NO_RUNNER_UP = "none came near"
 YOURS = "Your model"
 REFIT = "its own constants"
 REFIT_IS = "the constants of the given model fitted, no effect yet"
-_NOTHING = 0.0005  # of an error: a smaller share is shown as none
-_WHOLE = 0.02  # cycles within which an order is a whole number
+_NOTHING = 0.0005  # relative change of an error; a smaller one is not shown
+_WHOLE = 0.02  # cycles per turn; an order this near to a whole number counts as whole
 _NAMES = {"stribeck": "Stribeck", "coulomb": "Coulomb"}
 _DEPENDENCES = {
     "speed": "the speed",
@@ -40,9 +40,9 @@ _DEPENDENCES = {
 
 
 def effect_words(id: str) -> str:
-    """An effect's id, or an instance's name, as one says it: ``stribeck_friction`` as ``Stribeck friction``.
+    """An effect's id, or an instance's name, in words: ``stribeck_friction`` becomes ``Stribeck friction``.
 
-    A dependence that is no effect is named ``speed#3``.
+    A generic dependence on a quantity, which is no effect, has an id such as ``speed#3``.
     """
     dependence, basis, _ = id.partition("#")
     if basis:
@@ -61,9 +61,9 @@ def dependence_words(depends_on: Iterable[str]) -> str:
 
 
 def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) -> str:
-    """How much of an error went: ``99.9 %``, a dash where there was none. Only where all of it went, 100 %.
+    """The share of an error that was removed: ``99.9 %``; 100 % only if all of it was. A dash if there was no error.
 
-    ``farther`` where it grew, from an RMSE of ``before`` to one of ``after``.
+    ``farther`` if the RMSE grew from ``before`` to ``after``.
     """
     if share is None:
         return "–"
@@ -74,7 +74,7 @@ def removed_words(share: float | None, before: float = 0.0, after: float = 0.0) 
 
 
 def left_sentence(unseen: Unseen | UnseenErrors) -> str:
-    """What the steps leave, beside the sensors' noise; empty where that is all."""
+    """A sentence on the error after the last step, in times the sensors' noise; empty if it is within the noise."""
     floor = unseen.noise_floor
     if not floor > 0.0 or unseen.rmse[-1] <= NOISY * floor:
         return ""
@@ -83,7 +83,7 @@ def left_sentence(unseen: Unseen | UnseenErrors) -> str:
 
 
 def surest_sentence() -> str:
-    """Why no probability is told as higher than it is."""
+    """A sentence that says why no probability is given above ``SUREST``."""
     return (
         f"No probability is given above {100.0 * SUREST:.0f} %: that share of such answers was right on machines whose "
         "missing effect was known."
@@ -91,7 +91,7 @@ def surest_sentence() -> str:
 
 
 def refit_sentence(unseen: Unseen | UnseenErrors, model: str = YOURS) -> str:
-    """What fitting a model's own constants did to its error, before any effect was added; empty where nothing."""
+    """A sentence on what fitting the model's own constants, without any effect, did to its error; empty if nothing."""
     if unseen.given is None or unseen.given == unseen.rmse[0]:
         return ""
     before, after = quantity(unseen.given, unseen.unit), quantity(unseen.rmse[0], unseen.unit)
@@ -107,9 +107,9 @@ def fit_sentences(
     signals: Sequence[str],
     fit: FitFindings | None = None,
 ) -> str:
-    """What fitting the numbers of the model that was found did to its errors, and what it is worth elsewhere.
+    """Sentences on what fitting the found model's numbers did to its errors, and whether that holds on other data.
 
-    ``signals`` are those by which models are judged; ``fit`` has the errors on what was not fitted to.
+    ``signals`` are those by which models are judged; ``fit`` has the errors on data that was not fitted to.
     """
     telling = [name for name in signals if not (is_noise(found[name]) and is_noise(fitted[name]))]
     if not telling:
@@ -137,7 +137,7 @@ def fit_sentences(
 
 
 def beyond_words(beyond: Mapping[str, float]) -> str:
-    """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty where nothing is."""
+    """``the speed's error is 6.0 times the sensors' noise and the current's 1.3 times``; empty without signals."""
     each = [(f"the {name.replace('_', ' ')}'s", times_words(times)) for name, times in beyond.items()]
     if not each:
         return ""
@@ -155,10 +155,10 @@ def verdict_sentence(
     left_over: str = "",
     beyond: Mapping[str, float] | None = None,
 ) -> str:
-    """What the recordings say of a model; ``verdict`` is explained, none or unknown.
+    """A sentence on what the recordings say about a model; ``verdict`` is explained, none or unknown.
 
-    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart;
-    ``left_over`` tells how large what is left is, and where; ``beyond`` what still stands out of the sensors' noise.
+    ``without`` are effects that were not looked for, ``groups`` those that the recordings cannot tell apart.
+    ``left_over`` says how large the remaining error is and where; ``beyond`` which signals still exceed their noise.
     """
     lacks = f"{model} lacks {listed(_or_its_likes(effect, effects, groups) for effect in effects)}" if effects else ""
     if verdict == "none":
@@ -178,7 +178,7 @@ def verdict_sentence(
 
 
 def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequence[str] = ()) -> str:
-    """``verdict_sentence`` of what a search found; ``without`` are effects that it did not look for."""
+    """``verdict_sentence`` for the result of a search; ``without`` are effects that it did not look for."""
     return verdict_sentence(
         found.verdict,
         found.added,
@@ -192,16 +192,16 @@ def verdict_of(found: Discovery | Findings, model: str = YOURS, without: Sequenc
 
 
 def no_effect_words(beyond: Mapping[str, float]) -> str:
-    """What may be so probably missing: ``nothing``, or ``no effect`` where something else is left."""
+    """Label of the probability that no effect is missing: ``nothing``, or ``no effect`` if some error is left."""
     return "no effect" if beyond else "nothing"
 
 
 NOT_IN_CATALOGUE = "an effect that the catalogue lacks"
-"""What the rest of the probability is of."""
+"""Label of the rest of the probability."""
 
 
 def _or_its_likes(effect: str, effects: Sequence[str], groups: Sequence[Sequence[str]]) -> str:
-    """``Stribeck friction (or quadratic drag)`` where the recordings do not tell which."""
+    """``Stribeck friction (or quadratic drag)`` if the recordings cannot tell which of them it is."""
     likes = dict.fromkeys(other for group in groups if effect in group for other in group if other not in effects)
     return f"{effect_words(effect)} (or {listed(map(effect_words, likes), 'or')})" if likes else effect_words(effect)
 
@@ -212,7 +212,7 @@ def options_words(options: Mapping[str, str]) -> str:
 
 
 def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
-    """What of the machine repeats as often as effects do; where its model does not say, what may."""
+    """Sentences on the machine parts that repeat at the effects' orders; if the model names none, what they may be."""
     from ..effects import catalogue
     from ..model.model import ORDER_ERROR
 
@@ -221,10 +221,10 @@ def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
     for name in names:
         order = model.effects[name].options.get("order") if name in model.effects else None
         if order is None or catalogue()[model.effects[name].effect].depends_on == "encoders":
-            continue  # an encoder's own error is no part of the train
+            continue  # an encoder's own error does not come from the drive train
         cycles = model.motor_order(name)
         shaft = "motor" if float(order) == cycles else "output"
-        within = ORDER_ERROR * cycles / float(order)  # as near in the turns of either shaft
+        within = ORDER_ERROR * cycles / float(order)  # the tolerance is in orders of the effect's own shaft
         if parts := model.order_names(cycles, within):
             told.append(f"{effect_words(name)}: order {order} of the {shaft} is that of {', or '.join(parts)}.")
         else:
@@ -238,7 +238,7 @@ def order_sentences(model: Model, names: Iterable[str]) -> list[str]:
 
 
 def _what_repeats(shaft: str, cycles: float) -> str:
-    """What may repeat so often: what is fixed to a shaft with its turns, else what turns at a speed of its own."""
+    """What may repeat at this order: parts fixed to the shaft, or parts that turn at another speed."""
     if shaft == "output":
         return "the teeth of the last gear, a bearing or a joint of the output"
     if abs(cycles - round(cycles)) < _WHOLE:
@@ -247,7 +247,7 @@ def _what_repeats(shaft: str, cycles: float) -> str:
 
 
 def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
-    """What cannot be told apart; empty where all can."""
+    """A sentence on the effects that cannot be told apart; empty if there are none."""
     if not groups:
         return ""
     apart = "; ".join(listed(map(effect_words, group), "or") for group in groups)
@@ -255,12 +255,12 @@ def groups_sentence(groups: Sequence[Sequence[str]]) -> str:
 
 
 def why_step(step: Step) -> str:
-    """What was in an effect's stead when it was added, or the reason why it was dropped."""
+    """The runner-up of an effect that was added, or the reason why one was dropped."""
     return _runner_up(step) if step.action == "add" else step.reason
 
 
 def _runner_up(step: Step) -> str:
-    """The best of what was tried in its place, and how much less that explains."""
+    """The best of the others tried in this step, and its gain as a share of the step's."""
     tried: Sequence[Mapping[str, Any]] = step.tried
     took = next((trial for trial in tried if step.instance in trial["names"]), None)
     other = next((trial for trial in tried if step.instance not in trial["names"]), None)
@@ -276,7 +276,7 @@ def _runner_up(step: Step) -> str:
 
 
 def change_words(held: Mapping[str, Any]) -> str:
-    """By how much a refitted constant moved: ``+0.4 %``; empty where it was zero."""
+    """By how much a refitted constant moved: ``+0.4 %``; empty if it was zero."""
     return f"{100.0 * (held['value'] / held['nominal'] - 1.0):+.1f} %" if held["nominal"] else ""
 
 

@@ -1,4 +1,4 @@
-"""What is said of a sweep, alike in the terminal and on its page."""
+"""Words about a sweep, the same on the terminal and on its page."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ _COLUMNS = {"least error": "bound", "error told": "told", "errors were": "scatte
 
 
 def columns(points: Sequence[SweptPoint]) -> tuple[str, ...]:
-    """What is told of points beside the numbers that were varied; where nothing was searched, the bounds alone."""
+    """The columns after the varied numbers; only the bounds if no point was searched."""
     return ("named", *_COLUMNS) if any(point.searched for point in points) else ("least error",)
 
 
 def meaning(points: Sequence[SweptPoint]) -> str:
-    """What these columns hold."""
+    """A sentence on what these columns hold."""
     bound = "Least error: Cramér and Rao's bound of the standard error."
     return f"{bound} Told: by the search. Were: their root mean square." if len(columns(points)) > 1 else bound
 
 
 def limit_words(limit: DetectionLimit) -> str:
-    """From which size on an effect is named, and below which nothing could be sure of it."""
+    """A sentence on the size from which an effect is named, and that below which no method could be sure of it."""
     named = "at none of these sizes" if limit.named is None else f"from {quantity(limit.named, limit.unit)} on"
     return (
         f"{limit.path} is named {named}; below {quantity(limit.bound, limit.unit)}, {SIGNIFICANT:g} times the least "
@@ -35,7 +35,7 @@ def limit_words(limit: DetectionLimit) -> str:
 
 
 def point_cells(point: SweptPoint, columns: Sequence[str]) -> tuple[str, ...]:
-    """The numbers that were varied, and what the ``columns`` name, of each of these numbers in their order."""
+    """The cells of a point: the varied numbers, then in each of ``columns`` the values for these numbers in order."""
     held = {number.path: number for number in point.numbers}
     varied = [held.get(path) for path, _, _ in point.settings]
     return (

@@ -1,4 +1,4 @@
-"""What is said of a unit's numbers and of what it lacks, alike in the terminal and on its page."""
+"""Words about a unit's numbers and missing effects, the same on the terminal and on its page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..campaign.units import Unit
 
 _SHOWN = 3
-"""Effects of a unit that are named."""
+"""Number of a unit's effects that are named."""
 
 
 def number_words(look: Outlook) -> str:
@@ -23,7 +23,7 @@ def number_words(look: Outlook) -> str:
 
 
 def change_of(look: Outlook) -> str:
-    """By how much a number has changed: *+34 %*; empty where it has not."""
+    """By how much a number has changed: *+34 %*; empty if it has not."""
     if look.change is None:
         return ""
     if look.share is None:
@@ -32,7 +32,7 @@ def change_of(look: Outlook) -> str:
 
 
 def life_words(look: Outlook) -> str:
-    """When a limit is reached: *40 to 90 days*, or that it is passed; empty where no trend leads there."""
+    """When a limit is reached: *40 to 90 days*, or *passed*; empty if no trend leads there."""
     if look.life is None:
         return ""
     if look.life.latest == 0.0:
@@ -43,7 +43,7 @@ def life_words(look: Outlook) -> str:
 
 
 def named_words(test: JudgedTest) -> str:
-    """What a test's recordings are named together: *play 97 %*; empty where none is off."""
+    """The fault family that a test's recordings give together: *play 97 %*; empty if none is off."""
     if not test.detected:
         return ""
     named = test.named
@@ -51,7 +51,7 @@ def named_words(test: JudgedTest) -> str:
 
 
 def change_words(test: JudgedTest) -> str:
-    """What is not as in the healthy recordings in a test's farthest one, or why it could not be judged."""
+    """What changed in the recording of a test that is farthest from the healthy ones, or why it could not be judged."""
     worst = test.worst
     if worst.detected is None:
         return " ".join(worst.words)
@@ -59,7 +59,7 @@ def change_words(test: JudgedTest) -> str:
 
 
 def health_words(health: UnitHealth | None) -> str:
-    """In how many tests a unit is not as its healthy ones, and what the last of these is named."""
+    """In how many tests a unit differs from its healthy ones, and the fault family of the last of them."""
     if health is None or not health.baselines:
         return ""
     if not health.off:
@@ -69,7 +69,7 @@ def health_words(health: UnitHealth | None) -> str:
 
 
 def missing_words(unit: Unit) -> str:
-    """Which effects were missing in how many of a unit's results: *backlash 3/4*; empty where none was looked for."""
+    """Which effects were missing in how many of a unit's results: *backlash 3/4*; empty if there was no search."""
     if not unit.searched:
         return ""
     told = [f"{effect_words(effect)} {count}/{unit.searched}" for effect, count in unit.missing[:_SHOWN]]

@@ -1,4 +1,4 @@
-"""What to set on a running twin so that it has the effects of a diagnosis. No ROS."""
+"""The parameters to set on a running twin so that it gets the effects of a diagnosis. No ROS."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Setting = bool | float | str
 
 
 class NotDiagnosed(InputError):
-    """Something was to be applied before anything was diagnosed."""
+    """Effects were to be applied before any diagnosis."""
 
 
 def settings_for(answer: Answer, effects: Sequence[str]) -> tuple[dict[str, Setting], str]:
-    """The twin's parameters by path, and what they are in words.
+    """The twin's parameters to set, by path, and the same in words.
 
-    Effects that the complete explanation holds are set as it has them; others, each as it would be alone. Without
-    `effects`, the whole explanation is set, and what it changed of the machine's own constants.
+    Effects in the complete explanation get their values from it; any other effect gets those that it has alone. Without
+    `effects`, the whole explanation is set, including the machine's constants that it changed.
 
-    Raises InputError where the diagnosis found nothing, or does not know one of the effects.
+    Raises InputError if the diagnosis found nothing, or does not have one of the effects.
     """
     assert answer.diagnosis is not None
     found, ranking = answer.explanation, answer.diagnosis["ranking"]
@@ -58,7 +58,7 @@ def _words(entries: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _refitted(answer: Answer) -> list[str]:
-    """How many numbers change beside those of the effects that come: the machine's, and those of effects it has."""
+    """How many other numbers change: the machine's, and those of effects that it has already."""
     own = tuple(f"effects.{entry['instance']}." for entry in answer.explanation)
     count = sum(not path.startswith(own) for path in answer.settings)
     return [f"and {count} constant{'s' if count > 1 else ''} refitted"] if count else []

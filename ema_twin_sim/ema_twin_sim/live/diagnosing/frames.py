@@ -1,4 +1,4 @@
-"""What goes between the monitor and the process that diagnoses for it: arrays and JSON, nothing that can run."""
+"""Messages between the monitor and the process that diagnoses for it: arrays and JSON, no executable content."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ _WHOLE = ("name", "start", "motor_angle_origin", "output_angle_origin")
 class Job:
     """What to judge."""
 
-    model: str  # file, of what runs beside the bench
-    base: str  # file, of the same without what earlier diagnoses put there
+    model: str  # file of the model that the twin runs
+    base: str  # file of the same model without what earlier diagnoses added
     effect_files: tuple[str, ...]
     recordings: tuple[Recording, ...]
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of it: a diagnosis as `diagnose --json` writes it, or why there is none.
+    """The result of a job: a diagnosis as `diagnose --json` writes it, or why there is none.
 
-    `explanation` holds the entries of the ranking that explain the recordings together, those that were applied before
-    among them; `settings`, by path, what makes of the given model the one that has them.
+    `explanation` holds the entries of the ranking that together explain the recordings, including those applied before.
+    `settings`, by path, turn the given model into the one that has them.
     """
 
     diagnosis: dict[str, Any] | None
@@ -43,7 +43,7 @@ class Answer:
 
 
 def send(stream: IO[bytes], message: Job | Answer) -> None:
-    """Write a job or an answer. Raises BrokenPipeError where nobody reads."""
+    """Write a job or an answer. Raises BrokenPipeError if nobody reads."""
     arrays: dict[str, np.ndarray] = {}
     if isinstance(message, Job):
         words: dict[str, Any] = {"recordings": []}
@@ -64,7 +64,7 @@ def send(stream: IO[bytes], message: Job | Answer) -> None:
 
 
 def receive_job(stream: IO[bytes]) -> Job | None:
-    """The next job; None where the stream has ended."""
+    """The next job; None if the stream has ended."""
     received = _receive(stream)
     if received is None:
         return None
@@ -77,7 +77,7 @@ def receive_job(stream: IO[bytes]) -> Job | None:
 
 
 def receive_answer(stream: IO[bytes]) -> Answer | None:
-    """The next answer; None where the stream has ended."""
+    """The next answer; None if the stream has ended."""
     received = _receive(stream)
     return None if received is None else Answer(**received[0])
 

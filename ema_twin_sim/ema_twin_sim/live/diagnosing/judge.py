@@ -1,4 +1,4 @@
-"""A job judged: what is missing still, and what makes of the given model the one that has it."""
+"""Judge a job: what is still missing, and the settings that add it to the given model."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from ...own_effects import load_effects
 from .frames import Answer, Job
 
 _DIGITS = 1e-6
-"""Relative: a difference that `ema-twin diff` does not show."""
+"""Relative difference that `ema-twin diff` does not show."""
 
 Kind = tuple[str, tuple[tuple[str, str], ...]]
 
 
 def judge(job: Job) -> Answer:
-    """The answer to a job; a refusal where its recordings cannot be judged.
+    """The answer to a job; a refusal if its recordings cannot be judged.
 
-    Effects that were applied before are looked for again, their numbers free: those came from a short window, and what
-    they are off by would else look like something that is missing.
+    Effects applied before are searched for again with free parameters: theirs came from a short window, and their
+    errors would otherwise look like a missing effect.
     """
     try:
         load_effects(file for file in job.effect_files if Path(file) not in own_files())
@@ -37,7 +37,7 @@ def judge(job: Job) -> Answer:
         diagnosis: dict[str, Any] = weigh(found).as_json()
     except InputError as error:
         return Answer(None, refusal=str(error))
-    except Exception as error:  # a fault of ours: told whole on standard error, and to the caller in a line
+    except Exception as error:  # our own fault: traceback to standard error, one line to the caller
         traceback.print_exc()
         return Answer(None, refusal=f"an internal fault, told on the monitor's standard error: {error!r}")
     new = {kind(held): name for name, held in found.model.active.items() if name not in base.active}
@@ -50,7 +50,7 @@ def judge(job: Job) -> Answer:
 
 
 def kind(instance: EffectInstance) -> Kind:
-    """What tells an instance from others in a diagnosis: the effect, and its options."""
+    """What identifies an instance in a diagnosis: the effect and its options."""
     return instance.effect, tuple(sorted(instance.options.items()))
 
 
@@ -59,7 +59,7 @@ def _kind(entry: Mapping[str, Any]) -> Kind:
 
 
 def _next_name(model: Model, effect: str) -> str:
-    """The name that one more instance gets."""
+    """The name of one more instance of an effect."""
     name, number = effect, 2
     while name in model.active:
         name, number = f"{effect}_{number}", number + 1
@@ -67,9 +67,9 @@ def _next_name(model: Model, effect: str) -> str:
 
 
 def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> dict[str, Any]:
-    """The diagnosis of a model that has effects `applied`, from one of the model without them (both as JSON).
+    """The diagnosis of a model that has the effects `applied`, from one of the model without them (both as JSON).
 
-    What explains the recordings and is there already is missing no more; where they do not show it, a warning says so.
+    An applied effect is no longer missing. If effects were found, but not an applied one, a warning says so.
     """
     if not applied:
         return dict(diagnosis)
@@ -86,7 +86,7 @@ def still_missing(diagnosis: Mapping[str, Any], applied: Collection[Kind]) -> di
     elif more:
         verdict, none = more[0]["effect"], 0.0
     else:
-        verdict, none = "none", 1.0 - diagnosis["unknown"]  # the rivals of what was applied are not missing beside it
+        verdict, none = "none", 1.0 - diagnosis["unknown"]  # rivals of an applied effect are not missing
     return {**diagnosis, "verdict": verdict, "ranking": ranking, "none": none, "warnings": warnings}
 
 
@@ -95,11 +95,11 @@ def _same(value: float, other: float) -> bool:
 
 
 def settings_between(before: Model, after: Model) -> dict[str, bool | float | str]:
-    """What changed from one model to the other, as a running twin's parameters (`Model.with_setting`).
+    """The differences between two models, as parameters of a running twin (`Model.with_setting`).
 
-    Effects that `after` has and `before` lacks are switched on with all their options and parameters; of what both
-    have, the numbers that differ, to as many digits as a difference of models is told in. None is switched off: that a
-    window does not show it does not mean that it is not there.
+    Effects that only `after` has are switched on with all their options and parameters. Of what both have, the numbers
+    are set that differ by more than `_DIGITS`. No effect is switched off: a window that does not show it does not prove
+    that it is absent.
     """
     settings: dict[str, bool | float | str] = {
         path: held.value

@@ -17,17 +17,17 @@ from ...model import Model
 from ...model.model_file import save_model
 from .frames import Answer, Job, receive_answer, send
 
-# files of the folder where the monitor was started are no libraries
+# do not import files of the folder where the monitor was started
 _PROGRAM = f"import sys; del sys.path[0]; from {__package__}.worker import main; raise SystemExit(main())"
 _OVER = "the monitor is ending; no diagnosis is made any more"
 _ENDING = 2.0
-"""s that the process has to end in."""
+"""Time in s that the process has to end."""
 
 
 class WorkerProcess:
-    """Diagnoses in a process of its own, never under the nodes' interpreter lock; one job at a time.
+    """Runs diagnoses in a separate process, never under the nodes' interpreter lock; one job at a time.
 
-    The process starts when first needed, or at `start`, and stays for the next job: reading its libraries takes longer
+    The process starts when first needed, or at `start`, and stays for the next job: loading its libraries takes longer
     than most diagnoses.
     """
 
@@ -38,7 +38,7 @@ class WorkerProcess:
         self._closed = False
 
     def start(self) -> subprocess.Popen[bytes]:
-        """Start the process where it is not running. Raises InputError where this is closed, or it cannot be."""
+        """Start the process if it is not running. Raises InputError if this object is closed or the start fails."""
         with self._starting:
             if self._closed:
                 raise InputError(_OVER)
@@ -48,16 +48,16 @@ class WorkerProcess:
                         [sys.executable, "-c", _PROGRAM],
                         stdin=subprocess.PIPE,
                         stdout=subprocess.PIPE,
-                        start_new_session=True,  # Ctrl-C is the nodes' to answer; they close its input
+                        start_new_session=True,  # the nodes answer Ctrl-C, and close its input
                     )
                 except OSError as error:
                     raise InputError(f"the process that diagnoses cannot be started: {error}") from None
             return self._process
 
     def ask(self, recordings: Sequence[Recording], model: Model, base: Model) -> Answer:
-        """Have recordings judged beside a model; `base` is the same without what earlier diagnoses put there.
+        """Have recordings judged with a model; `base` is the same model without what earlier diagnoses added.
 
-        Raises InputError where the process ended before it answered.
+        Raises InputError if the process ended before it answered.
         """
         folder = Path(self._folder.name)
         present = save_model(model, folder / "present.yaml", force=True)
@@ -81,7 +81,7 @@ class WorkerProcess:
         return answer
 
     def close(self) -> None:
-        """End the process, in the middle of a job too."""
+        """End the process, even during a job."""
         with self._starting:
             self._closed = True
             process = self._process

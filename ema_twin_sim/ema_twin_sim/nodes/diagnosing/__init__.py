@@ -1,1 +1,1 @@
-"""The monitor's services: which effect the model lacks beside the last samples, and adding it to the running twin."""
+"""The monitor's services: diagnose which effect the model lacks in the last samples, and add it to the running twin."""

@@ -11,13 +11,13 @@ from ema_twin_msgs.msg import Diagnosis, Effect
 
 
 def diagnosis_message(diagnosis: Mapping[str, Any], stamp: int, run: int, window: float) -> Diagnosis:
-    """The message of what `diagnose --json` writes.
+    """A diagnosis, as `diagnose --json` writes it, as a message.
 
     Args:
         diagnosis: as `Diagnosis.as_json` gives it; numbers that it lacks become NaN.
-        stamp: of the last sample that was judged, ns since the epoch.
-        run: that it was in.
-        window: s that were judged.
+        stamp: stamp of the last sample that was judged, ns since the epoch.
+        run: the run of that sample.
+        window: length of what was judged, s.
     """
     return Diagnosis(
         header=header(stamp),
@@ -50,7 +50,7 @@ def _effect(entry: Mapping[str, Any]) -> Effect:
 
 
 def _share(value: float | None) -> float:
-    """A share of the error, from 0 to 1: what makes it grow removes none."""
+    """A share of the error, limited to 0 to 1: an effect that makes the error grow removes none of it."""
     return math.nan if value is None or math.isnan(value) else min(max(float(value), 0.0), 1.0)
 
 

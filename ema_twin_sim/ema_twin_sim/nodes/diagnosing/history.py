@@ -1,4 +1,4 @@
-"""The last samples that were compared, in a bounded memory, and recordings of them."""
+"""The last compared samples, in bounded memory, and recordings made of them."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from ema_bench_replay.nodes.sample_codec import FIELDS, State
 from ema_bench_replay.recording import SIGNALS, Recording
 
 _FIRST_ROOM = 4096
-_SHORTEST = 2.0  # s of a run that are worth looking at, where another has more
+_SHORTEST = 2.0  # s; a shorter run is used only if there is no longer one
 ENOUGH = 15.0
-"""s that are looked back over where no window is asked for, if the present run has lasted less."""
+"""Time in s to look back if no window is given and the present run is shorter."""
 
 _MEASURED = tuple(name for name in SIGNALS if name != "unexplained_torque")
 
 
 class History:
-    """The last samples of the bench, run by run; one thread adds while another asks.
+    """The last samples of the bench, run by run; one thread adds while another reads.
 
-    Memory grows with what is held, up to 170 bytes a sample, and then stays.
+    Memory grows with the samples held, up to 170 bytes per sample of the capacity, and then stays.
     """
 
     def __init__(self, capacity: int) -> None:
@@ -34,7 +34,7 @@ class History:
         self._changing = threading.Lock()
 
     def add(self, number: int, sample: State) -> None:
-        """Take a sample; `number` rises where the bench begins anew (a run, or a step back in time)."""
+        """Take a sample; `number` increases when the bench restarts (a new run, or a step back in time)."""
         with self._changing:
             if self._count == len(self._rows) < self._capacity:
                 self._grow()
@@ -44,12 +44,12 @@ class History:
             self._count += 1
 
     def recordings(self, window: float, name: str) -> list[Recording]:
-        """The last `window` s of all runs, the oldest first.
+        """The last `window` s over all runs, the oldest first.
 
-        Without a window (0), the present run from its beginning, and as many before it, whole, as make ENOUGH: nobody
-        knows in which state a cut begins.
+        Without a window (0): the present run from its beginning, and as many whole runs before it as give ENOUGH.
+        Runs are kept whole because the state at a cut is unknown.
 
-        Signals that a run lacks are absent. Raises InputError where nothing was compared yet.
+        Signals that a run lacks are absent. Raises InputError if nothing was compared yet.
         """
         with self._changing:
             held = min(self._count, len(self._rows))
@@ -57,7 +57,7 @@ class History:
             stamps, passes = self._stamps[order], self._passes[order]
             runs = np.unique(passes)
             parts = [(slice(*span), number) for number, span in _spans(stamps, passes, runs, window)]
-            # the stream waits for this: no more is copied than is looked at
+            # the stream waits for this lock: copy only what is needed
             rows = [self._rows[order[part]] for part, _ in parts]
         if not parts or stamps[parts[-1][0]].size < 2:
             raise InputError("no sample was compared yet; start the bench (or replay) and the twin")
@@ -67,7 +67,7 @@ class History:
         ]
 
     def _grow(self) -> None:
-        """Twice the room; the ring has not come round yet."""
+        """Double the memory; the ring has not wrapped round yet."""
         more = min(2 * len(self._rows), self._capacity)
         for name in ("_rows", "_stamps", "_passes"):
             before = getattr(self, name)
@@ -79,7 +79,7 @@ class History:
 def _spans(
     stamps: np.ndarray, passes: np.ndarray, runs: np.ndarray, window: float
 ) -> list[tuple[int, tuple[int, int]]]:
-    """The runs that are looked at, the oldest first, and which samples of each; short ones only where all are."""
+    """The runs to use, the oldest first, and the range of samples of each; the last short one if all are short."""
     left = window or ENOUGH
     found: list[tuple[int, tuple[int, int]]] = []
     short: list[tuple[int, tuple[int, int]]] = []

@@ -1,7 +1,7 @@
-"""The services of the monitor: `monitor/diagnose` and `monitor/apply`, served beside it.
+"""The services of the monitor: `monitor/diagnose` and `monitor/apply`.
 
-They are a node of their own, on an executor and in a thread of their own, and the judging is another process's: the
-monitor's stream does not wait for any of it.
+They are a separate node with its own executor and thread, and another process does the judging: the monitor's stream
+does not wait for any of it.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from .history import History
 from .running_twin import RunningTwin
 
 _THREADS = 3
-"""One that is busy, one that refuses what comes meanwhile, one for the twin's answers."""
+"""One for the call in progress, one to refuse calls meanwhile, one for the twin's answers."""
 _ENDING = 3.0
-"""s in which what is being done must have been given up."""
+"""Time in s within which the call in progress must give up."""
 _BUSY = "a diagnosis is being made, or applied; call again when that is over (monitor/diagnosis tells)"
 _OVER = "the monitor is ending"
 
@@ -45,19 +45,19 @@ _VERDICTS = {
 
 @dataclass(frozen=True)
 class Watched:
-    """What the monitor lets its services see."""
+    """What the monitor shares with its services."""
 
     name: str  # of its node
     namespace: str
-    names: Mapping[str, str]  # of services and topic, as the monitor was told to call them
+    names: Mapping[str, str]  # of services and topic, with the monitor's remappings
     twin: str  # name of the twin's node
-    model: Model  # that it began with
+    model: Model  # the monitor's model at the start
     history: History
-    place: Callable[[], tuple[str, int]]  # name of what is played, and the run
+    place: Callable[[], tuple[str, int]]  # name of the recording that is played, and the run
 
 
 class DiagnosisNode(Node):
-    """Answers which effect the model lacks beside the last samples, and adds it to the running twin."""
+    """Diagnoses which effect the model lacks in the last samples, and adds it to the running twin."""
 
     def __init__(self, watched: Watched, context: Context | None = None) -> None:
         super().__init__(
@@ -70,8 +70,8 @@ class DiagnosisNode(Node):
         self._busy = threading.Lock()
         self._last: Answer | None = None
         self._applied: dict[str, bool | float | str] = {}
-        self._added = False  # what the last diagnosis found
-        self._failure = ""  # of the last call; empty after one that did what it should
+        self._added = False  # whether effects of the last diagnosis were added
+        self._failure = ""  # of the last call; empty after one that succeeded
         group = ReentrantCallbackGroup()
         self._publisher = self.create_publisher(Diagnosis, watched.names["diagnosis"], qos.LATEST)
         self.create_service(Diagnose, watched.names["diagnose"], self._on_diagnose, callback_group=group)
@@ -82,7 +82,7 @@ class DiagnosisNode(Node):
         self._thread.start()
 
     def prepare(self) -> None:
-        """Start the process that judges, so that the first diagnosis need not wait for it."""
+        """Start the judging process, so that the first diagnosis need not wait for it."""
         try:
             self._worker.start()
         except InputError as error:  # a diagnosis will say so too
@@ -92,7 +92,7 @@ class DiagnosisNode(Node):
     def diagnose(self, window: float = 0.0) -> Diagnosis:
         """Judge the present run, or its last `window` s; takes seconds.
 
-        Raises InputError where there is nothing to judge, no twin answers, or another call is being served.
+        Raises InputError if there is nothing to judge, no twin answers, or another call is in progress.
         """
         with self._alone():
             if not 0.0 <= window <= 1e6:
@@ -110,10 +110,10 @@ class DiagnosisNode(Node):
             return message
 
     def apply(self, effects: list[str]) -> str:
-        """Switch effects of the last diagnosis on in the running twin (none named: all that it found); says what.
+        """Switch effects of the last diagnosis on in the running twin (none named: all that it found); name them.
 
-        Raises InputError where there was no diagnosis, it lacks one of them, the twin refuses, or another call is being
-        served.
+        Raises InputError if there was no diagnosis, it lacks one of them, the twin refuses, or another call is in
+        progress.
         """
         with self._alone():
             if self._last is None:
@@ -138,17 +138,17 @@ class DiagnosisNode(Node):
         return f"last diagnosis: {told}{'; added since, in part or whole' if self._added else ''}"
 
     def close(self) -> None:
-        """End the thread and the process, whatever they are at."""
+        """End the thread and the process, even if they are busy."""
         self._closing.set()
         self._worker.close()
-        self._busy.acquire(timeout=_ENDING)  # what is being done sees that, and gives up
+        self._busy.acquire(timeout=_ENDING)  # the call in progress sees `_closing` and gives up
         self._executor.shutdown(timeout_sec=1.0)
         self._thread.join(1.0)
         self.destroy_node()
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """One call at a time: what is found must be of the twin as it then is."""
+        """Allow one call at a time: a diagnosis must be of the twin as it is when it is applied."""
         if self._closing.is_set():
             raise InputError(_OVER)
         if not self._busy.acquire(blocking=False):
@@ -169,12 +169,12 @@ class DiagnosisNode(Node):
             except ExternalShutdownException:
                 return
             except Exception as error:
-                if self._closing.is_set() or not self.context.ok():  # taken away under its hands
+                if self._closing.is_set() or not self.context.ok():  # the context was shut down meanwhile
                     return
                 self.get_logger().error(f"{type(error).__name__}: {error}; the services go on")
 
     def _failed(self, error: Exception) -> str:
-        """What a caller is told; a fault of ours is told with its stack on the log too."""
+        """The message to the caller; an internal fault is also logged with its traceback."""
         if isinstance(error, InputError):
             return str(error)
         self.get_logger().error("".join(traceback.format_exception(error)))
@@ -184,7 +184,7 @@ class DiagnosisNode(Node):
         try:
             response.diagnosis = self.diagnose(request.window)
             response.success = True
-        except Exception as error:  # whatever it is, the caller gets an answer, and the services go on
+        except Exception as error:  # whatever happens, the caller gets an answer and the services go on
             response.message = self._failed(error)
         return response
 

@@ -1,4 +1,4 @@
-"""The twin that runs beside the bench, read and changed through its ROS parameters."""
+"""Read and change the running twin through its ROS parameters."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ...model.model import ENABLED
 from ...simulation.switchable import switchable
 
 _PATIENCE = 5.0
-"""s that the twin has to answer in."""
+"""Time in s that the twin has to answer."""
 _LOOK = 0.1
-"""s between two looks whether to give up."""
+"""Interval in s at which a call checks whether to give up."""
 
 _PARTS = (*PARTS, "effects")
 
@@ -31,28 +31,28 @@ Settings = Mapping[str, bool | float | str]
 
 
 class RunningTwin:
-    """A twin's node in the namespace of `node`. Its calls wait: another thread must serve `node`."""
+    """A twin's node in the namespace of `node`. Calls block: another thread must spin `node`."""
 
     def __init__(self, node: Node, name: str, closing: threading.Event) -> None:
-        """`name` is the twin's node; where `closing` is set, calls are given up."""
+        """`name` is the twin's node; once `closing` is set, calls give up."""
         self._name = name
         self._closing = closing
         self._client = AsyncParameterClient(node, name, callback_group=node.default_callback_group)
 
     def models(self, base: Model, applied: Settings) -> tuple[Model, Model]:
-        """`base` as it stands on the twin: its numbers, and the effects that are switched on there; and the same
-        without the settings `applied`, where they stand as they were set.
+        """Two models: `base` with the twin's numbers and the effects that are switched on there, and the same without
+        those of the settings `applied` that still have the value that was set.
 
-        Raises InputError where there is no twin, or it has effects that this process does not know.
+        Raises InputError if there is no twin, or it has effects that this process does not know.
         """
         settings = self._settings()
         others = {path: value for path, value in settings.items() if path not in applied or applied[path] != value}
         return _with(base, settings), _with(base, others)
 
     def change(self, settings: Settings) -> dict[str, bool | float | str]:
-        """Set parameters, all or none; returns them.
+        """Set parameters, all or none; return them.
 
-        Raises InputError where there is no twin, it lacks one of them, or it refuses.
+        Raises InputError if there is no twin, it lacks one of them, or it refuses.
         """
         held = set(self._names())
         absent = sorted({path.rpartition(".")[0] for path in settings if path not in held})
@@ -94,7 +94,7 @@ class RunningTwin:
 
 
 def _with(base: Model, settings: Settings) -> Model:
-    """`base` with the settings of a twin that began with it; what is switched off and was not its own is left out."""
+    """`base` with the settings of a twin that started with it; effects that are off and not in `base` are left out."""
     model = switchable(base)
     for path, value in settings.items():
         _, name, *_ = [*path.split("."), ""]
