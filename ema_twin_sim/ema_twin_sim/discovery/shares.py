@@ -73,7 +73,7 @@ def of_sums(problem: EquationErrorProblem, f: Fit, left: float) -> tuple[str, ..
     if not halves or not f.hypothesis.base.is_open:
         return ()
     return (
-        "without backlash or compliance these recordings determine only sums: "
+        "without play or compliance these recordings determine only sums: "
         f"{listed(both.name for both in halves)} of motor and output are split as in your model; each ± is "
         "that of the sum",
     )

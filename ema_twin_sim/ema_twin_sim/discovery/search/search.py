@@ -108,7 +108,7 @@ def _beside_encoders(asked: _Asked, current: Fit, rounds: list[Round], may_wande
     may_wander = may_wander and current.problem.weighting.wander is None and not _many(current)
     current = fit(beside_impacts(current.problem.with_encoders()), current.hypothesis)
     if parted_encoders(current):
-        asked.progress("trying backlash and compliance")
+        asked.progress("trying play and compliance")
         current, by_gearbox = add_structure(current, asked.without)
         rounds = [*rounds, *by_gearbox]
     if current.parted:
@@ -156,7 +156,7 @@ def _by_encoders_alone(bare: Fit, without: frozenset[str], progress: Callable[[s
     rounds: list[Round] = []
     # An encoder's error may be larger than the backlash, which shows only once that error is found.
     while len(rounds) < most and parted_encoders(current) and not _gives_way(current):
-        progress("trying backlash and compliance")
+        progress("trying play and compliance")
         current, turns = add_structure(current, without)
         rounds += turns
         if not turns[-1].added:
