@@ -104,9 +104,9 @@ def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> T
 def leave_graph(nodes: Iterable[Node], context: Context | None = None) -> None:
     """Close the nodes, in this order, and then ROS.
 
-    First each node's `close`, where it has one: it finishes what is the node's own, as a file, and takes its time.
-    Fast DDS now and then blocks for ever when several processes leave at once (Fast-DDS issue 6502), inside a call that
-    no Python code can end. After 10 s the process then ends, with status 1 and the place on standard error.
+    First each node's `close`, if it has one: it finishes the node's own resources, such as a file, and may take long.
+    Fast DDS occasionally blocks for ever when several processes leave at once (Fast-DDS issue 6502), inside a call that
+    Python code cannot end. After 10 s the process then ends, with status 1 and the place on standard error.
     """
     nodes = list(nodes)
     for node in nodes:
