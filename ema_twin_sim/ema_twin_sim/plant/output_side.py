@@ -41,7 +41,7 @@ OutputSide = namedtuple(
         "damping",
         "bristle_stiffness",
         "bristle_damping",
-        "pull",  # rate at which an output moving freely in the gap is pulled to its measured position, and braked
+        "pull",  # N m/rad: spring that pulls an output moving freely in the gap to its measured position; brake: damper
         "brake",
     ],
 )
