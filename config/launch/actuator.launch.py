@@ -1,8 +1,8 @@
-"""The actuator in RViz, the bench beside its twin: `ros2 launch ema_twin_config actuator.launch.py`.
+"""The actuator in RViz, bench and twin side by side: `ros2 launch ema_twin_config actuator.launch.py`.
 
-It runs beside the nodes that publish `/bench/joint_states` and `/twin/joint_states`: `ema_twin.launch.py`, or `ema-twin
-live`. With `rviz:=false` it publishes only what other tools (Foxglove) need to draw both: `/bench/robot_description`,
-`/twin/robot_description` and the frames.
+Run it together with the nodes that publish `/bench/joint_states` and `/twin/joint_states`: `ema_twin.launch.py`, or
+`ema-twin live`. With `rviz:=false` it publishes only what other tools (Foxglove) need to draw both:
+`/bench/robot_description`, `/twin/robot_description` and the frames.
 """
 
 from pathlib import Path
@@ -15,7 +15,7 @@ from launch_ros.actions import Node
 
 SHARE = Path(__file__).resolve().parent.parent
 SIDES = {"bench": 0.0, "twin": 0.4}
-"""Namespaces, and where each stands in m to the left."""
+"""Namespaces, and their positions in m to the left."""
 ARGUMENTS = {
     "rviz": ("true", "open RViz"),
     "use_sim_time": (
@@ -26,7 +26,7 @@ ARGUMENTS = {
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """What draws both, and RViz unless it is declined."""
+    """The nodes that draw both, and RViz unless disabled."""
     given = {name: LaunchConfiguration(name).perform(context).lower() == "true" for name in ARGUMENTS}
     clock = {"use_sim_time": given["use_sim_time"]}
     description = (SHARE / "urdf" / "ema.urdf").read_text()
@@ -46,7 +46,7 @@ def nodes(context: LaunchContext) -> list[Node]:
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What `ros2 launch` calls."""
+    """Entry point of `ros2 launch`."""
     arguments = [
         DeclareLaunchArgument(name, default_value=default, description=description)
         for name, (default, description) in ARGUMENTS.items()

@@ -1,7 +1,7 @@
 """Replay, twin and monitor: `ros2 launch ema_twin_config ema_twin.launch.py recording:=RUN.mcap model:=polito_bench`.
 
-Without `recording:=`, the twin answers whatever publishes `/bench/state`: the real bench. `record:=FOLDER` keeps all
-topics. A node that ends, as one does that refuses its recording or model, ends the others too.
+Without `recording:=`, the twin answers the publisher of `/bench/state`: the real bench. `record:=FOLDER` records all
+topics. If one node ends, for instance because it refuses its recording or model, the others end, too.
 """
 
 from launch import LaunchDescription
@@ -26,7 +26,7 @@ ARGUMENTS = {
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """The nodes that these arguments ask for."""
+    """The nodes for these arguments."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     shown = {"output": "screen", "on_exit": Shutdown(reason="a node has ended; its last lines say why")}
     from_start = bool(given["recording"])
@@ -53,14 +53,14 @@ def nodes(context: LaunchContext) -> list[Node]:
             "loop": given["loop"].lower() == "true",
             "on_end": "wait",
             "subscribers": len(started),
-            "patience": 60.0,  # the first time, the twin compiles its model's equations before it listens
+            "patience": 60.0,  # on first use the twin compiles its model's equations before it listens
         }
         started.append(Node(package="ema_bench_replay", executable="replay", parameters=[replay], **shown))
     return started
 
 
 def generate_launch_description() -> LaunchDescription:
-    """What `ros2 launch` calls."""
+    """Entry point of `ros2 launch`."""
     arguments = [
         DeclareLaunchArgument(name, default_value=default, description=description)
         for name, (default, description) in ARGUMENTS.items()

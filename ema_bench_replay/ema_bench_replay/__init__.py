@@ -1,1 +1,1 @@
-"""Recordings of an actuator bench: Siemens traces and MCAP in, frozen recordings out, and the nodes for both."""
+"""Recordings of an actuator bench: Siemens traces and MCAP read into immutable objects, and the ROS nodes for both."""

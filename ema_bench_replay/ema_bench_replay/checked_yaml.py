@@ -1,4 +1,4 @@
-"""YAML files with every value checked, so that a mistake in one is named with its file, its place and its remedy."""
+"""Read YAML files and check every value; an error message names the file, the place and the remedy."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ import yaml
 
 from ema_bench_replay.errors import InputError
 
-_READ_OTHERWISE = re.compile(r"[\t?!\ufeff]|[|>][-+0-9]*#")  # by libyaml than by PyYAML, in places
-_LARGEST = 1 << 20  # bytes; the files that are written by hand have a few thousand
-_MOST_NODES = 100_000  # keys and values once every alias is written out; files by hand have some hundred
+_READ_OTHERWISE = re.compile(r"[\t?!\ufeff]|[|>][-+0-9]*#")  # libyaml and PyYAML disagree on some of these
+_LARGEST = 1 << 20  # bytes; hand-written files have a few thousand
+_MOST_NODES = 100_000  # keys and values with every alias expanded; hand-written files have some hundred
 
 
 def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[Any, str]:
-    """Content and text of a YAML file; every key stands once, every integer fits a float.
+    """Content and text of a YAML file; keys are unique and every integer fits a float.
 
-    Raises InputError where it cannot be read (with the `remedy`) or is no YAML.
+    Raises InputError if it cannot be read (with the `remedy`) or is not YAML.
     """
     try:
         with path.open("rb") as file:
@@ -50,9 +50,9 @@ def read_yaml(path: Path, remedy: str = "give a YAML file in UTF-8") -> tuple[An
 
 
 def parse_yaml(text: str) -> Any:
-    """The content of a YAML text. What libyaml refuses goes through PyYAML's own parser, whose words are told.
+    """The content of a YAML text. Text that libyaml refuses is parsed again by PyYAML, whose error messages are shown.
 
-    Raises YAMLError, RecursionError or ValueError where it is none, or would grow beyond all bounds.
+    Raises YAMLError, RecursionError or ValueError if it is not YAML, or would expand without bound.
     """
     if yaml.__with_libyaml__ and not _READ_OTHERWISE.search(text):
         with suppress(yaml.YAMLError, RecursionError, ValueError):
@@ -61,12 +61,12 @@ def parse_yaml(text: str) -> Any:
 
 
 def _count(node: yaml.Node, counted: dict[int, int]) -> int:
-    """How many nodes there are once every alias is written out. Raises ComposerError where they are too many."""
+    """Number of nodes with every alias expanded. Raises ComposerError if there are too many."""
     if id(node) in counted:
         if not counted[id(node)]:
             raise yaml.composer.ComposerError(None, None, "it contains itself", node.start_mark)
         return counted[id(node)]
-    counted[id(node)] = 0  # not known before its children are
+    counted[id(node)] = 0  # unknown until its children are counted
     children = () if isinstance(node, yaml.ScalarNode) else node.value
     if isinstance(node, yaml.MappingNode):
         children = [one for pair in node.value for one in pair]
@@ -78,7 +78,7 @@ def _count(node: yaml.Node, counted: dict[int, int]) -> int:
 
 
 class _Loader(yaml.SafeLoader):
-    """PyYAML's safe loader, which would take the last of two equal keys, and write out aliases without end."""
+    """PyYAML's safe loader, but it refuses duplicate keys and unbounded aliases."""
 
     def get_single_node(self) -> yaml.Node | None:
         node = super().get_single_node()
@@ -89,7 +89,7 @@ class _Loader(yaml.SafeLoader):
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
             return super().construct_object(node, deep=deep)
-        except (LookupError, AttributeError):  # of a value that is not what its tag says
+        except (LookupError, AttributeError):  # the value does not match its tag
             wrong = f"this is no {node.tag.rpartition(':')[2]}"
             raise yaml.constructor.ConstructorError(None, None, wrong, node.start_mark) from None
 
@@ -119,9 +119,9 @@ _Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 if yaml.__with_libyaml__:
 
     class _QuickLoader(yaml.CSafeLoader, _Loader):
-        """The same over libyaml's parser: some six times as quick."""
+        """The same with libyaml's parser: about six times as fast."""
 
-        get_single_node = _Loader.get_single_node  # libyaml's own would not see equal keys
+        get_single_node = _Loader.get_single_node  # libyaml's own would not notice duplicate keys
 
         def __init__(self, text: str) -> None:
             _Loader.__init__(self, "")
@@ -129,9 +129,9 @@ if yaml.__with_libyaml__:
 
 
 class Checker:
-    """Checks values of one file. Every method returns the value it was given, or raises InputError.
+    """Checks values of one file. Every method returns the given value, or raises InputError.
 
-    `place` says where in the file the value stands, for instance `signals.current.unit`.
+    `place` is the value's place in the file, for instance `signals.current.unit`.
     """
 
     def __init__(self, path: Path) -> None:
@@ -141,7 +141,7 @@ class Checker:
     def mapping(
         self, value: Any, place: str, allowed: Iterable[str] | None = None, required: Iterable[str] = ()
     ) -> Mapping[str, Any]:
-        """A mapping with no key but the allowed ones (None: any), and with all that are required."""
+        """Check that it is a mapping with only allowed keys (None: any) and all required ones."""
         known, required = list(allowed or ()), list(required)
         if not isinstance(value, dict):
             wanted = ", ".join(required or known) or "NAME: VALUE"
@@ -157,7 +157,7 @@ class Checker:
         return value
 
     def choice(self, value: Any, place: str, allowed: Iterable[Any]) -> Any:
-        """One of the allowed values; true and false are no numbers."""
+        """Check that it is one of the allowed values; true and false do not count as numbers."""
         allowed = list(allowed)
         if isinstance(value, bool) or value not in allowed:
             near = get_close_matches(str(value), map(str, allowed), n=1)
@@ -166,7 +166,7 @@ class Checker:
         return value
 
     def number(self, value: Any, place: str, lower: float = -math.inf, upper: float = math.inf) -> float:
-        """A finite number, as float, from `lower` to `upper`."""
+        """Check that it is a finite number from `lower` to `upper`; returned as float."""
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise self.error(place, f"{value!r} is no number", "give one (YAML wants 1.0e-3, not 1e-3)")
         if not lower <= value <= upper:
@@ -174,13 +174,13 @@ class Checker:
         return float(value)
 
     def boolean(self, value: Any, place: str) -> bool:
-        """True or false."""
+        """Check that it is true or false."""
         if not isinstance(value, bool):
             raise self.error(place, f"{value!r} is neither true nor false", "give one of them, without quotation marks")
         return value
 
     def text(self, value: Any, place: str) -> str:
-        """A text that is not empty."""
+        """Check that it is a text that is not empty."""
         if not isinstance(value, str) or not value:
             raise self.error(place, f"{value!r} is no text", "give one, in quotation marks if need be")
         return value

@@ -1,4 +1,4 @@
-"""Where the project's configuration lies: models, import maps, launch files, layouts and blueprints."""
+"""Find the project's configuration: models, import maps, launch files, layouts and blueprints."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _PACKAGE = "ema_twin_config"
 def find_configuration(kind: str, name: str | Path) -> Path:
     """The file of that kind ("models", "maps", "launch", "layouts", "blueprints") and name.
 
-    `name` is a path to a file, or the name of a shipped one with or without its extension. Shipped ones are looked for
-    in the folder that EMA_TWIN_CONFIG names, in each prefix of AMENT_PREFIX_PATH, in this Python's prefix and in the
-    checkout, in this order. Raises InputError with the places tried and the nearest name.
+    `name` is a path to a file, or the name of a shipped one with or without its extension. Shipped files are searched
+    in the folder EMA_TWIN_CONFIG, in each prefix of AMENT_PREFIX_PATH, in this Python's prefix and in the checkout, in
+    this order. Raises InputError with the places tried and the nearest name.
     """
     given = Path(name)
     if given.is_file() and (given.suffix or len(given.parts) > 1):
@@ -42,7 +42,7 @@ def configuration_names(kind: str) -> list[str]:
 
 
 def configuration_folders() -> Iterator[Path]:
-    """Every place where configuration may lie, best first; they need not exist."""
+    """Every folder that may hold configuration, best first; they need not exist."""
     if chosen := os.environ.get("EMA_TWIN_CONFIG"):
         yield Path(chosen)
     for share in share_folders():
@@ -59,7 +59,7 @@ def share_folders() -> Iterator[Path]:
 
 
 def checkout() -> Path | None:
-    """The source tree that this module runs from, or None where it is installed away from it."""
+    """The source tree that this module runs from, or None if it is installed elsewhere."""
     for folder in Path(__file__).resolve().parents:
         if (folder / "config" / "package.xml").is_file() or (folder / "ema_twin_msgs" / "msg").is_dir():
             return folder
@@ -71,5 +71,5 @@ def _files(folder: Path) -> list[Path]:
 
 
 def _bare(file: Path) -> str:
-    """File name without its extensions (`twin.launch.py` is `twin`), but whole where it begins with a dot."""
+    """File name without its extensions (`twin.launch.py` is `twin`); unchanged if it begins with a dot."""
     return file.name.split(".")[0] or file.name

@@ -6,15 +6,15 @@ import os
 import re
 
 LONGEST = 290
-"""Characters of its text beside the names of files that exist: a line of a log, with what is put before it."""
-_END = 110  # of them that stay of the text's end, where the remedy is
+"""Maximum characters of the text, not counting names of existing files: one log line including its prefix."""
+_END = 110  # of these, how many are kept from the end of the text, where the remedy is
 
 
 class InputError(ValueError):
     """Input refused. Its text is one line, `FILE: place: what is wrong; what to do`.
 
-    The command line prints it and ends with status 2. What it quotes of the input may be anything: characters that a
-    terminal would obey are written as their codes, and of a long text the middle is left out.
+    The command line prints it and ends with status 2. It may quote any input: control characters are written as their
+    codes, and the middle of a long text is omitted.
     """
 
     def __init__(self, text: object) -> None:
@@ -22,7 +22,7 @@ class InputError(ValueError):
 
 
 def one_line(text: str) -> str:
-    """The text as one line of at most LONGEST printable characters, beside the names of files that exist."""
+    """The text as one line of at most LONGEST printable characters, not counting names of existing files."""
     if not text.isprintable():
         text = "".join(map(_printable, text))
     if len(text) <= LONGEST:

@@ -1,4 +1,4 @@
-"""Reading a recording, whatever it is stored as."""
+"""Read a recording in any supported format."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ def load(
 ) -> Recording:
     """Read a recording: a CSV trace (through `import_map`), an MCAP, or the folder that import or a recorder wrote.
 
-    A recording that was split is its folder, or the sequence of its files. `progress` is told the share that was read.
+    For a split recording, give its folder or the sequence of its files. `progress` is called with the share read so
+    far.
 
-    Both positions of a run begin at zero (see `Recording.from_zero`), wherever they were. Raises InputError, in one
-    line, where there is none or it cannot be used.
+    Both positions of a run begin at zero (see `Recording.from_zero`). Raises InputError, in one line, if there is no
+    recording or it cannot be used.
     """
-    # each reader is imported when it is needed: who reads an MCAP needs no CSV
+    # each reader is imported only when needed: reading an MCAP needs no CSV reader
     files = [Path(path)] if isinstance(path, (str, Path)) else list(path)
     path = files[0]
     if not path.exists():
@@ -33,7 +34,7 @@ def load(
         from ema_bench_replay.bags.bag_reader import read_bag
 
         recording = read_bag(path if len(files) == 1 else files, progress=progress)
-        return recording if recording.of_points else recording.from_zero()  # as a trace is read, and a live twin counts
+        return recording if recording.of_points else recording.from_zero()  # like traces and a live twin
     if path.suffix.lower() in _TRACES:
         from ema_bench_replay.traces.import_map import load_map
         from ema_bench_replay.traces.trace_csv import read_trace
@@ -48,7 +49,7 @@ def load(
 
 
 def load_runs(path: str | Path | Sequence[Path], *, import_map: str | Path = "siemens") -> list[Recording]:
-    """All recordings of a file: more than one where it is a CSV and its import map tells by which column runs part.
+    """All recordings of a file: several if it is a CSV whose import map names a column that separates runs.
 
     Otherwise as ``load``.
     """

@@ -1,10 +1,9 @@
-"""Columns of long recordings: they lie on disk and are gone through piece by piece, so that memory has a bound.
+"""Columns of long recordings: stored on disk and processed piece by piece, so that memory is bounded.
 
-A recording of up to ``WHOLE`` samples lies in memory, and what is worked out of its columns is worked out at once. The
-columns of a longer one are files without names, in the folder for temporary files (``TMPDIR``), that are mapped into
-memory. They are arrays as any others; but what was looked at of them counts as the process's memory until
-``release_pages``. Whatever goes through them with ``pieces`` needs room for one piece. Sums over several pieces may
-differ in their last digits from sums over the whole.
+A recording of up to ``WHOLE`` samples is in memory, and its columns are processed as a whole. The columns of a longer
+one are unnamed files in the folder for temporary files (``TMPDIR``), mapped into memory. They behave like other arrays,
+but pages that were read count as the process's memory until ``release_pages``. Code that iterates with ``pieces`` needs
+memory for one piece. Sums over several pieces may differ in their last digits from sums over the whole.
 """
 
 from __future__ import annotations
@@ -27,27 +26,27 @@ import numpy as np
 from ema_bench_replay.errors import InputError
 
 WHOLE = 1 << 21
-"""Samples of the longest recording that lies in memory: an hour at 500 Hz, which ``compare`` takes 0.6 GiB for."""
+"""Samples of the longest recording kept in memory: an hour at 500 Hz, for which ``compare`` needs 0.6 GiB."""
 PIECE = 1 << 18
-"""Samples of a longer one that are worked on at a time."""
+"""Samples per piece of a longer recording."""
 
-_DRAWN = 64  # samples of which one is drawn by chance, to see about where a quantile lies
-_SURE = 4  # roots of the number drawn, within which it lies by its rank among them: eight standard deviations or more
-_WIDER = 4  # times, where it does not
+_DRAWN = 64  # samples per random draw, to locate a quantile roughly
+_SURE = 4  # bracket of the quantile's rank among the draws, in square roots of their number: at least eight std
+_WIDER = 4  # factor by which the bracket grows if it misses
 
 _mappings: weakref.WeakSet[mmap.mmap] = weakref.WeakSet()
 _lock = threading.Lock()
 
 
 def is_long(count: int) -> bool:
-    """Whether so many samples are more than are worked on at once."""
+    """Whether so many samples are processed in pieces."""
     return count > WHOLE
 
 
 def pieces(count: int, multiple: int = 1) -> Iterator[slice]:
-    """What goes through so many samples: one slice for all that are no more than ``WHOLE``, else one a piece.
+    """Slices that cover so many samples: one up to ``WHOLE`` samples, otherwise one per piece.
 
-    Each piece but the last is a ``multiple`` of so many samples; the last is no shorter than half of the others.
+    Each piece except the last has a ``multiple`` of so many samples; the last is at least half as long as the others.
     """
     if not is_long(count):
         yield slice(0, count)
@@ -62,14 +61,14 @@ def pieces(count: int, multiple: int = 1) -> Iterator[slice]:
 
 
 def spread_pieces(count: int) -> list[slice]:
-    """Some of the pieces of so many samples, evenly over these, that are about ``WHOLE`` together."""
+    """Evenly spaced pieces of so many samples, about ``WHOLE`` samples in total."""
     every = list(pieces(count))
     chosen = np.linspace(0, len(every) - 1, max(1, min(WHOLE // PIECE, len(every))))
     return [every[k] for k in chosen.round().astype(int)]
 
 
 def release_pages() -> None:
-    """Give back the memory of what was looked at in columns on disk; they can be read as before."""
+    """Release the memory of pages read from columns on disk; they can be read again."""
     with _lock:
         mappings = list(_mappings)
     for mapping in mappings:
@@ -77,7 +76,7 @@ def release_pages() -> None:
 
 
 class Column:
-    """A column that grows at its end: in memory up to ``WHOLE`` values, on disk beyond."""
+    """A growing column: in memory up to ``WHOLE`` values, on disk beyond."""
 
     def __init__(self, kind: np.dtype | type) -> None:
         self.size = 0
@@ -86,7 +85,7 @@ class Column:
         self._file: BinaryIO | None = None
 
     def add(self, values: np.ndarray) -> None:
-        """Append values (m,). Raises InputError where the disk has no room for them."""
+        """Append values (m,). Raises InputError if the disk is full."""
         size = self.size + len(values)
         if self._file is None and is_long(size):
             self._spill()
@@ -99,12 +98,12 @@ class Column:
         self.size = size
 
     def add_same(self, value: float, count: int) -> None:
-        """Append so many times one value."""
+        """Append one value so many times."""
         for rows in pieces(count):
             self.add(np.full(rows.stop - rows.start, value, self._kind))
 
     def finish(self) -> np.ndarray:
-        """The column (n,); read-only where it lies on disk. Nothing is added after that."""
+        """The column (n,); read-only if it is on disk. Nothing may be added afterwards."""
         if self._file is None:
             self._values.resize(self.size, refcheck=False)
             return self._values
@@ -128,9 +127,9 @@ class Column:
 
 
 def by_pieces(function: Callable[..., np.ndarray], *columns: np.ndarray, margin: int = 0) -> np.ndarray:
-    """What a function makes of columns (n,), piece by piece: as many values as it gives for each piece, in a row.
+    """Apply a function to columns (n,) piece by piece, and concatenate the results.
 
-    With a ``margin`` it sees so many samples on either side of each piece, and gives a value a sample.
+    With a ``margin`` the function sees so many samples on either side of each piece, and returns one value per sample.
     """
     count = len(columns[0])
     if not is_long(count):
@@ -171,7 +170,7 @@ def values_at(column: np.ndarray, places: np.ndarray) -> np.ndarray:
 
 
 def overlapping(column: np.ndarray) -> Iterator[np.ndarray]:
-    """The pieces of a column (n,), each after the last value of the one before."""
+    """The pieces of a column (n,), each preceded by the last value of the one before."""
     for rows in pieces(len(column)):
         yield column[max(rows.start - 1, 0) : rows.stop]
 
@@ -187,12 +186,12 @@ def divided(column: np.ndarray, divisor: float) -> np.ndarray:
 
 
 def shifted(column: np.ndarray, way: float) -> np.ndarray:
-    """A column (n,) and a number more."""
+    """A column (n,) plus a number."""
     return by_pieces(lambda part: part + way, column)
 
 
 def slopes(values: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """As ``np.gradient`` of values (n,) over what rises strictly (n,)."""
+    """As ``np.gradient`` of values (n,) over a strictly rising column (n,)."""
     return by_pieces(np.gradient, values, over, margin=1)
 
 
@@ -202,13 +201,13 @@ def differences(column: np.ndarray) -> np.ndarray:
 
 
 def mean_of(column: np.ndarray) -> np.floating:
-    """The mean of a column (n,); NaN where that is empty."""
+    """The mean of a column (n,); NaN if it is empty."""
     total: np.floating = sum((np.sum(column[rows]) for rows in pieces(len(column))), np.float64(0.0))
     return total / len(column) if len(column) else np.float64(math.nan)
 
 
 def extremes(column: np.ndarray) -> tuple[float, float]:
-    """The least and the greatest value of a column (n,) that is no NaN; NaN where there is none."""
+    """Minimum and maximum of a column (n,) ignoring NaN; NaN if there is no value."""
     least = greatest = np.nan
     for rows in pieces(len(column)) if len(column) else ():
         least = np.fmin(least, np.fmin.reduce(column[rows]))
@@ -217,18 +216,18 @@ def extremes(column: np.ndarray) -> tuple[float, float]:
 
 
 def places_where(condition: Callable[..., np.ndarray], *columns: np.ndarray) -> np.ndarray:
-    """The places (m,) in columns (n,) of what a condition holds of."""
+    """The indices (m,) in columns (n,) at which a condition holds."""
     of_pieces = pieces(len(columns[0]))
     return np.concatenate([r.start + np.flatnonzero(condition(*(column[r] for column in columns))) for r in of_pieces])
 
 
 def steps_where(condition: Callable[[np.ndarray], np.ndarray], column: np.ndarray) -> np.ndarray:
-    """The places (m,) of the steps between neighbours in a column (n,) of which a condition holds."""
+    """The indices (m,) of the steps between neighbours in a column (n,) for which a condition holds."""
     return places_where(lambda later, earlier: condition(later - earlier), column[1:], column[:-1])
 
 
 def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """The column (n,) less some rows, which rise."""
+    """The column (n,) without some rows, given in ascending order."""
     if not is_long(len(column)):
         return np.delete(column, rows)
     made = Column(column.dtype)
@@ -238,7 +237,7 @@ def less_rows(column: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def joined_if_short(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], Iterable[np.ndarray]]:
-    """The parts, which are asked for again and again: as a single one where they are not long together."""
+    """The parts for repeated iteration; joined into a single array if they are short together."""
     arrays = [np.zeros(0)]
     count = 0
     for part in parts():
@@ -251,7 +250,7 @@ def joined_if_short(parts: Callable[[], Iterable[np.ndarray]]) -> Callable[[], I
 
 
 def quantile(parts: Callable[[], Iterable[np.ndarray]], share: float) -> float:
-    """As ``np.quantile`` over all values of the parts together, which are asked for again and again; NaN without any.
+    """As ``np.quantile`` over all values of the parts, which are iterated several times; NaN if there are none.
 
     None of the values may be NaN.
     """
@@ -279,9 +278,9 @@ def median(parts: Callable[[], Iterable[np.ndarray]]) -> float:
 
 
 def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int) -> tuple[float, float]:
-    """The values of a rank (counted from 0) and of the next among so many; the same twice where there is no next.
+    """The values at a rank (counted from 0) and the next one among so many; the same twice if there is no next.
 
-    A draw tells between which two values they lie; what lies between these is few, and is sorted.
+    A random draw gives two values between which they lie; only the few values in between are sorted.
     """
     drawn = np.sort(_draw(parts()))
     place, margin = round(rank / count * len(drawn)), _SURE * math.isqrt(len(drawn))
@@ -292,7 +291,7 @@ def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int
         for part in parts():
             below += np.count_nonzero(part < low)
             lows += np.count_nonzero(part == low)
-            highs += np.count_nonzero(part == high) if high > low else 0  # equal ones are counted already
+            highs += np.count_nonzero(part == high) if high > low else 0  # equal values are already counted
             between.append(part[(part > low) & (part < high)])
         inside = np.sort(np.concatenate(between))
         found = [r - below for r in (rank, min(rank + 1, count - 1))]
@@ -309,7 +308,7 @@ def _neighbours(parts: Callable[[], Iterable[np.ndarray]], count: int, rank: int
 
 
 def _draw(parts: Iterable[np.ndarray]) -> np.ndarray:
-    """One value out of each block of the parts, at a place by chance: at every so manyth, what is periodic repeats.
+    """One value from each block of the parts, at a random place: with a fixed stride, periodic signals would alias.
 
     The same parts give the same draw.
     """
@@ -333,21 +332,21 @@ def _write(file: BinaryIO, values: np.ndarray) -> None:
 
 @functools.cache
 def _allow_open_files() -> None:
-    """Let this process have as many open files as it may: each column on disk is one, and a recording has some 20."""
+    """Raise this process's limit of open files to the maximum: each column on disk is one, a recording has some 20."""
     _, highest = resource.getrlimit(resource.RLIMIT_NOFILE)
-    with contextlib.suppress(OSError, ValueError):  # then the old limit holds
+    with contextlib.suppress(OSError, ValueError):  # then the old limit remains
         resource.setrlimit(resource.RLIMIT_NOFILE, (highest, highest))
 
 
 def _cannot_store(error: OSError) -> InputError:
-    """What to tell the user where a column cannot be written to disk, or mapped."""
+    """The error for the user if a column cannot be written to disk, or mapped."""
     if error.errno in (errno.EMFILE, errno.ENFILE):
         limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
         return InputError(
             f"long recordings need some 20 open files each, and this process may have {limit} ({error.strerror}); "
             "give fewer recordings at a time, or raise the limit (ulimit -n)"
         )
-    # not tempfile.gettempdir(), which raises where it finds no folder that it can write to: often the case here
+    # not tempfile.gettempdir(): it raises if no folder is writable, which is often the case here
     folder = tempfile.tempdir or os.environ.get("TMPDIR", "/tmp")
     return InputError(
         f"{folder}: cannot store a long recording there ({error.strerror}); free some space, or name another folder "

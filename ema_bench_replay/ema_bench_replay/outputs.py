@@ -1,4 +1,4 @@
-"""Output files: an existing one is refused, and none is ever left half written."""
+"""Output files: existing ones are refused, and none is left half written."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from typing import BinaryIO
 
 from ema_bench_replay.errors import InputError
 
-_DESCRIPTORS = ("/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")  # files that somebody else holds open
+_DESCRIPTORS = ("/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/")  # files held open by somebody else
 
 
 @contextmanager
 def new_file(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
-    """A binary file to write, which takes its name when it is whole; folders above it are made.
+    """A binary file to write; it gets its name when it is complete, and missing folders are created.
 
-    A link stays, and its target is written. What is no regular file (a pipe, /dev/null, /dev/stdout) is written to as
-    it is. Raises InputError where the file exists already and `force` is not set, or where it cannot be written.
+    A link is kept and its target written. A file that is not regular (a pipe, /dev/null, /dev/stdout) is written to
+    directly. Raises InputError if the file exists already and `force` is not set, or if it cannot be written.
     """
     try:
         if path.is_dir():
@@ -43,7 +43,7 @@ def new_file(path: Path, *, force: bool = False) -> Iterator[BinaryIO]:
                 part.unlink()
             raise
     except BrokenPipeError:
-        raise  # the reader of a pipe has left: that is no fault of the name
+        raise  # the reader of a pipe has left: the file name is not at fault
     except OSError as error:
         reason = error.strerror or error
         raise InputError(f"{path}: cannot be written ({reason}); choose another folder with -o") from None

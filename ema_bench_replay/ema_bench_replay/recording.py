@@ -1,4 +1,4 @@
-"""A recording: the named signals of one run of a machine, frozen."""
+"""A recording: the named signals of one run of a machine, immutable."""
 
 from __future__ import annotations
 
@@ -44,28 +44,27 @@ SIGNALS: tuple[str, ...] = (
     "unexplained_torque",  # N m, fast shaft; only a twin fills it
 )
 
-#: Signals that a machine may tell at the output's shaft. Then the recording's metadata hold "output" under the signal's
-#: name and AT.
+#: Signals that may refer to the output shaft. Then the recording's metadata hold "output" under the signal's name + AT.
 AT_EITHER_SHAFT = ("motor_position", "speed", "speed_setpoint", "motor_torque", "load_torque")
 AT = "_at"
 
-#: Signals that may be known as a magnitude only: how large, not which way. Then the recording's metadata hold
-#: "magnitude" under the signal's name and KIND.
+#: Signals that may be a magnitude without sign. Then the recording's metadata hold "magnitude" under the signal's
+#: name + KIND.
 MAY_BE_MAGNITUDES = ("current", "motor_torque")
 KIND = "_kind"
 
-#: Key of a recording's metadata: the test (a day, a mounting) that it is a run of.
+#: Key of a recording's metadata: the test (a day, a mounting) that the run belongs to.
 TEST = "test"
 
-#: Keys of a recording's metadata: how its machine moves ("linear"; without it, it is rotary); and, where its samples
-#: are operating points, "yes".
+#: Keys of a recording's metadata: the kind of motion ("linear"; rotary if absent), and "yes" if its samples are
+#: operating points.
 MOTION = "motion"
 POINTS = "operating_points"
 
-#: Stamp of the first sample where a recording has no date; ROS reads time 0 as "not set".
+#: Stamp of the first sample if a recording has no date; ROS reads time 0 as "not set".
 NO_DATE = 1_000_000_000
 
-# A step longer than this many sample periods has lost samples in it.
+# A step longer than this many sample periods means lost samples.
 _GAP_FACTOR = 1.5
 
 
@@ -74,21 +73,21 @@ class Gap(NamedTuple):
 
     time: float  # s, last sample before the gap
     duration: float  # s, from that sample to the next one
-    missing: int  # samples that would have fitted in
+    missing: int  # number of missing samples
 
 
 @dataclass(frozen=True, eq=False)
 class Recording:
     """One run of a machine (or of its twin). Signals are read-only and in SI units (m, m/s, N on linear machines).
 
-    Raises ValueError where the parts do not fit each other: that is the caller's mistake, not the user's.
+    Raises ValueError if the parts are inconsistent: that is a programming error, not a user error.
     """
 
     name: str  # stem of the file it came from
     stamps: np.ndarray  # int64 (n,): ns since the first sample, strictly increasing from 0
     signals: Mapping[str, np.ndarray]  # float64 (n,) each; a signal that the machine lacks is absent
     start: int = NO_DATE  # ns of the first sample since the epoch
-    motor_angle_origin: float = np.nan  # rad: what the motor counter showed where motor_position is zero
+    motor_angle_origin: float = np.nan  # rad: reading of the motor counter at motor_position zero
     output_angle_origin: float = np.nan  # rad: the same for the output encoder
     metadata: Mapping[str, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
@@ -113,7 +112,7 @@ class Recording:
         return self.stamps.size
 
     def __reduce__(self) -> tuple[object, ...]:
-        # mapping proxies cannot be pickled, and studies give recordings to worker processes
+        # mapping proxies cannot be pickled, and recordings are sent to worker processes
         values = (self.name, self.stamps, dict(self.signals), self.start, self.motor_angle_origin)
         return Recording, (*values, self.output_angle_origin, dict(self.metadata), self.warnings)
 
@@ -124,12 +123,12 @@ class Recording:
 
     @property
     def motion(self) -> str:
-        """How the machine moves, rotary or linear: its positions are rad or m."""
+        """Kind of motion, rotary or linear: positions in rad or m."""
         return self.metadata.get(MOTION, MOTIONS[0])
 
     @property
     def of_points(self) -> bool:
-        """Whether each sample is an operating point of its own: the machine rests there, or turns at constant speed."""
+        """Whether each sample is a separate operating point: at rest, or at constant speed."""
         return POINTS in self.metadata
 
     @property
@@ -139,12 +138,12 @@ class Recording:
 
     @cached_property
     def sample_period(self) -> float:
-        """The usual step between two samples (the median), s; NaN where there is one sample only."""
+        """The median step between two samples, s; NaN if there is only one sample."""
         return median(lambda: map(np.diff, overlapping(self.stamps))) * 1e-9
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
-        """Where samples are missing: steps longer than one and a half sample periods. Between points nothing is."""
+        """Where samples are missing: steps longer than one and a half sample periods. Operating points have no gaps."""
         if self.of_points:
             return ()
         period = self.sample_period
@@ -173,21 +172,21 @@ class Recording:
         return self if last - first == len(self) else self._part(int(first), int(last))
 
     def parts(self) -> Iterator[Recording]:
-        """A long recording piece by piece, each as `between` cuts it out; another is its only part."""
+        """A long recording piece by piece, each cut as by `between`; a short one as a single part."""
         for rows in pieces(len(self)):
             yield self._part(rows.start, rows.stop) if rows.stop - rows.start < len(self) else self
 
     def spread(self) -> list[Recording]:
-        """Some pieces of a long recording, evenly over it, that lie in memory together; of another itself.
+        """Some evenly spaced pieces of a long recording, small enough for memory; a short recording unchanged.
 
-        For what a part of a recording tells as well as all of it: a scale, a unit that was mistaken.
+        For questions that a part answers as well as the whole: a scale, a mistaken unit.
         """
         if not is_long(len(self)):
             return [self]
         return [self._part(rows.start, rows.stop) for rows in spread_pieces(len(self))]
 
     def _part(self, first: int, last: int) -> Recording:
-        """Samples from the first to before the last; stamps and positions begin at 0."""
+        """Samples from index `first` up to, not including, `last`; stamps and positions begin at 0."""
         part = replace(
             self,
             stamps=shifted(self.stamps[first:last], -self.stamps[first]),
@@ -197,9 +196,9 @@ class Recording:
         return part.from_zero()
 
     def from_zero(self) -> Recording:
-        """The same with both positions beginning at 0: what is taken from them moves into their angle origins.
+        """The same with both positions beginning at 0; the offset is added to their angle origins.
 
-        And into output_command, which is measured from the same zero as output_position.
+        output_command is shifted like output_position, since both have the same zero.
         """
         signals = dict(self.signals)
         shift = {name: _first(signals[name]) for name in ("motor_position", "output_position") if name in signals}
@@ -223,9 +222,9 @@ class Recording:
 
 
 def moved_origin(origin: float, shift: float) -> float:
-    """An angle origin, rad, after so much is taken from its position.
+    """An angle origin, rad, after its position was reduced by `shift`.
 
-    Where it was not known, a position that did not begin at zero is the angle that its encoder showed.
+    If the origin was unknown, a position that did not begin at zero is taken as the encoder's reading.
     """
     return shift if math.isnan(origin) and shift else origin + shift
 
@@ -235,7 +234,7 @@ def _rise(stamps: np.ndarray) -> bool:
 
 
 def _first(values: np.ndarray) -> float:
-    """The first that is known, 0 where none is."""
+    """The first finite value; 0 if there is none."""
     for rows in pieces(len(values)):
         known = values[rows][np.isfinite(values[rows])]
         if known.size:
@@ -244,12 +243,12 @@ def _first(values: np.ndarray) -> float:
 
 
 def spread(recordings: Iterable[Recording]) -> list[Recording]:
-    """The recordings, each long one as some pieces of it (see `Recording.spread`)."""
+    """The recordings, long ones replaced by some of their pieces (see `Recording.spread`)."""
     return [part for recording in recordings for part in recording.spread()]
 
 
 def refuse_points(recording: Recording) -> None:
-    """Raise InputError where a recording is of operating points, which follow each other in no time."""
+    """Raise InputError if a recording holds operating points, which have no time order."""
     if recording.of_points:
         raise InputError(
             f"{recording.name}: holds operating points, no run to be played; compare, fit and discover take them"
@@ -257,7 +256,7 @@ def refuse_points(recording: Recording) -> None:
 
 
 def _frozen(values: np.ndarray, kind: type) -> np.ndarray:
-    """The values as a read-only array of that kind; copied only where they could be written to from elsewhere."""
+    """The values as a read-only array of that dtype; a writable array becomes a read-only view."""
     array: np.ndarray = np.asarray(values, dtype=kind)
     if array.flags.writeable:
         array = array.view()

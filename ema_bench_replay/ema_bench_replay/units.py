@@ -1,11 +1,11 @@
-"""Units: of every signal, of rotary and of linear machines, and what other units are worth in them."""
+"""Units of every signal on rotary and linear machines, and conversion factors to SI."""
 
 from __future__ import annotations
 
 import math
 
 MOTIONS: tuple[str, ...] = ("rotary", "linear")
-"""How a machine moves: in rad, rad/s, N m and kg m², or in m, m/s, N and kg."""
+"""Kinds of motion: rotary (rad, rad/s, N m, kg m²) and linear (m, m/s, N, kg)."""
 
 _POSITION = {"rad": 1.0, "deg": math.pi / 180.0, "rev": 2.0 * math.pi, "mrad": 1e-3, "mdeg": 1e-3 * math.pi / 180.0,
              "arcmin": math.pi / 10800.0, "arcsec": math.pi / 648000.0}  # fmt: skip
@@ -28,7 +28,7 @@ _QUANTITIES: dict[str, tuple[dict[str, float], dict[str, float]]] = {
     "voltage": (_VOLTAGE, _VOLTAGE),
     "temperature": (_TEMPERATURE, _TEMPERATURE),
 }
-"""Of each quantity, the SI value of one of each unit; the first is the unit that recordings hold it in."""
+"""For each quantity (rotary, linear): SI value of each unit. The first unit is the one used in recordings."""
 
 _QUANTITY_OF = {
     "speed": "speed",
@@ -46,7 +46,7 @@ _QUANTITY_OF = {
 ALL_UNITS: dict[str, float] = {
     unit: value for kinds in _QUANTITIES.values() for kind in kinds for unit, value in kind.items()
 }
-"""The SI value of one of each unit."""
+"""SI value of each unit."""
 
 _LINEAR = {
     "rad": "m",
@@ -61,19 +61,19 @@ _LINEAR = {
     "V s/rad": "V s/m",
     "1/rev": "1/m",
 }
-"""What takes the place of a rotary machine's unit where a machine is linear; other units stay."""
+"""Linear counterpart of each rotary unit; other units are the same for both."""
 
 
 def units_of(signal: str, motion: str = "rotary") -> dict[str, float]:
-    """The units that a signal may be given in, and the SI value of one of each."""
+    """The units in which a signal may be given, with their SI values."""
     return _QUANTITIES[_QUANTITY_OF.get(signal, "current")][MOTIONS.index(motion)]
 
 
 def signal_unit(signal: str, motion: str = "rotary") -> str:
-    """The unit that recordings hold a signal in."""
+    """The unit of a signal in recordings."""
     return next(iter(units_of(signal, motion)))
 
 
 def unit_in(unit: str, motion: str) -> str:
-    """A rotary machine's unit (``N m s/rad``) as it is in a machine of that motion (``N s/m``)."""
+    """The counterpart of a rotary unit (``N m s/rad``) for that kind of motion (``N s/m``)."""
     return _LINEAR.get(unit, unit) if motion == "linear" else unit

@@ -1,1 +1,1 @@
-"""Bags: MCAP files that ROS 2 tools open as they are, written and read in bulk."""
+"""Bags: MCAP files that ROS 2 tools open directly, written and read in bulk."""

@@ -1,4 +1,4 @@
-"""One file of a bag while it is written: whole up to its last chunk, and watched for its removal."""
+"""One file of a bag while it is written: complete up to its last chunk, and checked for removal."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ema_bench_replay.bags.bag_parts import PART_NAME
 from ema_bench_replay.bags.mcap_file import McapFile, Messages
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT)
-"""Errors after which the same file can be gone on with, once there is room."""
+"""Errors after which the same file can be continued once there is space."""
 
 
 class BagFile:
-    """An MCAP on disk that chunks are added to. Each call raises OSError where it fails, and may then be made again."""
+    """An MCAP on disk to which chunks are added. A failed call raises OSError, and may be repeated."""
 
     def __init__(self, path: Path, recording: str, part: int) -> None:
-        """Make the file, which is this part, from 0 on, of a `recording`; none may be there."""
+        """Create the file, part number `part` (from 0) of a `recording`; it must not exist."""
         self.path = path
         self.is_whole = False
         self._size = 0
@@ -36,7 +36,7 @@ class BagFile:
 
     @property
     def is_kept(self) -> bool:
-        """Whether what was written is there, under the name that it was written to."""
+        """Whether the written file still exists under its name."""
         try:
             found = self.path.stat()
         except OSError:
@@ -45,7 +45,7 @@ class BagFile:
 
     @property
     def messages(self) -> int:
-        """How many messages were written."""
+        """Number of messages written."""
         return sum(self.content.counts.values())
 
     def add_chunk(self, groups: list[Messages]) -> None:
@@ -60,7 +60,7 @@ class BagFile:
             self.close()
 
     def close(self) -> None:
-        """Let go of the file as it is."""
+        """Close the file without an index."""
         if self._descriptor is not None:
             with suppress(OSError):
                 os.close(self._descriptor)
@@ -68,7 +68,7 @@ class BagFile:
             self.content.close()
 
     def write(self, data: bytes) -> int:
-        """All of the data, or nothing: where it does not fit, what was written of it is taken back."""
+        """Write all of the data or nothing: if it does not fit, the file is truncated again."""
         assert self._descriptor is not None
         done = 0
         try:

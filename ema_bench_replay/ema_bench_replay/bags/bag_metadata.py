@@ -1,4 +1,4 @@
-"""What rosbag2 wants beside the messages: QoS profiles, and the folder's metadata.yaml as Jazzy writes it."""
+"""Metadata that rosbag2 needs in addition to the messages: QoS profiles, and the folder's metadata.yaml as in Jazzy."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def qos_profile(*, reliability: str, durability: str, history: str = "keep_last"
     )
 
 
-#: As the nodes publish these topics.
+#: QoS with which the nodes publish these topics.
 STATE_QOS = qos_profile(reliability="reliable", durability="transient_local", history="keep_all", depth=0)
 JOINTS_QOS = qos_profile(reliability="reliable", durability="volatile")
 

@@ -1,4 +1,4 @@
-"""Which MCAP files are one recording: a recorder may have split it by size or time, or gone on in a new file."""
+"""Find which MCAP files form one recording: a recorder may have split it by size or time, or started a new file."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from ema_bench_replay.checked_yaml import read_yaml
 from ema_bench_replay.errors import InputError
 
 PART_NAME = "ema_twin_part"
-"""Name of the MCAP metadata record that says which recording a file is of, and which of its parts, from 0 on."""
+"""Name of the MCAP metadata record that names a file's recording and its part number, from 0."""
 _HEAD = 4096
-"""Bytes at a file's beginning within which that record ends."""
+"""That record is within so many bytes of a file's beginning."""
 _NUMBER = re.compile(r"_(\d+)$")
 _OF_OTHERS = re.compile(r"\.(db3|bag|(mcap|db3)\.(zstd|zst|lz4))$", re.IGNORECASE)
 
 
 def how_to_convert(path: Path) -> str:
-    """What to do where a file, or one in a folder, is a bag of a kind that is not read; empty where none is.
+    """The remedy if a file, or one in a folder, is a bag of an unsupported kind; empty if none is.
 
-    rosbag2 writes SQLite, and packs whole files where it is told to: neither can be read from front to back.
+    rosbag2 writes SQLite, and compresses whole files if told to: neither can be read from front to back.
     """
     files = sorted(path.iterdir()) if path.is_dir() else [path]
     found = next((file for file in files if _OF_OTHERS.search(file.name)), None)
@@ -39,15 +39,16 @@ def how_to_convert(path: Path) -> str:
 
 
 def bag_parts(folder: Path) -> list[tuple[Path, ...]]:
-    """The recordings in a folder, each with its MCAP files in their order."""
+    """The recordings in a folder, each with its MCAP files in order."""
     return recordings_in(sorted(folder.glob("*.mcap")))
 
 
 def recordings_in(files: Sequence[Path]) -> list[tuple[Path, ...]]:
-    """These MCAP files, those that are one recording together and in its order, each part once.
+    """These MCAP files grouped by recording, in order, each part once.
 
-    A file tells it itself where this project's recorder wrote it; else the metadata.yaml beside it, which rosbag2
-    writes when it ends; else, where rosbag2 was killed, its names: FOLDER/FOLDER_0.mcap, FOLDER_1.mcap and so on.
+    The order comes from the file itself if this project's recorder wrote it; otherwise from the metadata.yaml next to
+    it, which rosbag2 writes at its end; otherwise, if rosbag2 was killed, from the file names: FOLDER/FOLDER_0.mcap,
+    FOLDER_1.mcap and so on.
     """
     found: dict[Hashable, list[tuple[int, Path]]] = {}
     for file in files:
@@ -57,7 +58,7 @@ def recordings_in(files: Sequence[Path]) -> list[tuple[Path, ...]]:
 
 
 def _in_order(files: Sequence[tuple[int, Path]]) -> tuple[Path, ...]:
-    """The files by their parts' numbers; of a cut file and what was recovered of it, the one with an index."""
+    """The files by part number; of a truncated file and its recovered copy, the one with an index."""
     parts: dict[int, Path] = {}
     for number, file in sorted(files):
         if number not in parts or (_has_end(file) and not _has_end(parts[number])):
@@ -75,12 +76,12 @@ def _has_end(file: Path) -> bool:
 
 
 def named_after(folder: Path) -> list[Path]:
-    """The MCAP files in a folder that bear its name, with a number or without: what recorders write there."""
+    """The MCAP files in a folder that have its name, with or without a number, as recorders write them."""
     return [file for file in sorted(folder.glob("*.mcap")) if folder.name in (file.stem, _NUMBER.sub("", file.stem))]
 
 
 def name_of(parts: Sequence[Path]) -> str:
-    """The recording's name: that of its file, without the part's number where there are several."""
+    """The recording's name: that of its file, without the part number if there are several."""
     return _NUMBER.sub("", parts[0].stem) if len(parts) > 1 else parts[0].stem
 
 
@@ -94,7 +95,7 @@ def _own_words(file: Path) -> tuple[Hashable, int] | None:
             if isinstance(record, Chunk):
                 break
     except (OSError, McapError, ValueError, KeyError, AssertionError, MemoryError, OverflowError):
-        pass  # who reads the file tells what is wrong with it
+        pass  # reading the file reports what is wrong with it
     return None
 
 

@@ -1,4 +1,4 @@
-"""Bags to recordings: the EmaState messages of an MCAP, whoever wrote it."""
+"""Read bags as recordings: the EmaState messages of an MCAP from any writer."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from ema_bench_replay.recording import SIGNALS, Recording
 _STAMP = ("header.stamp.sec", "header.stamp.nanosec")
 _ORIGINS = ("motor_angle_origin", "output_angle_origin")
 _NAMES = (*_STAMP, "run", "sequence", *SIGNALS)
-# What `bag_writer` adds to a recording's own metadata.
+# Keys that `bag_writer` adds to a recording's own metadata.
 _WRITTEN = ("signals", "warnings", *_ORIGINS)
-_NAMED = 5  # of the topics that an error lists
-_EVIDENCE = "/evidence/"  # what the topics of a search's evidence begin with
+_NAMED = 5  # maximum number of topics that an error lists
+_EVIDENCE = "/evidence/"  # prefix of the topics of a search's evidence
 
 
 def read_bag(
@@ -33,13 +33,13 @@ def read_bag(
     topic: str | None = None,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Recording:
-    """Read the EmaState messages of one topic: `topic`, else /bench/state, else the only one there is.
+    """Read the EmaState messages of one topic: `topic`, otherwise /bench/state, otherwise the only one there is.
 
-    `path` is an MCAP, a folder with one recording, or the files of one that was split, in their order. The samples are
-    those of the first run in the bag, in the order of their sequence (of their stamps where they have none); repeated
-    ones are dropped. A signal that is NaN throughout is absent; one that is NaN in places is refused, but for
-    unexplained_torque, which a twin may not know at once. A damaged file is used up to the damage. What was left out is
-    told in the warnings. `progress` is told the share of the bytes that was read. Raises InputError.
+    `path` is an MCAP, a folder with one recording, or the files of a split one, in order. The samples are those of the
+    first run in the bag, ordered by sequence (by stamp if they have none); repeated ones are dropped. A signal that is
+    NaN throughout is absent; one that is NaN in places is refused, except unexplained_torque, which a twin may not know
+    at once. A damaged file is used up to the damage. Warnings report what was left out. `progress` is called with the
+    share of bytes read so far. Raises InputError.
     """
     files = _files(Path(path)) if isinstance(path, (str, Path)) else tuple(path)
     place = files[0] if len(files) == 1 else files[0].with_name(f"{files[0].name} to {files[-1].name}")
@@ -81,13 +81,13 @@ def _files(path: Path) -> tuple[Path, ...]:
 
 
 def _some(names: Collection[str]) -> str:
-    """The first few of these names, and how many there are besides."""
+    """The first few of these names, and the number of others."""
     first, others = sorted(names)[:_NAMED], len(names) - _NAMED
     return f"{', '.join(first)} and {others} more" if others > 0 else ", ".join(first)
 
 
 def _state_channels(scan: McapScan) -> dict[int, tuple[str, Schema]]:
-    """The channels of one file that carry EmaState: topic and definition of each."""
+    """The channels of one file that carry EmaState, with topic and definition of each."""
     found = {}
     for channel in scan.channels.values():
         schema = scan.schemas.get(channel.schema_id)
@@ -97,7 +97,7 @@ def _state_channels(scan: McapScan) -> dict[int, tuple[str, Schema]]:
 
 
 def _choose(place: Path, scans: Sequence[McapScan], topic: str | None) -> tuple[str, Schema, Types]:
-    """The topic to read, its definition, and the types that its messages are made of."""
+    """The topic to read, its definition, and the types used in its messages."""
     topics: dict[str, Schema] = {}
     others = set()
     for scan in scans:
@@ -136,7 +136,7 @@ def _choose(place: Path, scans: Sequence[McapScan], topic: str | None) -> tuple[
 
 
 def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[tuple[McapScan, Block]]:
-    """The messages of a topic that are of one definition, file by file."""
+    """The messages of a topic with that definition, file by file."""
     for scan in scans:
         channels = {
             number
@@ -153,9 +153,9 @@ def _blocks(scans: Sequence[McapScan], topic: str, schema: Schema) -> Iterator[t
 def _read(
     scans: Sequence[McapScan], topic: str, schema: Schema, types: Types, progress: Callable[[float], None]
 ) -> dict[str, np.ndarray]:
-    """All samples of a topic, a column a field, `stamp` and `log_time` in ns; signals never known are absent.
+    """All samples of a topic, one column per field, `stamp` and `log_time` in ns; signals never known are absent.
 
-    The angle origins are those of the first message: a run has one.
+    The angle origins are those of the first message: a run has only one.
     """
     columns = _Columns()
     root = "/".join(STATE_TYPE.split("/")[::2])
@@ -177,14 +177,14 @@ def _read(
 
 
 class _Columns:
-    """Columns that grow block by block: a long recording is held once, and never twice."""
+    """Columns that grow block by block, so that a long recording is never held twice."""
 
     def __init__(self) -> None:
         self.size = 0
         self._columns: dict[str, Column] = {}
 
     def add(self, block: dict[str, np.ndarray]) -> None:
-        """Append rows. Signals take no space before they are known: most of them never are."""
+        """Append rows. A signal takes no space before its first known value: most are never known."""
         for name, values in block.items():
             if name not in self._columns:
                 if name in SIGNALS and np.isnan(values).all():
@@ -198,17 +198,17 @@ class _Columns:
                 column.add_same(_unknown(name), self.size - column.size)
 
     def finish(self) -> dict[str, np.ndarray]:
-        """The columns, each of the length that all have."""
+        """The columns, all padded to the same length."""
         return {name: column.finish() for name, column in self._columns.items()}
 
 
 def _unknown(name: str) -> float:
-    """What stands in a column where nothing is known."""
+    """Fill value of a column for unknown entries."""
     return np.nan if name in SIGNALS else 0
 
 
 class _Samples:
-    """The samples of one topic on their way to a recording."""
+    """Conversion of the samples of one topic to a recording."""
 
     def __init__(self, file: Path, name: str, topic: str, columns: dict[str, np.ndarray]) -> None:
         self.file, self.name, self.topic, self.columns = file, name, topic, columns
@@ -219,7 +219,7 @@ class _Samples:
             self._keep(np.argsort(log_times, kind="stable"))
 
     def first_run(self) -> None:
-        """Keep the first run: runs are told apart by their number, else by a stamp that goes back."""
+        """Keep the first run: runs are distinguished by their number, otherwise by a stamp that goes back."""
         if "run" in self.columns:
             runs = self.columns["run"]
             later = (runs[rows][runs[rows] != runs[0]] for rows in pieces(len(runs)))
@@ -237,7 +237,7 @@ class _Samples:
         self._warn(f"holds {count} runs; the first one is used ({len(self.columns['stamp'])} samples)")
 
     def in_order(self) -> None:
-        """Sort, drop what is repeated, and count what is missing."""
+        """Sort, drop repeated samples, and count missing ones."""
         key = self.columns.get("sequence", self.columns["stamp"])
         if any((part[1:] <= part[:-1]).any() for part in overlapping(key)):
             _, first = np.unique(key, return_index=True)
@@ -278,7 +278,7 @@ class _Samples:
         )
 
     def _is_known(self, name: str, stamps: np.ndarray) -> bool:
-        """Whether a signal is known throughout; False where it never is. Unknown in places is an error."""
+        """True if a signal is known throughout, False if never; an error if it is unknown in places."""
         values = self.columns[name]
         known = sum(np.count_nonzero(np.isfinite(values[rows])) for rows in pieces(len(values)))
         if known in (0, len(values)):

@@ -1,4 +1,4 @@
-"""Recordings to bags: an MCAP that `ros2 bag`, Foxglove, PlotJuggler and rerun open as it is."""
+"""Write recordings as bags: an MCAP that `ros2 bag`, Foxglove, PlotJuggler and rerun open directly."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ema_bench_replay.recording import Recording
 
 STATE_TOPIC, STATE_TYPE = "/bench/state", "ema_twin_msgs/msg/EmaState"
 JOINTS_TOPIC, JOINTS_TYPE = "/bench/joint_states", "sensor_msgs/msg/JointState"
-#: Name of the MCAP metadata record in which a recording's own metadata stand.
+#: Name of the MCAP metadata record that holds a recording's own metadata.
 METADATA_NAME = "ema_twin"
 
 _CHUNK = 1_000_000_000  # ns
@@ -31,7 +31,7 @@ _BLOCK = 20_000  # rows encoded at a time
 def write_bag(recording: Recording, directory: str | Path, *, force: bool = False) -> Path:
     """Write a recording as DIRECTORY/NAME/NAME.mcap with its metadata.yaml; returns that folder.
 
-    An interrupted call leaves no half file. Raises InputError where the bag exists (without `force`) or cannot be
+    An interrupted call leaves no partial file. Raises InputError if the bag exists (without `force`) or cannot be
     written.
     """
     folder = Path(directory) / recording.name
@@ -47,7 +47,7 @@ def write_bag(recording: Recording, directory: str | Path, *, force: bool = Fals
 
 
 def write_mcap(recording: Recording, path: str | Path, *, force: bool = False) -> None:
-    """Write a recording as one MCAP file of that name, without the folder that rosbag2 wants around it."""
+    """Write a recording as one MCAP file of that name, without rosbag2's folder."""
     with new_file(Path(path), force=force) as stream:
         _write(recording, stream, Path(path).name)
 
@@ -81,7 +81,7 @@ def _write(recording: Recording, stream: BinaryIO, name: str) -> str:
 
 
 class _Encoder(NamedTuple):
-    """Makes the message records of one topic, all alike but for their numbers."""
+    """Makes the message records of one topic, which differ only in their numbers."""
 
     topic: str
     type_name: str
@@ -89,12 +89,12 @@ class _Encoder(NamedTuple):
     qos: str
     channel: int
     dtype: np.dtype  # of a record: prefix and message
-    blank: bytes  # a record with everything that does not change
+    blank: bytes  # a record with all constant parts
 
     def encode(
         self, recording: Recording, samples: np.ndarray, columns: Mapping[str, np.ndarray | float]
     ) -> np.ndarray:
-        """Records (m,) of these samples (m,), with these values of them in their fields."""
+        """Records (m,) of these samples (m,), with these values in their fields."""
         records = np.frombuffer(bytearray(self.blank) * len(samples), self.dtype)
         stamps = recording.stamps[samples] + recording.start
         prefix, message = records["prefix"], records["message"]
@@ -120,7 +120,7 @@ def _encoder(file: McapFile, topic: str, type_name: str, qos: str, example: dict
 
 
 def _state_columns(recording: Recording, samples: np.ndarray) -> dict[str, np.ndarray | float]:
-    """Fields of EmaState; what is not here stays NaN."""
+    """Fields of EmaState; others stay NaN."""
     signals = {name: values[samples] for name, values in recording.signals.items()}
     return {"sequence": samples, **signals, **{name: getattr(recording, name) for name in _ORIGINS}}
 
@@ -129,7 +129,7 @@ _ORIGINS = ("motor_angle_origin", "output_angle_origin")
 
 
 def _joint_columns(recording: Recording, joints: dict[str, str], samples: np.ndarray) -> dict[str, np.ndarray]:
-    """Fields of JointState. Only the motor's speed is measured; the output's is not known."""
+    """Fields of JointState. Only the motor's speed is measured; the output's is unknown."""
     unknown = np.full(len(samples), np.nan)
     motor = recording.signals["speed"][samples] if recording.has("speed") else unknown
     speeds = {"motor": motor, "output": unknown}
@@ -140,12 +140,12 @@ def _joint_columns(recording: Recording, joints: dict[str, str], samples: np.nda
 
 
 def _blocks(stamps: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Rows from, to (exclusive) of blocks that end where a chunk ends."""
+    """Row ranges (end exclusive) of blocks that end at the end of a chunk."""
     start = 0
     while start < len(stamps):
         end = min(start + _BLOCK, len(stamps))
         if end < len(stamps):
-            # as many whole chunks as fit, or one that does not
+            # as many whole chunks as fit, or a single larger one
             chunk = stamps[end] // _CHUNK
             first, beyond = (int(row) for row in np.searchsorted(stamps, (chunk * _CHUNK, (chunk + 1) * _CHUNK)))
             end = first if first > start else beyond

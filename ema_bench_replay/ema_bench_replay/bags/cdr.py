@@ -1,8 +1,8 @@
-"""ROS messages in bulk: where each field of a serialised message lies, as a NumPy structure, by the type's definition.
+"""ROS messages in bulk: the field offsets of a serialised message as a NumPy structure, from the type's definition.
 
-ROS 2 serialises messages as CDR (OMG's XCDR 1): four bytes of header, then the fields in order, each aligned to its own
-size counted from after that header. A message whose strings and sequences are of fixed length has fixed places, so
-thousands of messages are read or written with one NumPy operation a field.
+ROS 2 serialises messages as CDR (OMG's XCDR 1): a header of four bytes, then the fields in order, each aligned to its
+own size counted from the end of that header. If a message's strings and sequences have fixed lengths, so do the
+offsets, and thousands of messages are read or written with one NumPy operation per field.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ _PRIMITIVES = {
     **{"bool": "u1", "byte": "u1", "char": "u1", "uint8": "u1", "int8": "i1", "uint16": "u2", "int16": "i2"},
     **{"uint32": "u4", "int32": "i4", "uint64": "u8", "int64": "i8", "float32": "f4", "float64": "f8"},
 }
-_LONGEST_DEFINITION = 1 << 20  # characters; those of messages have some hundred
-_MOST_FIELDS = 100_000  # of one message, those of its parts included
+_LONGEST_DEFINITION = 1 << 20  # characters; message definitions have some hundred
+_MOST_FIELDS = 100_000  # of one message, including nested messages
 _FIELD = re.compile(
     r"(?P<type>[\w/]+)(?:<=\d+)?(?P<array>\[(?P<count>(?:<=)?\d*)\])?\s+(?P<name>\w+)(?P<constant>\s*=)?"
 )
 
 
 class CdrError(ValueError):
-    """A definition that cannot be read, or a message that does not fit its definition."""
+    """A definition that cannot be read, or a message that does not match its definition."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Field:
 
     name: str
     type: str  # a primitive, "string", or package/Name
-    count: int | None = None  # None: single; -1: a sequence; else an array of that many
+    count: int | None = None  # None: single; -1: a sequence; otherwise an array of that length
 
 
 Types = dict[str, list[Field]]
@@ -46,10 +46,10 @@ Types = dict[str, list[Field]]
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the fields of a message lie when its strings and sequences have certain lengths."""
+    """Field offsets of a message for given lengths of its strings and sequences."""
 
     dtype: np.dtype  # of a whole message; names such as `header.stamp.sec`
-    lengths: tuple[tuple[int, int], ...]  # of each string and sequence: where its length stands, and that length
+    lengths: tuple[tuple[int, int], ...]  # of each string and sequence: the offset of its length, and that length
 
 
 def parse(definition: str, type_name: str) -> tuple[Types, str]:
@@ -68,7 +68,7 @@ def parse(definition: str, type_name: str) -> tuple[Types, str]:
 
 
 def layout_of(types: Types, root: str, message: bytes | memoryview) -> Layout:
-    """Layout of one serialised message. Raises CdrError where the bytes do not fit the type."""
+    """Layout of one serialised message. Raises CdrError if the bytes do not match the type."""
     if len(message) < _HEADER or message[0] != 0 or message[1] not in (0, 1):
         raise CdrError("is not in plain CDR")
     order = "<" if message[1] else ">"
@@ -93,7 +93,7 @@ def layout_of(types: Types, root: str, message: bytes | memoryview) -> Layout:
 
 
 def serialise(types: Types, root: str, values: Mapping[str, Any]) -> bytes:
-    """One message from a mapping of its fields, nested as its types are; what is missing is 0, NaN or empty."""
+    """Serialise one message from a (nested) mapping of its fields; missing fields are 0, NaN or empty."""
     out = bytearray(b"\x00\x01\x00\x00")
     _write_struct(out, types, root, values)
     return bytes(out)
@@ -102,17 +102,17 @@ def serialise(types: Types, root: str, values: Mapping[str, Any]) -> bytes:
 def decode(
     types: Types, root: str, buffer: bytes, offsets: np.ndarray, sizes: np.ndarray, names: tuple[str, ...]
 ) -> dict[str, np.ndarray]:
-    """Fields of many messages that lie in one buffer; names that the type lacks are left out.
+    """Fields of many messages in one buffer; names that the type lacks are left out.
 
-    Messages of the same lengths are read together, so a buffer costs one pass for each different combination of them.
+    Messages with the same lengths are read together, so a buffer takes one pass per different combination of lengths.
 
     Args:
         types: as `parse` gives them.
         root: key of the messages' type.
-        buffer: where they lie.
+        buffer: the serialised messages.
         offsets: int64 (n,), where each begins.
-        sizes: int64 (n,), how many bytes each has.
-        names: of fields that are single numbers, such as `header.stamp.sec`.
+        sizes: int64 (n,), bytes of each.
+        names: names of fields that are single numbers, such as `header.stamp.sec`.
 
     Returns:
         For each name an array (n,).
@@ -124,8 +124,8 @@ def decode(
         layout = layout_of(types, root, memoryview(buffer)[offsets[first] : offsets[first] + sizes[first]])
         alike = left[sizes[left] == sizes[first]]
         size = layout.dtype.itemsize
-        # As opaque bytes: a structure is copied field by field, and what lies between its fields is lost.
-        every = np.ndarray((len(buffer) - size + 1,), f"V{size}", buffer, strides=(1,))  # one begins at every byte
+        # As opaque bytes: copying a structure field by field would lose the bytes between fields.
+        every = np.ndarray((len(buffer) - size + 1,), f"V{size}", buffer, strides=(1,))  # one view begins at every byte
         opaque = every[offsets[alike]]
         messages, raw = opaque.view(layout.dtype), opaque.view(np.uint8).reshape(len(opaque), size)
         same = raw[:, 1] == raw[0, 1]
@@ -145,7 +145,7 @@ def decode(
 
 
 class _Walk:
-    """Goes through a type field by field, noting where each lies."""
+    """Walks through a type field by field and records the offsets."""
 
     def __init__(self, types: Types, order: str, length_at: Callable[[int], int]) -> None:
         self.types, self.order, self.length_at = types, order, length_at

@@ -1,4 +1,4 @@
-"""Definitions of ROS messages as text, from wherever the packages are installed; needs no ROS library."""
+"""Definitions of ROS messages as text, from the installed packages; needs no ROS library."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ema_bench_replay.errors import InputError
 _SEPARATOR = "=" * 80 + "\n"
 _CONSTANT = re.compile(r"^[\w/<=\[\]]+\s+\w+\s*=")
 
-# What a bag of ours needs of ROS itself, for a machine that has none of it.
+# ROS definitions that our bags need, for machines without ROS.
 _STANDARD = {
     "builtin_interfaces/Time": "int32 sec\nuint32 nanosec\n",
     "std_msgs/Header": "builtin_interfaces/Time stamp\nstring frame_id\n",
@@ -25,15 +25,15 @@ _STANDARD = {
 
 
 class Definition(NamedTuple):
-    """What a bag says about a type."""
+    """A type's description in a bag."""
 
-    text: str  # the definition and those it depends on, as MCAP's encoding ros2msg joins them
-    type_hash: str  # RIHS01_…, or empty where the package is not built
+    text: str  # the definition and its dependencies, joined as in MCAP's encoding ros2msg
+    type_hash: str  # RIHS01_…, or empty if the package is not built
 
 
 @lru_cache(maxsize=64)
 def message_definition(type_name: str) -> Definition:
-    """Definition of a type such as `std_msgs/msg/Header`. Raises InputError where its package is not found."""
+    """Definition of a type such as `std_msgs/msg/Header`. Raises InputError if its package is not found."""
     package, name = type_name.split("/")[0], type_name.split("/")[-1]
     own, source = _read(package, name)
     joined, waiting, known = own.rstrip() + "\n", _dependencies(own, package), {f"{package}/{name}"}
@@ -49,7 +49,7 @@ def message_definition(type_name: str) -> Definition:
 
 
 def _read(package: str, name: str) -> tuple[str, Path | None]:
-    """Text of one definition, and the file it stands in (None: a standard one, from here)."""
+    """Text of one definition, and its file (None: a standard one, from this module)."""
     places = [share / package / "msg" / f"{name}.msg" for share in share_folders()]
     if root := checkout():
         places.append(root / package / "msg" / f"{name}.msg")
@@ -78,7 +78,7 @@ def _dependencies(text: str, package: str) -> list[str]:
 
 
 def _type_hash(source: Path | None, type_name: str) -> str:
-    """The hash that the build wrote beside the definition."""
+    """The hash that the build wrote next to the definition."""
     described = source.with_suffix(".json") if source else None
     if not described or not described.is_file():
         return ""

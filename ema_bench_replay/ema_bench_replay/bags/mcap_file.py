@@ -1,6 +1,6 @@
-"""MCAP files in the ROS 2 profile, written a chunk at a time from records that are bytes already.
+"""MCAP files in the ROS 2 profile, written one chunk at a time from records that are already bytes.
 
-The library's own writer takes one Python call a message; this one takes a second of data at once. The records around
+The library's own writer needs one Python call per message; this one takes a second of data at once. The records around
 the messages (schemas, channels, statistics, summary) are the library's.
 """
 
@@ -33,21 +33,21 @@ from mcap.records import (
 from ema_bench_replay.bags.spilled import Spilled
 
 MAGIC = b"\x89MCAP0\r\n"
-#: What stands before each message: opcode, length of what follows, channel, sequence, log time, publish time.
+#: Prefix of each message: opcode, length of the rest, channel, sequence, log time, publish time.
 MESSAGE_PREFIX = np.dtype(
     [
         *(("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4")),
         *(("log_time", "<u8"), ("publish_time", "<u8")),
     ]
 )
-#: Of `MESSAGE_PREFIX`, what the record's length does not count.
+#: Bytes of `MESSAGE_PREFIX` that the record's length does not include.
 PREFIX_UNCOUNTED = 9
 
 _INDEX_ENTRY = np.dtype([("log_time", "<u8"), ("offset", "<u8")])
 
 
 class Messages(NamedTuple):
-    """Message records of one channel that lie one behind the other."""
+    """Consecutive message records of one channel."""
 
     channel: int
     log_times: np.ndarray  # uint64 (n,), ns
@@ -56,27 +56,27 @@ class Messages(NamedTuple):
 
 
 class Sink(Protocol):
-    """What an MCAP is written to: a file, or what behaves like one."""
+    """Target of an MCAP: a file or file-like object."""
 
     def write(self, data: bytes, /) -> int:
-        """Take the data, all of it."""
+        """Write all of the data."""
 
 
 class McapFile:
-    """An MCAP that is being written to a stream that the caller opens and closes.
+    """An MCAP written to a stream that the caller opens and closes.
 
-    A chunk, and the end, are each given to the stream in one piece, and count once it has taken them: after an error of
-    the stream the same call may be made again.
+    Each chunk, and the end, is written in one piece and counts only once the stream has accepted it: after an error of
+    the stream the same call may be repeated.
     """
 
     def __init__(self, stream: Sink, spill: Path | None = None) -> None:
-        """Write the file's head. What grows with the file lies on the disk of the folder `spill`, where it is given."""
+        """Write the file's head. Data that grow with the file are kept on disk in the folder `spill`, if given."""
         self._stream = stream
         self._position = 0
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
         self._metadata: list[MetadataIndex] = []
-        self._chunks = Spilled(spill)  # their index as it will be written: of a long recording, nothing else grows
+        self._chunks = Spilled(spill)  # serialised index: the only part that grows with a long recording
         self._chunk_count = 0
         self._times: tuple[int, int] | None = None  # of the first and the last message
         self._counts: dict[int, int] = {}
@@ -91,7 +91,7 @@ class McapFile:
 
     @property
     def span(self) -> tuple[int, int]:
-        """Log times of the first and the last message, ns; zeros where there is none."""
+        """Log times of the first and the last message, ns; zeros if there is none."""
         return self._times or (0, 0)
 
     @property
@@ -100,7 +100,7 @@ class McapFile:
         return self._position
 
     def add_channel(self, topic: str, type_name: str, definition: str, qos: str, type_hash: str) -> int:
-        """Announce a topic; returns the channel's number. `qos` is what rosbag2 calls offered_qos_profiles (YAML)."""
+        """Add a topic; returns the channel's number. `qos` is rosbag2's offered_qos_profiles (YAML)."""
         schema = next((schema for schema in self._schemas if schema.name == type_name), None)
         if schema is None:
             schema = Schema(len(self._schemas) + 1, definition.encode(), "ros2msg", type_name)
@@ -193,7 +193,7 @@ class McapFile:
         self.close()
 
     def close(self) -> None:
-        """Let go of all that only writing needs: a long recording has many files. What was counted stays."""
+        """Release everything needed only for writing, since a long recording has many files; the counts stay."""
         self._chunks.close()
         self._compressor = None  # some 0.2 MiB of memory
         for records in (self._schemas, self._channels, self._metadata, self._unwritten):

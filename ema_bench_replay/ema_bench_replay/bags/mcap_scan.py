@@ -1,7 +1,7 @@
-"""An MCAP read from front to back in blocks of message records, as far as it is whole.
+"""Read an MCAP from front to back in blocks of message records, up to any damage.
 
-A file that was cut, or never finished, has no summary; so nothing here needs one. Message records come as blocks of
-bytes (a chunk's content, or a run of records where the writer used no chunks), to be decoded in bulk.
+A truncated or unfinished file has no summary, so none is required here. Message records come as blocks of bytes (a
+chunk's content, or consecutive records if the writer used no chunks), to be decoded in bulk.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from ema_bench_replay.bags.mcap_file import MAGIC
 from ema_bench_replay.errors import InputError
 
 _PLAIN_BLOCK = 4 << 20
-_LARGEST_CHUNK = 256 << 20  # bytes, unpacked; writers make chunks of some MiB
-_LARGEST_RATIO = 10_000  # of unpacked to packed bytes: what is only zeros packs no tighter
+_LARGEST_CHUNK = 256 << 20  # bytes, decompressed; writers make chunks of some MiB
+_LARGEST_RATIO = 10_000  # of decompressed to compressed bytes: even all zeros compress no better
 _RECORD = struct.Struct("<BQ")
 _MESSAGE = struct.Struct("<BQHIQ")  # opcode, length, channel, sequence, log time
 _FOOTER = struct.Struct("<BQQQI")  # opcode, length, starts of the summary and of its offsets, checksum
 _WHOLE_HEAD = struct.Struct("<BQHIQQ")  # the same, and the publish time
 _MESSAGE_HEAD = _WHOLE_HEAD.size  # bytes of a message record before its data
-# What the library's parsers raise where bytes are not what they should be.
+# Exceptions that the library's parsers raise on invalid bytes.
 _UNREADABLE = (McapError, struct.error, ValueError, OSError, KeyError, AssertionError, MemoryError, OverflowError)
 
 
 class Block(NamedTuple):
-    """Messages of some channels in one buffer."""
+    """Messages of one or more channels in one buffer."""
 
     data: bytes
     offsets: np.ndarray  # int64 (n,): where each message's data begins
-    sizes: np.ndarray  # int64 (n,): bytes of it
+    sizes: np.ndarray  # int64 (n,): bytes of each message's data
     log_times: np.ndarray  # int64 (n,), ns
 
 
 class Message(NamedTuple):
-    """One message as it is written."""
+    """One message as stored."""
 
     channel: int
     sequence: int
@@ -57,14 +57,14 @@ class Message(NamedTuple):
 
 
 class McapScan:
-    """One MCAP file. Once its blocks were read, `damage` says in words what was wrong with it, or is None.
+    """One MCAP file. After its blocks were read, `damage` describes what is wrong with it, or is None.
 
-    `torn` is then how many bytes lie behind the last whole record; 0 where there is no damage. `place` tells, while
-    they are read, how many of the file's `size` bytes were.
+    `torn` is then the number of bytes after the last complete record; 0 without damage. While reading, `place` is how
+    many of the file's `size` bytes have been read.
     """
 
     def __init__(self, path: Path) -> None:
-        """Read what kinds of messages the file holds. Raises InputError where it is no MCAP."""
+        """Read which message types the file holds. Raises InputError if it is not an MCAP."""
         self.path = path
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
@@ -79,7 +79,7 @@ class McapScan:
         self.place = 0
 
     def blocks(self, wanted: set[int]) -> Iterator[Block]:
-        """The messages of the wanted channels, in the file's order, up to where the file is damaged."""
+        """The messages of the wanted channels, in file order, up to any damage."""
         self.metadata, self.damage = [], None
         for data in self._contents():
             offsets, sizes, times = self._messages(data, wanted)
@@ -87,7 +87,7 @@ class McapScan:
                 yield Block(data, np.array(offsets), np.array(sizes), np.array(times))
 
     def messages(self) -> Iterator[Message]:
-        """Every message of all channels, in the file's order, up to where the file is damaged."""
+        """Every message of all channels, in file order, up to any damage."""
         self.metadata, self.damage = [], None
         for data in self._contents():
             offsets, sizes, _ = self._messages(data, set(self.channels))
@@ -102,7 +102,7 @@ class McapScan:
             raise InputError(f"{self.path}: cannot be read ({error.strerror}); check its permissions") from None
 
     def _take_summary(self) -> bool:
-        """Take schemas and channels from the file's summary; false where it has none that holds a channel."""
+        """Read schemas and channels from the file's summary; false if there is none with a channel."""
         with self._open() as file:
             self.size = file.seek(0, 2)
             try:
@@ -112,7 +112,7 @@ class McapScan:
                     return False
                 file.seek(start)
                 for record in StreamReader(file, skip_magic=True, emit_chunks=True).records:
-                    if isinstance(record, Chunk):  # which the library would unpack without bounds
+                    if isinstance(record, Chunk):  # the library would decompress it without bounds
                         return False
                     if isinstance(record, Schema):
                         self.schemas[record.id] = record
@@ -123,7 +123,7 @@ class McapScan:
         return bool(self.channels)
 
     def _contents(self) -> Iterator[bytes]:
-        """Records with messages, decompressed; other records are taken in on the way."""
+        """Decompressed message records; other records are processed on the way."""
         with self._open() as file:
             size = file.seek(0, 2)
             end = size - len(MAGIC)
@@ -171,7 +171,7 @@ class McapScan:
                 self.damage = "the file is cut"
 
     def _plain(self, file: BinaryIO, end: int) -> bytes:
-        """Message records that lie side by side outside of chunks; leaves the file behind the last whole one."""
+        """Consecutive message records outside chunks; the file position is then after the last complete one."""
         start = file.tell()
         data = file.read(_PLAIN_BLOCK)
         _, length = _RECORD.unpack_from(data)
@@ -188,12 +188,12 @@ class McapScan:
         return data[:place]
 
     def _chunk(self, content: bytes) -> bytes | None:
-        """Records in a chunk; None, with the damage noted, where they cannot be had."""
+        """Records in a chunk; None, with the damage noted, if they cannot be read."""
         try:
             chunk = Chunk.read(ReadDataStream(BytesIO(content)))
             if chunk.uncompressed_size > min(_LARGEST_CHUNK, _LARGEST_RATIO * (len(chunk.data) + 1)):
-                raise ValueError  # no writer does this
-            most = chunk.uncompressed_size + 1  # what is packed may be larger than it says
+                raise ValueError  # no valid writer produces this
+            most = chunk.uncompressed_size + 1  # the content may be larger than declared
             if chunk.compression == "zstd":
                 data = zstandard.ZstdDecompressor().stream_reader(chunk.data, read_across_frames=True).read(most)
             elif chunk.compression == "lz4":
@@ -230,12 +230,12 @@ class McapScan:
             self.damage = "a record is damaged"
 
     def _messages(self, data: bytes, wanted: set[int]) -> tuple[list[int], list[int], list[int]]:
-        """Where the data of each wanted message lies, how long it is, and its log time."""
+        """Offset, size and log time of each wanted message's data."""
         offsets: list[int] = []
         sizes: list[int] = []
         times: list[int] = []
         place, end = 0, len(data)
-        while place + _MESSAGE.size <= end:  # no record that matters here is shorter
+        while place + _MESSAGE.size <= end:  # no relevant record is shorter
             opcode, length, channel, _, time = _MESSAGE.unpack_from(data, place)
             following = place + _RECORD.size + length
             if following > end:

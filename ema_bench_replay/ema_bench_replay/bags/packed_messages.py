@@ -1,4 +1,4 @@
-"""Messages that were packed one by one, as `ros2 bag record --compression-mode message` does it."""
+"""Individually compressed messages, as written by `ros2 bag record --compression-mode message`."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import zstandard
 from ema_bench_replay.bags.cdr import CdrError
 from ema_bench_replay.bags.mcap_scan import Block
 
-_PACKED = b"\x28\xb5\x2f\xfd"  # how a frame of zstd begins, and no message in CDR
+_PACKED = b"\x28\xb5\x2f\xfd"  # magic number of a zstd frame; no CDR message begins so
 _LARGEST = 1 << 16
-"""Bytes of a message, unpacked: a state has some 250."""
+"""Maximum bytes of a decompressed message: a state has some 250."""
 _LARGEST_BLOCK = 256 << 20
-"""Bytes of all messages of a block."""
+"""Maximum bytes of all messages of a block."""
 
 
 def unpacked(block: Block) -> Block:
-    """The block with its messages as they are in CDR; itself where the first is not packed.
+    """The block with its messages decompressed to CDR; unchanged if the first is not compressed.
 
-    Raises CdrError where one cannot be unpacked, or is larger than any state.
+    Raises CdrError if a message cannot be decompressed, or is larger than any state.
     """
     first = int(block.offsets[0])
     if block.data[first : first + len(_PACKED)] != _PACKED:
@@ -35,12 +35,12 @@ def unpacked(block: Block) -> Block:
 
 
 def _message(unpacker: zstandard.ZstdDecompressor, frame: bytes) -> bytes:
-    """What a frame holds, which must be whole. Raises CdrError."""
+    """Content of a frame, which must be complete. Raises CdrError."""
     try:
         size = zstandard.get_frame_parameters(frame).content_size
         if size == zstandard.CONTENTSIZE_UNKNOWN:
-            size = len(unpacker.stream_reader(frame).read(_LARGEST + 1))  # which takes a cut frame for a whole one
-        if size > _LARGEST:  # before room is made for it
+            size = len(unpacker.stream_reader(frame).read(_LARGEST + 1))  # accepts a truncated frame as complete
+        if size > _LARGEST:  # before memory is allocated for it
             raise CdrError(f"unpacks to more than {_LARGEST >> 10} KiB, which no state has")
         return unpacker.decompress(frame, max_output_size=_LARGEST)
     except zstandard.ZstdError:

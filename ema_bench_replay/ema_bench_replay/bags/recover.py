@@ -1,4 +1,4 @@
-"""A bag that was never finished, or is damaged, as a whole one: what can be read of it, with an index."""
+"""Recover an unfinished or damaged bag: write its readable part, with an index."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ema_bench_replay.outputs import new_file
 
 
 class RecoveredTopic(NamedTuple):
-    """What was found of one topic."""
+    """What was recovered of one topic."""
 
     messages: int
     seconds: float  # from the first message to the last
@@ -22,11 +22,11 @@ class RecoveredTopic(NamedTuple):
 
 @dataclass(frozen=True)
 class Recovered:
-    """What was found in a damaged bag."""
+    """What was recovered from a damaged bag."""
 
     topics: dict[str, RecoveredTopic]
-    damage: str | None  # in words; None where the bag was whole
-    torn: int  # bytes behind the last whole record
+    damage: str | None  # in words; None if the bag was complete
+    torn: int  # bytes after the last complete record
 
     @property
     def messages(self) -> dict[str, int]:
@@ -40,21 +40,21 @@ class Recovered:
 
 
 def recover(path: Path, output: Path, *, force: bool = False) -> Recovered:
-    """Write all messages of the MCAP at ``path`` to ``output``, up to the damage; the original stays as it is.
+    """Write all messages of the MCAP at ``path`` to ``output``, up to the damage; the original is not changed.
 
-    Raises InputError where there is none to be had, or the output cannot be written.
+    Raises InputError if no message can be recovered, or the output cannot be written.
     """
     if output.suffix.lower() != ".mcap":
         raise InputError(f"{output}: is no name of a bag; give FILE.mcap")
     if output.exists() and output.samefile(path):
         raise InputError(f"{output}: is the damaged bag itself, which stays; give another name")
     scan = McapScan(path)
-    times: dict[str, tuple[int, int, int]] = {}  # of each topic: messages, first and last log time
+    times: dict[str, tuple[int, int, int]] = {}  # per topic: messages, first and last log time
     with new_file(output, force=force) as stream:
         writer = Writer(stream)
         writer.start(profile="ros2", library="ema_bench_replay")
         written: dict[int, int] = {}  # channels by their number in the original
-        schemas: dict[int, int] = {0: 0}  # a channel of schema 0 has none
+        schemas: dict[int, int] = {0: 0}  # schema 0 means none
         for message in scan.messages():
             if message.channel not in written:
                 channel = scan.channels[message.channel]

@@ -1,4 +1,4 @@
-"""Bytes that grow with a recording and are read once, at its end: most of them lie on disk, not in memory."""
+"""Bytes that grow with a recording and are read once, at its end: kept mostly on disk, not in memory."""
 
 from __future__ import annotations
 
@@ -7,19 +7,18 @@ import tempfile
 from pathlib import Path
 from typing import BinaryIO
 
-#: Bytes in memory beyond which they go to the disk.
+#: Bytes in memory beyond which they are moved to disk.
 LARGEST = 1 << 16
 
 
 class Spilled:
-    """Bytes that are only ever added to.
+    """An append-only buffer of bytes.
 
-    They go to a file without a name, which ends with the process. Where that cannot be written, they stay in memory
-    until it can.
+    They go to an unnamed file, which disappears with the process. While it cannot be written, they stay in memory.
     """
 
     def __init__(self, folder: Path | None) -> None:
-        """Keep them on the disk of a folder; without one, in memory."""
+        """Keep the bytes on disk in a folder; without one, in memory."""
         self._folder = folder
         self._file: BinaryIO | None = None
         self._on_disk = 0
@@ -27,7 +26,7 @@ class Spilled:
         self._kept = bytearray()
 
     def add(self, data: bytes) -> None:
-        """Take more."""
+        """Append data."""
         self._kept += data
         if self._folder is not None and len(self._kept) >= self._try_at:
             try:
@@ -39,7 +38,7 @@ class Spilled:
                 self._try_at = LARGEST
 
     def all(self) -> bytes:
-        """What was added. Raises OSError where it cannot be read again."""
+        """All appended bytes. Raises OSError if they cannot be read back."""
         if self._file is None:
             return bytes(self._kept)
         self._file.seek(0)
@@ -49,7 +48,7 @@ class Spilled:
         return data + self._kept
 
     def close(self) -> None:
-        """Forget them."""
+        """Discard the bytes."""
         self._kept = bytearray()
         self._on_disk, self._folder = 0, None
         if self._file is not None:

@@ -1,4 +1,4 @@
-"""A bag written while it happens: serialised messages of any type, on disk a tenth of a second after they arrived."""
+"""Write a bag in real time: serialised messages of any type, on disk a tenth of a second after arrival."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from ema_bench_replay.bags.mcap_file import MESSAGE_PREFIX, PREFIX_UNCOUNTED, Me
 from ema_bench_replay.errors import InputError
 from ema_bench_replay.outputs import new_file
 
-#: A chunk is closed when it spans this long, in its messages' time or on the clock, ns.
+#: A chunk is closed when it spans this long, in message time or wall time, ns.
 LONGEST_CHUNK = 100_000_000
-#: Messages that cannot be written now wait in memory up to this many bytes; what comes beyond them is lost.
+#: Messages that cannot be written now wait in memory up to this many bytes; further ones are lost.
 LARGEST_WAITING = 64 << 20
-#: How long a bag that cannot be written is left alone before it is tried again, ns.
+#: Time between attempts to write a bag that cannot be written, ns.
 PATIENCE = 500_000_000
 _LARGEST_CHUNK = 4 << 20
 _PREFIX = struct.Struct("<BQHIQQ")  # MESSAGE_PREFIX, for one message
@@ -45,25 +45,25 @@ class _Channel(NamedTuple):
 
 
 class StreamWriter:
-    """Writes FOLDER/NAME.mcap, NAME being the folder's own, and its metadata.yaml when it finishes.
+    """Writes FOLDER/NAME.mcap, where NAME is the folder's, and its metadata.yaml at the end.
 
-    The next files are NAME_1.mcap, NAME_2.mcap and so on. A new one begins when one is as large or as long as it may
-    be, and where one was removed, or fails for another reason than room. Where nothing can be written, messages wait in
-    memory and are written when that is possible again.
+    The next files are NAME_1.mcap, NAME_2.mcap and so on. A new one begins when the current one reaches its maximum
+    size or duration, was removed, or fails for a reason other than lack of space. While nothing can be written,
+    messages wait in memory and are written later.
 
-    What arrived longer ago than a chunk lasts is on disk if messages keep coming, or if `flush` is called now and then;
-    a bag that was never finished can be read up to there. Not for several threads at once.
+    Messages older than one chunk are on disk if messages keep coming, or if `flush` is called regularly; an unfinished
+    bag can be read up to there. Not thread-safe.
 
     Attributes:
         path: the newest file.
-        problem: why nothing can be written now, in a sentence; empty where all is well.
+        problem: why nothing can be written now, in a sentence; empty if there is no problem.
     """
 
     def __init__(
         self, folder: str | Path, *, force: bool = False, max_size: int = 0, max_duration: float = 0.0
     ) -> None:
-        """Begin the first file. A file is followed by the next at `max_size` bytes, and spans at most `max_duration` s,
-        where these are not 0. Raises InputError where the bag exists (without `force`) or cannot be written.
+        """Begin the first file. A new file begins after `max_size` bytes or `max_duration` s, unless these are 0.
+        Raises InputError if the bag exists (without `force`) or cannot be written.
         """
         self.folder = Path(folder)
         self.problem = ""
@@ -73,8 +73,8 @@ class StreamWriter:
         self._files: list[BagFile] = []
         self._current: BagFile | None = None
         self._waiting: deque[list[Messages]] = deque()
-        self._dropped: Counter[int] = Counter()  # messages that found no room in memory either, by channel
-        self._again = 0  # monotonic ns before which the disk is not tried
+        self._dropped: Counter[int] = Counter()  # messages that did not fit in memory either, by channel
+        self._again = 0  # monotonic ns before which the disk is not tried again
         self._opened = 0  # monotonic ns at which the open chunk got its first message
         self._first = 0  # log time of that message
         self._size = 0
@@ -92,13 +92,13 @@ class StreamWriter:
 
     @property
     def written(self) -> dict[str, int]:
-        """Messages in the bag's files, as far as these are there, by topic."""
+        """Messages in the bag's existing files, by topic."""
         counts = _sum(file.content.counts for file in self._files if file.is_kept)
         return {channel.topic: counts[channel.number] for channel in self._channels.values()}
 
     @property
     def lost(self) -> dict[str, int]:
-        """Messages that came and are in no file that is there, nor wait for one, by topic."""
+        """Received messages that are in no existing file and not waiting for one, by topic."""
         counts = _sum([self._dropped, *(file.content.counts for file in self.removed)])
         return {channel.topic: counts[channel.number] for channel in self._channels.values()}
 
@@ -109,21 +109,21 @@ class StreamWriter:
 
     @property
     def removed(self) -> list[BagFile]:
-        """Files with messages that are no longer where they were written."""
+        """Files with messages that no longer exist under their name."""
         return [file for file in self._files if file.messages and not file.is_kept]
 
     @property
     def unfinished(self) -> list[Path]:
-        """Files that were left without an index."""
+        """Files without an index."""
         return [f.path for f in self._files if f is not self._current and not f.is_whole and f.is_kept]
 
     @property
     def files(self) -> list[Path]:
-        """The bag's files that are there."""
+        """The bag's existing files."""
         return [file.path for file in self._files if file.is_kept]
 
     def add_topic(self, topic: str, type_name: str, qos: str) -> None:
-        """Announce a topic before its first message; `qos` as `bag_metadata.qos_profile` writes it, one or several."""
+        """Add a topic before its first message; `qos` as from `bag_metadata.qos_profile`, one or several."""
         definition = message_definition(type_name)
         number = len(self._channels) + 1
         channel = _Channel(topic, number, type_name, definition.text, definition.type_hash, qos, bytearray(), [], [])
@@ -153,17 +153,17 @@ class StreamWriter:
         self._size += MESSAGE_PREFIX.itemsize + len(data)
 
     def flush(self) -> None:
-        """Put on disk what has arrived, or keep it until that can be done; `problem` tells which."""
+        """Write received messages to disk, or keep them until that is possible; `problem` says which."""
         self._close_chunk()
         if self._waiting and time.monotonic_ns() >= self._again:
             self._write_waiting()
         while sum(len(group.records) for chunk in self._waiting for group in chunk) > LARGEST_WAITING:
-            self._drop(self._waiting.pop())  # the newest: one gap, behind what is kept
+            self._drop(self._waiting.pop())  # the newest, so that there is one gap after the kept ones
 
     def finish(self) -> dict[str, int]:
-        """Close the bag; returns how many messages of each topic are in it. What cannot be written now is lost.
+        """Close the bag; returns the number of messages per topic. What cannot be written now is lost.
 
-        Raises InputError where its metadata.yaml cannot be written.
+        Raises InputError if its metadata.yaml cannot be written.
         """
         self._close_chunk()
         if self._waiting:
@@ -213,7 +213,7 @@ class StreamWriter:
                 self._finish_others()
 
     def _file_for(self, chunk: list[Messages]) -> BagFile:
-        """The file that a chunk belongs in: the current one, or the next."""
+        """The file for a chunk: the current one, or the next."""
         file = self._current
         if file is not None and (not file.is_kept or self._is_full(file, chunk)):
             self._leave(file)
@@ -231,7 +231,7 @@ class StreamWriter:
         return bool(too_long or (max_size and file.content.size >= max_size))
 
     def _next_path(self) -> Path:
-        """Where no file is yet. The folder is made where it was removed, but none above it: a disk may be gone."""
+        """An unused path. A removed folder is created again, but none above it: a disk may be gone."""
         self.folder.mkdir(exist_ok=True)
         number = len(self._files)
         while (path := self.folder / f"{self.folder.name}_{number}.mcap").exists():
@@ -246,12 +246,12 @@ class StreamWriter:
         self._current, self.path = file, path
 
     def _leave(self, file: BagFile) -> None:
-        """Go on without this file, which is finished now, or, where only room lacks, later."""
+        """Continue without this file; it is finished now, or later if only space is lacking."""
         self._current = None
         try:
             file.finish()
         except OSError as error:
-            if error.errno not in NO_ROOM or not file.is_kept:  # one that was removed would keep its room
+            if error.errno not in NO_ROOM or not file.is_kept:  # a removed one would keep its disk space
                 file.close()
         if not file.messages and file.is_kept:
             file.close()
@@ -280,7 +280,7 @@ def _announce(file: BagFile, channel: _Channel) -> None:
     number = file.content.add_channel(
         channel.topic, channel.type_name, channel.definition, channel.qos, channel.type_hash
     )
-    assert number == channel.number  # every file numbers the topics alike
+    assert number == channel.number  # topics have the same numbers in every file
 
 
 def _sum(counts: Iterable[Mapping[int, int]]) -> Counter[int]:

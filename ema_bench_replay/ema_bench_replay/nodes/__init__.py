@@ -1,1 +1,1 @@
-"""The ROS nodes of recordings, `replay` and `record`, and what all nodes share."""
+"""The ROS nodes `replay` and `record`, and code shared by all nodes."""

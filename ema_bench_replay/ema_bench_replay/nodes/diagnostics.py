@@ -1,4 +1,4 @@
-"""What a node tells about itself on `/diagnostics`, once a second."""
+"""A node's report about itself on `/diagnostics`, once a second."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PERIOD = 1.0
 
 @dataclass(frozen=True)
 class Report:
-    """A node's condition: level, one line, and figures by name; what has a unit is a text that holds it."""
+    """A node's condition: level, one line, and figures by name; a figure with a unit is a text that includes it."""
 
     level: bytes
     message: str
@@ -33,7 +33,7 @@ class Diagnostics:
     """Publishes a node's report on `/diagnostics` every second."""
 
     def __init__(self, node: Node, about: str, hardware: str, report: Callable[[], Report]) -> None:
-        """`about` says what is reported; `hardware` names what it is of: a recording, a model."""
+        """`about` names the topic of the report; `hardware` its subject: a recording, a model."""
         self._node = node
         self._about = about
         self._hardware = hardware

@@ -1,4 +1,4 @@
-"""States as they arrive on a topic, from whoever sends them: nothing that comes may end the node that listens."""
+"""States received on a topic from any sender: no message may end the receiving node."""
 
 from __future__ import annotations
 
@@ -8,32 +8,32 @@ import struct
 from .sample_codec import State, read_state
 
 BEYOND_ALL = 1e12
-"""In SI units no machine's signal is larger; what a wrong bit makes of one is, and its square beyond all numbers."""
-_UNREADABLE = (struct.error, IndexError, ValueError, OverflowError, RuntimeError)  # RuntimeError: rclpy's own
+"""No machine's signal is larger in SI units. A flipped bit can make it so large that its square overflows."""
+_UNREADABLE = (struct.error, IndexError, ValueError, OverflowError, RuntimeError)  # RuntimeError: raised by rclpy
 
 
 class Incoming:
-    """Reads the messages of one topic, and counts what was wrong with them.
+    """Reads the messages of one topic, and counts faulty ones.
 
     Attributes:
-        unreadable: messages that are no EmaState, and were left out.
-        absurd: values that are infinite or beyond all machines; they are taken for unknown.
+        unreadable: messages that are not an EmaState, and were skipped.
+        absurd: values that are infinite or impossibly large; they are treated as unknown.
     """
 
     def __init__(self, topic: str) -> None:
-        """`topic` is named in what is said of it."""
+        """`topic` is named in the messages."""
         self._topic = topic
         self.unreadable = 0
         self.absurd = 0
 
     def read(self, message: bytes) -> State | None:
-        """The state that a message holds; None where it holds none."""
+        """The state in a message; None if it holds none."""
         try:
             state = read_state(message)
         except _UNREADABLE:
             self.unreadable += 1
             return None
-        wrong = [name for name, value in state.signals.items() if abs(value) > BEYOND_ALL]  # NaN is not
+        wrong = [name for name, value in state.signals.items() if abs(value) > BEYOND_ALL]  # NaN does not count
         if wrong:
             self.absurd += len(wrong)
             state.signals.update(dict.fromkeys(wrong, math.nan))
@@ -41,7 +41,7 @@ class Incoming:
 
     @property
     def complaint(self) -> str:
-        """What was wrong, in words; empty where nothing was."""
+        """What was wrong, in words; empty if nothing was."""
         told = []
         if self.unreadable:
             told.append(f"{self.unreadable} messages on {self._topic} are no EmaState and were left out")

@@ -12,11 +12,11 @@ from . import qos
 from .messages import joint_message
 
 _PERIOD = 10_000_000
-"""ns; the tools that read joint states draw them, and 100 Hz is more than they show."""
+"""ns; tools only draw joint states, and 100 Hz is more than they show."""
 
 
 class JointStates:
-    """Publishes those samples that are due by the clock, and drops the others."""
+    """Publishes at most one sample per period, and drops the others."""
 
     def __init__(self, node: Node, topic: str) -> None:
         self._publisher = node.create_publisher(JointState, topic, qos.JOINT_STATES)

@@ -1,4 +1,4 @@
-"""A publisher of which no message is lost: it waits for its slowest reader."""
+"""A publisher that loses no message: it waits for its slowest reader."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class KeepAllPublisher:
     """Publishes serialised messages on a keep-all topic.
 
     Once a reader is a full history behind, `publish` blocks for about 0.1 s and raises. Sending the same message again
-    is the flow control: the sender goes no faster than its slowest reader. Readers in the sender's own executor cannot
-    come that far behind, as long as each callback sends far fewer messages than a history holds.
+    is the flow control: the sender is no faster than its slowest reader. Readers in the sender's own executor cannot
+    fall that far behind, as long as each callback sends far fewer messages than a history holds.
 
     Attributes:
         sent: messages sent.
-        repeated: times that a message has to be sent again.
+        repeated: times that a message had to be sent again.
     """
 
     def __init__(self, node: Node, message_type: type, topic: str, qos: QoSProfile) -> None:
@@ -29,7 +29,7 @@ class KeepAllPublisher:
         self.repeated = 0
 
     def try_send(self, message: bytes) -> bool:
-        """Send; false where a reader is behind, and the same message is to be sent again later."""
+        """Send; false if a reader is behind, and the same message must be sent again later."""
         try:
             self._publisher.publish(message)
         except rclpy_implementation.RCLError:
@@ -39,17 +39,17 @@ class KeepAllPublisher:
         return True
 
     def send(self, message: bytes) -> None:
-        """Send; where a reader is behind, wait for it. Gives up only when the process is to end."""
+        """Send, and wait for readers that are behind. Gives up only when the process is to end."""
         while not self.try_send(message):
             if interrupted() or not self._context.ok():
                 return
 
     @property
     def readers(self) -> int:
-        """Number of subscriptions that have been found."""
+        """Number of subscriptions found."""
         return self._publisher.get_subscription_count()
 
     @property
     def all_received(self) -> bool:
-        """Whether every reader has received all that was sent."""
+        """Whether every reader has received everything sent."""
         return self._publisher.wait_for_all_acked(Duration())

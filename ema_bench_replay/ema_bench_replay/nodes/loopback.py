@@ -1,20 +1,20 @@
-"""Who hears the nodes, and for how long a silent one is waited for, unless ROS's own variables say otherwise.
+"""Restrict the nodes to this machine, and set how long they wait for a silent one, unless ROS's variables decide.
 
-ROS looks for other nodes in the whole network and listens on every address. A bench's drive is steered by neither, but
-whoever is heard may pause a replay and switch effects on. So where nobody has chosen a range, nodes are looked for on
-this machine, and data go by 127.0.0.1 alone. Other nodes of the machine, of whatever range, are heard and hear.
+ROS looks for other nodes in the whole network and listens on every address. Neither node drives a bench, but anybody
+who reaches them may pause a replay and switch effects on. So unless a range is chosen, nodes are discovered on this
+machine only, and data use 127.0.0.1 only. All other nodes on the machine, of any range, can communicate with them.
 
-A process that is killed takes no leave. Fast DDS waits 20 s for it, and a bench of which no sample is lost halts as
-long. Here a process counts as gone once nothing was heard of it for 3 s; it announces itself every second. That is less
-than the 5 s that the 5000 kept samples last at 1 kHz. Shared memory is left out: a reader that is killed while it holds
-one of its locks makes every sender wait for that lock, up to 1 s. It takes no less processor time than UDP.
+A killed process does not sign off. Fast DDS waits 20 s for it, and a bench that loses no sample halts for as long. Here
+a process counts as gone after 3 s of silence; it announces itself every second. That is less than the 5 s that the 5000
+kept samples last at 1 kHz. Shared memory is not used: a reader killed while it holds one of its locks makes every
+sender wait for that lock, up to 1 s. It does not take less processor time than UDP either.
 
 The kernel drops UDP packets for a process that is not served in time: its buffer holds some 250 samples, of the 5000
-that a node gets as it joins. A reader asks for them when the sender tells what it has sent, which Fast DDS does every
-3 s: again and again 3 s on a machine that is busy, and the bench halts meanwhile. Here it is told every 0.02 s.
+that a node gets when it joins. A reader requests missing samples when the sender announces what it has sent. Fast DDS
+does so every 3 s, so a busy machine waits 3 s repeatedly, and the bench halts meanwhile. Here it is every 0.02 s.
 
-Once all its places are full, Fast DDS tells it with every sample as well. A reader whose places are full then asks for
-256 samples each time, has to refuse them again, and has no time left for its work. Here it does not.
+Once its history is full, Fast DDS also announces with every sample. A reader whose history is full then requests 256
+samples each time, has to refuse them again, and has no time left for its work. This is disabled here.
 """
 
 from __future__ import annotations
@@ -29,20 +29,20 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from ema_bench_replay.errors import InputError
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-"""ROS's variable: SUBNET opens the nodes to the network, as plain ROS has it; LOCALHOST, SYSTEM_DEFAULT, OFF."""
+"""ROS's variable: SUBNET opens the nodes to the network, as plain ROS does; others: LOCALHOST, SYSTEM_DEFAULT, OFF."""
 PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE")
-"""Where Fast DDS looks for transports: today's variable, and that of older versions."""
+"""Variables with Fast DDS's transport profile: the present one, and that of older versions."""
 LOOPBACK = Path(__file__).with_name("loopback.xml")
 _LOOPBACK_ADDRESS = "0100007F"
 """127.0.0.1 as the kernel lists it."""
 _FIRST_PORT, _PORTS = 7400, 250
-"""The first port of domain 0, and how many each domain has (DDS-RTPS 2.5, 9.6.2: PB and DG)."""
+"""First port of domain 0, and number of ports per domain (DDS-RTPS 2.5, 9.6.2: PB and DG)."""
 
 
 def keep_to_this_machine(environment: MutableMapping[str, str] = os.environ) -> None:
-    """Let the nodes of this process, and of its children, hear this machine alone; before ROS starts.
+    """Restrict the nodes of this process and its children to this machine; call before ROS starts.
 
-    A range, or a profile of transports, that the environment holds already stays as it is.
+    A range or transport profile that is already set in the environment is kept.
     """
     if environment.get(RANGE):
         return
@@ -50,16 +50,15 @@ def keep_to_this_machine(environment: MutableMapping[str, str] = os.environ) -> 
     if not fast_dds or any(environment.get(name) for name in PROFILES):
         environment[RANGE] = "LOCALHOST"
         return
-    environment[RANGE] = "SYSTEM_DEFAULT"  # what the profile says; for LOCALHOST, ROS would add shared memory to it
+    environment[RANGE] = "SYSTEM_DEFAULT"  # uses the profile; for LOCALHOST, ROS would add shared memory
     environment.update(dict.fromkeys(PROFILES, str(LOOPBACK)))
 
 
 def check_kept_to_this_machine(node: Node, environment: Mapping[str, str] = os.environ) -> None:
-    """Raise InputError where Fast DDS has not taken our profile, and this process listens on every address.
+    """Raise InputError if Fast DDS has not applied our profile and this process listens on every address.
 
-    After the first node of a process is made, and before it is served: nobody was answered until then. What somebody
-    has chosen himself is his: a range, a profile or a middleware of his own is not looked at, nor a system without
-    Linux's list of sockets.
+    Call it after the first node is created and before it is served: nobody has been answered until then. A range,
+    profile or middleware chosen by the user is not checked, nor is a system without Linux's list of sockets.
     """
     table = Path("/proc/self/net/udp")
     ours = environment.get(RANGE) == "SYSTEM_DEFAULT" and environment.get(PROFILES[0]) == str(LOOPBACK)
@@ -80,7 +79,7 @@ def check_kept_to_this_machine(node: Node, environment: Mapping[str, str] = os.e
 
 
 def _target(descriptor: Path) -> str:
-    """What a descriptor of this process is of; nothing where it was closed meanwhile."""
+    """Target of a descriptor of this process; empty if it was closed meanwhile."""
     try:
         return str(descriptor.readlink())
     except OSError:

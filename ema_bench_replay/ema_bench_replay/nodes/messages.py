@@ -28,7 +28,7 @@ def signals_message(signals: Mapping[str, float]) -> Signals:
 
 
 def joint_message(stamp: int, signals: Mapping[str, float]) -> JointState:
-    """Both shafts as joints, for the tools that people already have: position [rad] and the motor's speed [rad/s]."""
+    """Both shafts as joints, for standard tools: position [rad] and the motor's speed [rad/s]."""
     return JointState(
         header=header(stamp),
         name=["motor", "output"],

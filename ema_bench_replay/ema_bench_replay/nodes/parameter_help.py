@@ -1,4 +1,4 @@
-"""What a node's ``--help`` prints: its parameters with default, range, unit and meaning, and an example. No ROS."""
+"""Text of a node's ``--help``: its parameters with default, range, unit and meaning, and an example. No ROS."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .parameters import Declaration
 
 
 def parameter_help(node: str, parameters: Sequence[Declaration]) -> str:
-    """The lines of all ``parameters`` of a node of that name; the example sets the first of them."""
+    """Help lines of all ``parameters`` of a node of that name; the example sets the first of them."""
     lines = [f"Parameters of the node {node}, each given as --ros-args -p NAME:=VALUE:", ""]
     for p in parameters:
         default = ", ".join(p.default) if isinstance(p.default, tuple) else p.default

@@ -1,4 +1,4 @@
-"""Declaring a node's parameters: with description, unit and range, and one line of refusal where one is wrong."""
+"""Declare a node's parameters with description, unit and range; a wrong value is refused in one line."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Declaration:
 
     @property
     def range(self) -> str:
-        """What the parameter may be, in words; empty where anything goes."""
+        """Allowed values in words; empty if unrestricted."""
         if self.choices:
             return f"one of {', '.join(self.choices)}"
         if math.isinf(self.lower) and math.isinf(self.upper):
@@ -46,7 +46,7 @@ class Declaration:
         return f"{self.lower:g} to {self.upper:g} {self.unit}".rstrip()
 
     def checked(self, value: Any) -> Any:
-        """The value in the parameter's own type; whole numbers pass for floats. Raises InputError with the range."""
+        """The value in the parameter's own type; integers are accepted for floats. Raises InputError with the range."""
         kind = type(self.default)
         if kind is float and type(value) is int:
             value = float(value)
@@ -67,14 +67,14 @@ class Declaration:
         return value
 
     def descriptor(self) -> ParameterDescriptor:
-        """What `ros2 param describe` shows."""
+        """Descriptor shown by `ros2 param describe`."""
         number = isinstance(self.default, float) and (math.isfinite(self.lower) or math.isfinite(self.upper))
-        most = sys.float_info.max  # a range of ROS has two finite ends
+        most = sys.float_info.max  # a ROS range needs two finite ends
         return ParameterDescriptor(
             description=f"{self.description} [{self.unit}]" if self.unit else self.description,
             additional_constraints=self.range,
             read_only=self.fixed,
-            # A whole number for a float (`rate:=5`) is no mistake; `checked` holds the type.
+            # An integer for a float (`rate:=5`) is allowed; `checked` enforces the type.
             dynamic_typing=True,
             floating_point_range=[FloatingPointRange(from_value=max(self.lower, -most), to_value=min(self.upper, most))]
             if number
@@ -103,7 +103,7 @@ def declare(node: Node, declarations: Iterable[Declaration]) -> dict[str, Any]:
 
 
 def refuse_unknown(node: Node) -> None:
-    """Raise InputError on a parameter given at the start that the node lacks: ROS would silently not apply it."""
+    """Raise InputError on a parameter given at the start that the node lacks: ROS would silently ignore it."""
     for name in node._parameter_overrides:  # rclpy has no public way to see them
         if not node.has_parameter(name) and not name.startswith(_FOREIGN):
             near = difflib.get_close_matches(name, node._parameters, n=1)
@@ -112,7 +112,7 @@ def refuse_unknown(node: Node) -> None:
 
 
 def check_all(declarations: Iterable[Declaration], parameters: Iterable[Parameter]) -> SetParametersResult:
-    """The answer to a request to set parameters of a running node: refused with the range where one is wrong."""
+    """Result of a request to set parameters of a running node: refused with the range if one is wrong."""
     by_name = {declaration.name: declaration for declaration in declarations}
     try:
         for parameter in parameters:

@@ -1,4 +1,4 @@
-"""When which sample of a recording is due. No ROS: the caller brings the clock."""
+"""Schedule of a recording's samples. No ROS: the caller supplies the clock."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from ema_bench_replay.errors import InputError
 class Playback:
     """The schedule of a recording's samples against a monotonic clock, `now` [ns].
 
-    A sample's deadline is the pass's beginning plus its time in the recording over `rate`: deadlines are absolute, so
-    a late caller catches up and nothing drifts. A *pass* is an uninterrupted stretch of samples: each start, loop and
-    seek begins one; a pause does not.
+    A sample's deadline is the start of the pass plus its time in the recording divided by `rate`. Deadlines are
+    absolute, so a late caller catches up and nothing drifts. A *pass* is an uninterrupted sequence of samples: each
+    start, loop and seek begins one; a pause does not.
 
     Attributes:
-        rate: speed of playing, 1 is real time; 0 plays as fast as it goes.
+        rate: playing speed, 1 is real time; 0 plays as fast as possible.
         first: index of the first sample of this pass.
-        next: index of the next sample; the number of samples where all were played.
-        passes: number of passes begun, this one included.
+        next: index of the next sample; the number of samples once all were played.
+        passes: number of passes begun, including this one.
         paused: whether time stands still.
     """
 
@@ -38,12 +38,12 @@ class Playback:
             stamps: int64 (n,), ns since the recording's first sample, increasing from 0.
             rate: see the class.
             loop: begin again at `start` after the last sample.
-            start: place of the first sample to play, and to return to in a loop; s since the recording's first sample.
-            paused: begin with time standing still.
+            start: time of the first sample to play, also in later loops; s since the recording's first sample.
+            paused: begin paused.
             now: the clock [ns].
 
         Raises:
-            InputError: where `start` is not within the recording.
+            InputError: if `start` is not within the recording.
         """
         self._stamps = stamps
         self._start = self.index_at(start)
@@ -55,7 +55,7 @@ class Playback:
         self._begin(self._start, now)
 
     def index_at(self, position: float) -> int:
-        """Index of the first sample at or after `position` [s]. Raises InputError where there is none."""
+        """Index of the first sample at or after `position` [s]. Raises InputError if there is none."""
         duration = int(self._stamps[-1]) * 1e-9
         if not 0.0 <= position <= duration:
             raise InputError(f"position: {position:g} s is not within the recording; give 0 to {duration:g} s")
@@ -67,13 +67,13 @@ class Playback:
         return self.next == len(self._stamps)
 
     def wait(self, now: int) -> int | None:
-        """Time [ns] until sample `next` is due, 0 or negative where it is; None while paused, and at the end."""
+        """Time [ns] until sample `next` is due, 0 or negative if it is due; None while paused, and at the end."""
         if self.ended or (self.paused and not self._steps):
             return None
         return self._deadline() - now if self.rate and not self.paused else 0
 
     def played(self) -> None:
-        """Sample `next` was played: the one after it is next. In a loop, a new pass follows the last sample."""
+        """Advance after sample `next` was played. In a loop, a new pass follows the last sample."""
         self.next += 1
         if self._steps:
             self._steps -= 1
@@ -81,7 +81,7 @@ class Playback:
             self._begin(self._start, self._deadline())
 
     def position(self, now: int) -> int:
-        """The place that playing has reached, also between samples: ns since the recording's first sample."""
+        """Present position, also between samples: ns since the recording's first sample."""
         last = int(self._stamps[max(self.next - 1, self.first)])
         if self.paused or not self.rate or self.ended:
             return last
@@ -89,23 +89,23 @@ class Playback:
         return min(max(reached, last), int(self._stamps[self.next]))
 
     def start(self, now: int) -> None:
-        """Count time from here: sample `next` is due now."""
+        """Start the clock: sample `next` is due now."""
         self._anchor = now
         self._anchor_stamp = self._stamp_of_next()
 
     def pause(self) -> None:
-        """Let time stand still."""
+        """Stop time."""
         self.paused = True
 
     def resume(self, now: int) -> None:
-        """Go on with the next sample at once, where time stood still."""
+        """Continue a paused playback at once with the next sample."""
         if self.paused:
             self.paused = False
             self._steps = 0
             self.start(now)
 
     def step(self) -> None:
-        """Let one more sample be due although time stands still. Raises InputError where it does not, or at the end."""
+        """Make one more sample due while paused. Raises InputError if not paused, or at the end."""
         if not self.paused:
             raise InputError("step: playing is not paused; pause it first")
         if self.ended:
@@ -117,7 +117,7 @@ class Playback:
         self._begin(self.index_at(position), now)
 
     def set_rate(self, rate: float, now: int) -> None:
-        """Play at another rate from the next sample on."""
+        """Change the rate from the next sample on."""
         self.rate = rate
         self.start(now)
 
@@ -133,7 +133,7 @@ class Playback:
         return self._anchor + int((self._stamp_of_next() - self._anchor_stamp) / self.rate)
 
     def _stamp_of_next(self) -> int:
-        """The stamp of sample `next`; after the last sample, one sample period on."""
+        """The stamp of sample `next`; after the last sample, one sample period later."""
         if not self.ended:
             return int(self._stamps[self.next])
         period = np.median(np.diff(self._stamps)) if len(self._stamps) > 1 else 1_000_000_000

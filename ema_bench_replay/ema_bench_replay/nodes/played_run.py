@@ -1,4 +1,4 @@
-"""The run in which a recording is played, from one of its samples to its end. No ROS."""
+"""One run of a replay, from a sample of the recording to its end. No ROS."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ class PlayedRun:
 
     Attributes:
         number: the run's number.
-        part: what of the recording is played.
+        part: the part of the recording that is played.
     """
 
     def __init__(self, recording: Recording, first: int, number: int) -> None:
-        """The run that begins with the sample of index `first`."""
+        """Begin the run at the sample with index `first`."""
         self.number = number
         self.part = recording.between(float(recording.time[first]))
         self._first = first
@@ -25,7 +25,7 @@ class PlayedRun:
         }
 
     def sample(self, index: int) -> tuple[int, int, dict[str, float]]:
-        """Stamp [ns since the epoch], sequence and fields (SI) of the sample that the recording has at `index`."""
+        """Stamp [ns since the epoch], sequence and fields (SI) of the recording's sample at `index`."""
         sequence = index - self._first
         values = {name: column.item(sequence) for name, column in self._columns}
         return self.part.start + self.part.stamps.item(sequence), sequence, values | self._origins

@@ -1,4 +1,4 @@
-"""Messages lost on a topic, by the numbers that its publisher gives to its own."""
+"""Count messages lost on a topic, from the sequence numbers of its publisher."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 
 class PublishedNumbers:
-    """Follows the numbers of a topic's messages, which each publisher counts for itself.
+    """Tracks the sequence numbers of a topic's messages, which each publisher counts separately.
 
-    A message does not say whose it is: where several publish, what is lost is not known. A number that falls is of a
-    publisher that began anew. What one sent before it was first heard is not counted: it may be older than the
+    A message does not identify its publisher: with several publishers, losses are unknown. A falling number means that
+    the publisher restarted. Messages sent before the first one received are not counted: they may be older than the
     subscription.
 
     Attributes:
@@ -17,13 +17,13 @@ class PublishedNumbers:
     """
 
     def __init__(self, publishers: Callable[[], int]) -> None:
-        """`publishers` tells how many publish now; it is asked only where a number does not follow the last."""
+        """`publishers` returns the present number of publishers; it is called only if a number does not follow."""
         self._publishers = publishers
         self._last: int | None = None
         self.known = True
 
     def lost_before(self, number: int | None) -> int:
-        """How many messages went missing before this one; `number` None where the middleware gives none."""
+        """Number of messages missing before this one; `number` is None if the middleware gives none."""
         last, self._last = self._last, number
         if not self.known or last is None or number is None or number == last + 1:
             self.known = self.known and number is not None

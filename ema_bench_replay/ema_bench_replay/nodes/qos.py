@@ -1,4 +1,4 @@
-"""Quality of service of every topic, in one place: a publisher and a subscriber that differ here do not meet."""
+"""Quality of service of every topic, in one place: publisher and subscriber connect only if they match."""
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
@@ -7,15 +7,15 @@ STATE = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     history=HistoryPolicy.KEEP_ALL,
 )
-"""Samples: none is lost. A reader that is late gets what was sent before it came, up to the 5000 that Fast DDS keeps; a
-reader that is slow makes `publish` raise (see `KeepAllPublisher`)."""
+"""Samples: none is lost. A late reader gets earlier samples, up to the 5000 that Fast DDS keeps; a slow reader makes
+`publish` raise (see `KeepAllPublisher`)."""
 
 STATE_FROM_NOW = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.VOLATILE,
     history=HistoryPolicy.KEEP_ALL,
 )
-"""For a subscriber that joins a bench which has been running: samples from now on only."""
+"""For a subscriber that joins a running bench: samples from now on only."""
 
 RESIDUAL = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
@@ -30,7 +30,7 @@ LATEST = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
     depth=1,
 )
-"""Health and run: who comes late learns the present state at once."""
+"""Health and run: a late subscriber gets the latest message at once."""
 
 JOINT_STATES = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
@@ -50,5 +50,5 @@ DIAGNOSTICS = JOINT_STATES
 
 
 def state(from_start: bool) -> QoSProfile:
-    """A sample subscriber's profile: with the samples sent before it came, or from now on."""
+    """A sample subscriber's profile: with earlier samples, or from now on."""
     return STATE if from_start else STATE_FROM_NOW

@@ -1,4 +1,4 @@
-"""The node `record`: topics into a bag, as they come."""
+"""The node `record`: writes topics to a bag as they arrive."""
 
 from __future__ import annotations
 
@@ -32,40 +32,40 @@ PARAMETERS = (
 )
 
 _LOOK_AROUND = 0.1
-"""s between two looks for topics that have come up."""
+"""s between checks for new topics."""
 _COLLECT = 0.01
-"""s between two emptyings of what DDS has kept for us."""
+"""s between two reads of the messages kept by DDS."""
 _AT_ONCE = 2000
-"""Messages of a topic taken in one go: the others, and a signal to end, shall not wait longer."""
+"""Maximum messages of a topic taken at once, so that other topics and a signal to end do not wait longer."""
 _LAST_WORDS = 10.0
-"""s at the end for what has arrived and was not taken yet."""
+"""s at the end for messages that have arrived and were not taken yet."""
 _FLUSH = 0.1
-"""s after which a message is on disk, however slowly they come."""
+"""s after which a message is on disk, even at low rates."""
 _WATCH = 1.0
-"""s between two looks whether the files are still there."""
+"""s between two checks whether the files still exist."""
 
 
 class RecordNode(Node):
-    """Records every message of the topics, serialised as it is.
+    """Records every message of the topics in serialised form.
 
-    A topic is subscribed to as it is published: reliable where every publisher is, so that nothing is lost, with the
-    messages sent before where every publisher keeps them. What is lost is counted.
+    A subscription matches its publishers: reliable if every publisher is, so that nothing is lost, and with earlier
+    messages if every publisher keeps them. Losses are counted.
 
-    The recorded topics are not served by the executor but emptied on a timer: only so do messages come with their times
-    and numbers (`EventsExecutor` of these rclpy versions fails where a callback wants them), and DDS's own report of
-    losses must not be asked for: taking it while more are lost locks up rmw_fastrtps.
+    The recorded topics are not served by the executor but read on a timer. Only then do messages come with their times
+    and numbers (`EventsExecutor` of these rclpy versions fails if a callback wants them). DDS's own report of losses
+    must not be used: reading it while more are lost blocks rmw_fastrtps.
 
-    Where the disk is full, or the file or its folder is gone, that is told, messages wait in memory, and the recording
-    goes on when it can; what is lost is counted. Files are split where that is asked for, as `ros2 bag record` does it.
+    If the disk is full, or the file or its folder is gone, this is reported, messages wait in memory, and the recording
+    continues when possible; losses are counted. Files are split if requested, as with `ros2 bag record`.
 
     Attributes:
-        missed: messages that did not come, by topic.
-        faults: why the finished recording is not whole, in words; empty where it is, or lacks only what came by best
-            effort and did not come.
+        missed: messages that did not arrive, by topic.
+        faults: why the finished recording is incomplete, in words; empty if it is complete, or lacks only best-effort
+            messages that did not arrive.
     """
 
     def __init__(self, *, parameters: Sequence[Parameter] = (), context: Context | None = None) -> None:
-        """Raises InputError where a parameter is wrong, or the output cannot be written."""
+        """Raises InputError if a parameter is wrong, or the output cannot be written."""
         super().__init__("record", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
@@ -93,12 +93,12 @@ class RecordNode(Node):
 
     @property
     def ready_words(self) -> str:
-        """What the node says when it runs."""
+        """The line that the node logs when it runs."""
         return f"writes {', '.join(self._patterns)} to {self._writer.path}"
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:
-        """Those that an executor serves: none of the recorded topics."""
+        """Subscriptions served by the executor: none of the recorded topics."""
         recorded = {id(subscription) for subscription in self._recorded.values()}
         return (subscription for subscription in super().subscriptions if id(subscription) not in recorded)
 
@@ -123,11 +123,11 @@ class RecordNode(Node):
         profile = _matching(offered)
         if profile.reliability == ReliabilityPolicy.BEST_EFFORT:
             self._best_effort.add(topic)
-        # rclpy wants a callback, but no executor serves the subscription
+        # rclpy requires a callback, but no executor serves the subscription
         self._recorded[topic] = self.create_subscription(message_type, topic, lambda _message: None, profile, raw=True)
 
     def _collect(self) -> bool:
-        """Take what has come; whether there was anything."""
+        """Take the messages that have arrived; returns whether there were any."""
         any_came = False
         for topic, subscription in self._recorded.items():
             for _ in range(_AT_ONCE):
@@ -174,13 +174,13 @@ class RecordNode(Node):
 
     @property
     def lost(self) -> dict[str, int]:
-        """Messages that did not come, or came and are in no file, by topic."""
+        """Messages that did not arrive, or arrived and are in no file, by topic."""
         unwritten = self._writer.lost
         return {topic: missed + unwritten[topic] for topic, missed in self.missed.items()}
 
     @property
     def exit_status(self) -> int:
-        """Of the process: 1 where the recording is not whole."""
+        """Exit status of the process: 1 if the recording is incomplete."""
         return int(bool(self.faults))
 
     def _reasons(self) -> str:
@@ -195,12 +195,12 @@ class RecordNode(Node):
         return ", ".join(reasons)
 
     def _is_at_fault(self, lost: Mapping[str, int]) -> bool:
-        """Whether of what is lost (by topic) any was not to be: a publisher that does its best, and no more, may."""
+        """Whether any loss (by topic) is a fault: best-effort publishers may lose messages."""
         surely = (topic for topic, count in lost.items() if count and topic not in self._best_effort)
         return any(surely) or sum(self._writer.lost.values()) > 0
 
     def close(self) -> None:
-        """Finish the file, and say what is in it."""
+        """Finish the file, and log its contents."""
         if self._closed:
             return
         self._closed = True
@@ -234,19 +234,19 @@ class RecordNode(Node):
         self.faults = "; ".join(faults)
         if faults:
             self.get_logger().error(f"{text}; {self.faults}")
-        elif lost:  # of topics whose publishers do their best, and no more
+        elif lost:  # only of topics with best-effort publishers
             self.get_logger().warning(f"{text}; {in_words}")
         else:
             self.get_logger().info(f"{text}, none lost{self._doubt()}")
 
     def _doubt(self) -> str:
-        """Of which topics losses are not known, in words."""
+        """Topics whose losses are unknown, in words."""
         unknown = [topic for topic, numbers in self._numbers.items() if not numbers.known]
         return f" (losses of {', '.join(unknown)} are not counted: its messages bear no numbers)" if unknown else ""
 
 
 def _matching(offered: Sequence[QoSProfile]) -> QoSProfile:
-    """The strongest profile that all publishers can serve."""
+    """The strictest profile that all publishers can serve."""
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in offered)
     kept = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in offered)
     return QoSProfile(
@@ -260,7 +260,7 @@ def _as_yaml(profile: QoSProfile) -> str:
     return qos_profile(
         reliability=profile.reliability.name.lower(),
         durability=profile.durability.name.lower(),
-        history=profile.history.name.lower(),  # "unknown": DDS does not tell it, and rosbag2 writes the same
+        history=profile.history.name.lower(),  # "unknown": DDS does not report it, and rosbag2 writes the same
         depth=profile.depth,
     )
 

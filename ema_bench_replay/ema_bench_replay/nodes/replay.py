@@ -1,4 +1,4 @@
-"""The node `replay`: a recording's samples as `/bench/state`, at their times."""
+"""The node `replay`: publishes a recording's samples on `/bench/state` at their times."""
 
 from __future__ import annotations
 
@@ -44,28 +44,28 @@ PARAMETERS = (
 )
 
 _BURST = 32
-"""Most samples sent at once, so that the executor's other callbacks get their turn: services, and nodes beside."""
+"""Maximum samples sent at once, so that the executor's other callbacks (services, other nodes) get their turn."""
 _SHORTEST_PERIOD = 0.001
-"""s between two looks for samples that are due; several are, where the recording is faster."""
+"""s between two checks for due samples; several are due if the recording is faster."""
 _EARLY = 100_000
 """ns by which a sample may be sent early, rather than a period late."""
 _CLOCK_PERIOD = 0.02
 """s."""
 _LOOK_AROUND = 0.02
-"""s between two looks at the readers, while waiting for them."""
+"""s between two checks of the readers, while waiting for them."""
 _LONGEST_END = 60 * 10**9
-"""Longest time [ns] to wait at the end: Fast DDS sends a reader that is behind 256 samples again every 3 s."""
+"""Longest wait [ns] at the end: Fast DDS resends 256 samples every 3 s to a reader that is behind."""
 
 
 class ReplayNode(Node):
     """Plays a recording.
 
-    Every start, loop and seek is a run of its own, announced on `bench/run`, with sequence from 0, positions from zero
-    and the recording's stamps from there; a pause is not. A run's number is one more than the last; the first of a
-    process is the second since the epoch at which it started, so that it differs from an earlier process's.
+    Every start, loop and seek begins a run, announced on `bench/run`, with sequence from 0, positions from zero and the
+    recording's stamps from there; a pause does not. Run numbers increase by one; the first of a process is its start
+    time in seconds since the epoch, so that it differs from an earlier process's.
 
     Attributes:
-        finished: the last sample was sent, and received by every reader; the node wants to end (`on_end` is `exit`).
+        finished: the last sample was sent and received by every reader; the node is to end (`on_end` is `exit`).
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class ReplayNode(Node):
         parameters: Sequence[Parameter] = (),
         context: Context | None = None,
     ) -> None:
-        """Play `recording`, or the one that the parameter names. Raises InputError where a parameter is wrong."""
+        """Play `recording`, or the one named by the parameter. Raises InputError if a parameter is wrong."""
         super().__init__("replay", parameter_overrides=list(parameters), context=context)
         given = declare(self, PARAMETERS)
         refuse_unknown(self)
@@ -124,7 +124,7 @@ class ReplayNode(Node):
 
     @property
     def ready_words(self) -> str:
-        """What the node says when it runs."""
+        """The line that the node logs when it runs."""
         recording = self._recording
         return f"plays {recording.name}: {len(recording)} samples, {recording.duration:.1f} s"
 
@@ -154,7 +154,7 @@ class ReplayNode(Node):
         self._serve()
 
     def _serve(self) -> None:
-        """Look for samples that are due once a sample period, counted from the beginning of the playback's own time."""
+        """Check for due samples once per sample period, counted from the start of the playback."""
         if self._playback.ended:
             return
         rate = self._playback.rate
@@ -166,7 +166,7 @@ class ReplayNode(Node):
         self._timer = steady_timer(self, period, callback)
 
     def _play(self) -> None:
-        """Send what is due."""
+        """Send the due samples."""
         playback = self._playback
         for _ in range(_BURST):
             wait = playback.wait(time.monotonic_ns())
@@ -188,7 +188,7 @@ class ReplayNode(Node):
                 return
 
     def _present_run(self) -> PlayedRun:
-        """The run of the playback's present pass; announced where it begins."""
+        """The run of the playback's present pass; announced when it begins."""
         if self._played is None or self._announced != self._playback.passes:
             self._announced = self._playback.passes
             self._played = PlayedRun(self._recording, self._playback.first, self._next_run)
@@ -218,7 +218,7 @@ class ReplayNode(Node):
             self._look(_LOOK_AROUND, self._leave)
 
     def _leave(self) -> None:
-        """End once every reader has received everything: what one has not ends with this process."""
+        """End once every reader has received everything: unsent data are lost with this process."""
         if self._publisher.all_received:
             self.finished = True
         elif time.monotonic_ns() > self._waits_until:
@@ -299,7 +299,7 @@ class ReplayNode(Node):
         )
 
     def destroy_node(self) -> None:
-        """Say how many samples were sent, where the end was not reached."""
+        """Log how many samples were sent, if the end was not reached."""
         if not self.ended:
             self.get_logger().info(f"stopped after {self.sent} samples of {self._recording.name}")
         super().destroy_node()

@@ -1,10 +1,10 @@
-"""What goes over the graph with every sample, to and from the bytes that travel: EmaState and Residual.
+"""Encode and decode the messages of every sample, EmaState and Residual, as serialised bytes.
 
-ROS fills a field that nobody sets with 0.0, which reads as a measurement; here it is NaN.
+ROS sets unset fields to 0.0, which reads as a measurement; here they are NaN.
 
-Publishers and subscriptions of these types carry serialised messages (`publish(bytes)`, `raw=True`): rclpy's way
-through a Python object with 21 checked properties takes 11 µs each way, this one 1 µs. Most of the tenth of a core that
-a node takes at 500 Hz is waking up, which cannot be saved; this can.
+Publishers and subscriptions of these types use serialised messages (`publish(bytes)`, `raw=True`): rclpy's conversion
+to a Python object with 21 checked properties takes 11 µs each way, this one 1 µs. Most of the tenth of a core that a
+node takes at 500 Hz is spent waking up, which cannot be avoided; this can.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ COMPARED = tuple(Signals.get_fields_and_field_types())
 _UNKNOWN = dict.fromkeys(FIELDS, math.nan)
 _values = attrgetter(*FIELDS)
 
-# Plain CDR: four bytes that say so, then the fields, each aligned to its size counted from there.
+# Plain CDR: a header of four bytes, then the fields, each aligned to its size counted from the end of the header.
 _LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _ORDERS = {0: ">", 1: "<"}
 
@@ -44,7 +44,7 @@ class State(NamedTuple):
 
 @lru_cache(maxsize=64)
 def _layout(order: str, frame_id: int, floats: int) -> struct.Struct:
-    """sec, nanosec, length of frame_id, run, sequence, floats; `frame_id` is its length, its closing zero included."""
+    """sec, nanosec, length of frame_id, run, sequence, floats; `frame_id` is its length including the final zero."""
     before_run = -frame_id % 4
     before_sequence = -(12 + frame_id + before_run + 4) % 8
     return struct.Struct(f"{order}iII{frame_id + before_run}xI{before_sequence}xQ{floats}d")
@@ -55,7 +55,7 @@ _residual = _layout("<", 1, len(COMPARED))
 
 
 def write_state(stamp: int, run: int, sequence: int, signals: Mapping[str, float]) -> bytes:
-    """A serialised EmaState of these signals (SI), stamped in ns since the epoch; fields not among them are NaN."""
+    """A serialised EmaState of these signals (SI), stamped in ns since the epoch; other fields are NaN."""
     seconds, nanoseconds = divmod(stamp, 1_000_000_000)
     return _LITTLE_ENDIAN + _state.pack(seconds, nanoseconds, 1, run, sequence, *{**_UNKNOWN, **signals}.values())
 
@@ -68,9 +68,9 @@ def write_residual(stamp: int, run: int, sequence: int, residuals: Mapping[str, 
 
 
 def read_state(message: bytes) -> State:
-    """A serialised EmaState as plain Python, whoever wrote it."""
+    """Decode a serialised EmaState from any writer."""
     order = _ORDERS.get(message[1]) if message[0] == 0 else None
-    if order is None:  # another encoding than plain CDR
+    if order is None:  # not plain CDR
         return _by_ros(message)
     (frame_id,) = struct.unpack_from(f"{order}I", message, 12)
     seconds, nanoseconds, _, run, sequence, *values = _layout(order, frame_id, len(FIELDS)).unpack_from(message, 4)

@@ -1,7 +1,7 @@
 """The loop that runs every node, alone in its process or together with others.
 
-rclpy's own `spin` must not be used: with `EventsExecutor`, which takes less than half the processor time of the default
-executor at our rates, it burns a core and delivers nothing. `spin_once` in a loop works.
+Do not use rclpy's own `spin`: with `EventsExecutor`, which takes less than half the processor time of the default
+executor at our rates, it uses a full core and delivers nothing. `spin_once` in a loop works.
 """
 
 from __future__ import annotations
@@ -37,25 +37,25 @@ except ImportError:
     from rclpy.executors import SingleThreadedExecutor as _Executor
 
 _TIMEOUT = 0.2
-"""Longest time [s] in which the loop does not look whether it shall end."""
+"""Longest time [s] between two checks whether the loop should end."""
 
 _LONGEST_LEAVING = 10.0
-"""Longest time [s] that the middleware may take to let go of a process's nodes."""
+"""Longest time [s] that the middleware may take to close a process's nodes."""
 
 _interrupted = threading.Event()
 
 
 def interrupted() -> bool:
-    """Whether SIGINT or SIGTERM arrived: what waits for another process must give up."""
+    """Whether SIGINT or SIGTERM arrived: code that waits for another process must then give up."""
     return _interrupted.is_set()
 
 
 @contextmanager
 def signals_end_the_loop() -> Iterator[None]:
-    """Let SIGINT and SIGTERM end `spin` between two callbacks, with ROS still up: nodes can close what they hold.
+    """Let SIGINT and SIGTERM end `spin` between two callbacks, with ROS still running, so that nodes can close files.
 
-    rclpy's own handlers would shut ROS down under a running callback. Does nothing away from the main thread, which
-    alone receives signals.
+    rclpy's own handlers would shut ROS down during a callback. Does nothing outside the main thread, since only that
+    one receives signals.
     """
     _interrupted.clear()
     if threading.current_thread() is not threading.main_thread():
@@ -88,15 +88,15 @@ def spin(executor: Executor, until: Callable[[], bool], context: Context | None 
 
 
 def all_received(nodes: Iterable[Node]) -> bool:
-    """Whether every reliable reader of the nodes' topics has received all that was published."""
+    """Whether every reliable reader of the nodes' topics has received everything published."""
     return all(publisher.wait_for_all_acked(Duration()) for node in nodes for publisher in node.publishers)
 
 
 def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> Timer:
-    """A timer [s] on the monotonic clock: `/clock` stands still while a replay is paused, and jumps when it seeks.
+    """A timer [s] on the monotonic clock: `/clock` stops while a replay is paused, and jumps when it seeks.
 
-    Its periods are counted from its making and do not drift. Never `reset` it: with `EventsExecutor` that leaves a
-    second call pending, and a timer that does so in its callback soon keeps all subscriptions from being served.
+    Its periods are counted from its creation and do not drift. Never `reset` it: with `EventsExecutor` that leaves a
+    second call pending, and a timer that does so in its callback soon blocks all subscriptions.
     """
     return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
@@ -104,9 +104,9 @@ def steady_timer(node: Node, period: float, callback: Callable[[], object]) -> T
 def leave_graph(nodes: Iterable[Node], context: Context | None = None) -> None:
     """Close the nodes, in this order, and then ROS.
 
-    First each node's `close`, where it has one: it finishes what is the node's own, as a file, and takes its time.
-    Fast DDS now and then blocks for ever when several processes leave at once (Fast-DDS issue 6502), inside a call that
-    no Python code can end. After 10 s the process then ends, with status 1 and the place on standard error.
+    First each node's `close`, if it has one: it finishes the node's own resources, such as a file, and may take long.
+    Fast DDS occasionally blocks for ever when several processes leave at once (Fast-DDS issue 6502), inside a call that
+    Python code cannot end. After 10 s the process then ends, with status 1 and the place on standard error.
     """
     nodes = list(nodes)
     for node in nodes:
@@ -125,14 +125,14 @@ def run(
 ) -> int:
     """Run one node in this process until it says `finished`, or SIGINT or SIGTERM arrives.
 
-    It logs that it runs: what its `ready_words` say, where it has any.
+    It logs the node's `ready_words`, if any, when it runs.
 
-    `arguments` are the command line's, program name included, where they are not the process's own. Of a node that has
-    `parameters`, `--help` prints these.
+    `arguments` replace the process's own command line, including the program name. If the node has `parameters`,
+    `--help` prints them.
 
     Returns:
-        The process's exit status: the node's `exit_status`, 0 where it has none, or 2 where it refused its arguments,
-        with one line on standard error.
+        The process's exit status: the node's `exit_status`, 0 if it has none, or 2 if it refused its arguments, with
+        one line on standard error.
     """
     words = list(sys.argv if arguments is None else arguments)
     if parameters and {"-h", "--help"}.intersection(words[1:]):
@@ -157,7 +157,7 @@ def run(
 
 
 def _initialise(arguments: list[str]) -> None:
-    """Start ROS. Raises InputError on arguments that it does not understand, or would leave aside without a word."""
+    """Start ROS. Raises InputError on arguments that it does not understand, or would silently ignore."""
     keep_to_this_machine()
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)

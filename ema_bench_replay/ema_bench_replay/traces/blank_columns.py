@@ -1,7 +1,7 @@
-"""Text whose columns stand apart by blanks: each run of them becomes a tabulator, so that all else reads it as usual.
+"""Text with blank-separated columns: each run of blanks becomes a tab, so that the other code reads it as usual.
 
-Names may hold blanks themselves where two or more part them, where they are in quotation marks, or where a unit in
-brackets follows each: ``time [s]  motor position [rad]``.
+Names may contain blanks if two or more blanks separate them, if they are in quotation marks, or if a unit in brackets
+follows each: ``time [s]  motor position [rad]``.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
 def with_tabs(block: bytes) -> bytes:
-    """A text's first block with tabulators for the blanks that part its columns; as it is where others part them."""
+    """A text's first block with tabs in place of separating blanks; unchanged if there is another separator."""
     lines = block.split(b"\n", MOST_LINES)
     rows = next((k for k in range(len(lines)) if _begins_rows(lines, k)), None)
     if rows is None:
@@ -27,12 +27,12 @@ def with_tabs(block: bytes) -> bytes:
 
 
 def rows_with_tabs(block: bytes) -> bytes:
-    """Rows of numbers with a tabulator for each run of blanks."""
+    """Rows of numbers with a tab for each run of blanks."""
     return re.sub(rb" +", b"\t", re.sub(rb"^ +| +$", b"", block, flags=re.MULTILINE))
 
 
 def _begins_rows(lines: list[bytes], k: int) -> bool:
-    """Whether rows of numbers begin at a line: two as wide as each other, or a last one."""
+    """Whether rows of numbers begin at a line: two of equal width, or a single last one."""
     if not _is_row(lines[k]):
         return False
     after = next((line for line in lines[k + 1 :] if line.strip()), None)
@@ -40,7 +40,7 @@ def _begins_rows(lines: list[bytes], k: int) -> bool:
 
 
 def _is_row(line: bytes) -> bool:
-    """Whether a line is of numbers, the first one too, and maybe of words beside them."""
+    """Whether a line begins with a number and holds at least two, with only words between them."""
     if b";" in line or b"\t" in line:
         return False
     cells = line.split()
@@ -50,7 +50,7 @@ def _is_row(line: bytes) -> bool:
 
 
 def _above_rows(line: bytes, width: int) -> bytes:
-    """A line above the rows, tabulators between its names where there are ``width`` of them."""
+    """A line above the rows, with tabs between its names if there are ``width`` of them."""
     text = line.decode("utf-8", "surrogateescape")
     mark = found[0] if (found := _COMMENT.match(text)) else ""
     names = _names(text[len(mark) :].strip(), width)
@@ -58,7 +58,7 @@ def _above_rows(line: bytes, width: int) -> bytes:
 
 
 def _names(text: str, width: int) -> list[str] | None:
-    """The ``width`` names of a line; None where it cannot be taken apart into so many."""
+    """The ``width`` names of a line; None if it cannot be split into so many."""
     if any(mark in text for mark in ";\t"):
         return None
     for pattern in (r'"[^"]*"|\S+', r"(?:\S| (?! ))+", r"[^\[({]*?(?:\[[^\]]*\]|\([^)]*\)|\{[^}]*\})", r"[^,]+"):

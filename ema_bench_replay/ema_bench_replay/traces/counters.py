@@ -1,4 +1,4 @@
-"""Encoder counters: wraps of their word undone, and jumps found and taken out, with every finding told."""
+"""Encoder counters: unwrap their word, find and remove jumps, and report every finding."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ import numpy as np
 
 from ema_bench_replay.long_columns import Column, by_pieces, differences, median, pieces, places_where
 
-# A jump is taken for a power of two or for whole revolutions where it comes this near to it (in revolutions).
+# A jump this close (in revolutions) to a power of two or to whole revolutions is rounded to it.
 _NEAR = 0.005
-# A jump that the next step takes back to within this share of it is one wrong reading.
+# If the next step reverses a jump to within this share, it is a single wrong reading.
 _WAY_BACK = 0.1
-# Steps on either side by which the speed of one is predicted.
+# Number of neighbouring steps on either side that predict the speed of a step.
 _SEEN = 3
-# Powers of two below this one are taken for no word of a counter.
+# Smaller powers of two are not taken as a counter's word.
 _SMALLEST_POWER = 12
-# Deviations of this many robust standard deviations are still noise of the encoder.
+# Deviations up to this many robust standard deviations are encoder noise.
 _NOISE_FACTOR = 10.0
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that the counter did and the shaft did not."""
+    """A change of the counter that is not a motion of the shaft."""
 
     kind: str  # "wrap" or "jump"
     sample: int  # the first sample after it
-    counts: int  # what the counter showed too much from there on, and what was therefore taken out
+    counts: int  # excess counts from there on, which were subtracted
     revolutions: float  # the same
-    whole: bool  # whether these are whole revolutions (then the counter's angle is still the shaft's)
+    whole: bool  # whether these are whole revolutions (then the counter's angle still matches the shaft's)
 
     def describe(self, time: float) -> str:
         """The finding in words; `time` is that of its sample, in s."""
@@ -49,23 +49,23 @@ def unwrap_counts(
     maximum_speed: float = math.inf,
     maximum_acceleration: float = math.inf,
 ) -> tuple[np.ndarray, list[Finding]]:
-    """The counts as the shaft went, from the counter's first reading on.
+    """The counts along the shaft's motion, starting from the counter's first reading.
 
-    A step of more than half the counter's word is a wrap. A step is a jump where it is more than `maximum_speed`
-    allows, or leaves the path that its neighbours predict by more than `maximum_acceleration` allows in one sample
-    period (and by more than the encoder's noise). What the neighbours predict is kept of it; where the rest is near to
-    whole revolutions or to a power of two, exactly these are taken out; and what the next step takes back, exactly so.
+    A step of more than half the counter's word is a wrap. A step is a jump if it exceeds `maximum_speed`, or if it
+    deviates from its neighbours' prediction by more than `maximum_acceleration` allows in one sample period (and by
+    more than the encoder's noise). The predicted part of a jump is kept. If the excess is near whole revolutions or a
+    power of two, exactly that is removed; an excess that the next step reverses is removed exactly.
 
     Args:
-        raw: counter readings, int64 (n,), or float64 where they have fractions.
+        raw: counter readings, int64 (n,), or float64 if they have fractions.
         time: s, float64 (n,), strictly increasing.
-        counts_per_revolution: of the shaft that the counter sits on.
+        counts_per_revolution: of the shaft that carries the counter.
         bits: width of the counter's word. It may be read as signed or as unsigned.
         maximum_speed: of that shaft, rad/s.
         maximum_acceleration: of that shaft, rad/s².
 
     Returns:
-        Repaired counts (n,) of the same kind as `raw`, and what was found, in order of time.
+        Repaired counts (n,) of the same dtype as `raw`, and the findings in order of time.
     """
     if raw.size < 2:
         return raw.copy(), []
@@ -102,7 +102,7 @@ def unwrap_counts(
 
 
 def _summed(first: np.ndarray, steps: np.ndarray, taken_out: dict[int, int]) -> np.ndarray:
-    """The counts (n,) from the first one (1,) on, by their steps (n - 1,) less what is taken out of some."""
+    """The counts (n,): the first one (1,) plus the sum of the steps (n - 1,), reduced by what is removed."""
     places, sizes = np.array(sorted(taken_out), int), np.array([taken_out[place] for place in sorted(taken_out)])
     counts = Column(first.dtype)
     counts.add(first)
@@ -118,10 +118,10 @@ def _summed(first: np.ndarray, steps: np.ndarray, taken_out: dict[int, int]) -> 
 
 
 def _with_the_way_back(places: list[int], excess: np.ndarray) -> dict[int, bool]:
-    """The steps that are jumps, in order, and whether each takes back the one before it.
+    """The steps that are jumps, in order, and whether each reverses the one before it.
 
-    A single wrong reading is a jump there and one back; where only one of them is beyond what is possible, the other
-    one is a jump all the same.
+    A single wrong reading makes a jump there and one back; if only one of them is physically impossible, the other one
+    is a jump, too.
     """
     found = dict.fromkeys(places, False)
     for place in places:
@@ -136,9 +136,9 @@ def _with_the_way_back(places: list[int], excess: np.ndarray) -> dict[int, bool]
 
 
 def _predicted_speed(speed: np.ndarray) -> np.ndarray:
-    """Speed of each step as its neighbours have it: the mean of the medians of three before and of three after it.
+    """Predicted speed of each step: the mean of the medians of the three before and the three after it.
 
-    At either end, where three are not there, the other side alone.
+    At either end, where fewer than three exist, only the other side is used.
     """
     if speed.size < 7:
         return np.full(speed.size, np.median(speed))
@@ -153,7 +153,7 @@ def _median_of_three(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
 
 
 def _jump_size(excess: float, counts_per_revolution: float) -> tuple[int, bool]:
-    """Counts to take out, and whether they are whole revolutions."""
+    """Counts to remove, and whether they are whole revolutions."""
     near = _NEAR * counts_per_revolution
     revolutions = round(excess / counts_per_revolution)
     if revolutions and abs(excess - revolutions * counts_per_revolution) <= near:

@@ -1,8 +1,8 @@
-"""Where the header of a text trace stands: above it programs write who measured what, below it often a row of units.
+"""Find the header of a text trace: programs write information above it, and often a row of units below it.
 
-The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are passed over
-in any case; but where nothing else names the columns, a comment right above the rows does that is as wide as they are,
-as numpy writes it.
+The header is the line above the first row of numbers. Comments, blank lines and quoted texts above it are skipped. If
+nothing else names the columns, a comment directly above the rows with the same number of cells does, as written by
+numpy.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from ema_bench_replay.traces.time_of_day import is_time_of_day
 
 MOST_LINES = 200
-"""Lines among which the first row of numbers must be, else the first line that is no comment is the header."""
+"""Lines in which the first row of numbers must be; otherwise the first line that is not a comment is the header."""
 _DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[-+]?[\d.,]*\d[\d.,]*(?:[eE][-+]?\d+)?")
 _UNIT_MARK = re.compile(r"[\[(].*[\])]|[-+\w.*·^⁻¹²]*[°%/µμΩ][-+\w./*·^⁻¹² ]*")
@@ -21,12 +21,12 @@ _UNITS = {
     *("s", "sec", "ms", "us", "ns", "min", "rad", "mrad", "deg", "grad", "rev", "turns", "u", "tr", "inc", "counts"),
     *("rpm", "upm", "hz", "a", "ma", "v", "mv", "w", "kw", "n", "kn", "nm", "mnm", "ncm", "m", "mm", "um", "degc"),
 }
-"""What stands for a unit by itself, in lower case; others have a mark that names have not."""
+"""Units in lower case that are recognised as such; other units contain a character that names do not have."""
 
 
 @dataclass(frozen=True)
 class HeaderLines:
-    """The header's text, the number (counted from 1) of the last line that is part of it, and its bytes' end."""
+    """The header's text, the number (counted from 1) of its last line, and the byte at which it ends."""
 
     text: str
     line: int
@@ -34,7 +34,7 @@ class HeaderLines:
 
 
 class NoHeader(ValueError):
-    """Rows of so many cells begin in a line, counted from 1, and nothing above them names as many columns."""
+    """Rows of so many cells begin in a line (counted from 1), but nothing above them names as many columns."""
 
     def __init__(self, line: int, cells: int, delimiter: str) -> None:
         super().__init__(line)
@@ -42,9 +42,9 @@ class NoHeader(ValueError):
 
 
 def header_lines(block: bytes) -> HeaderLines | None:
-    """The header of a text that begins with ``block``; None where no line of it is one.
+    """The header of a text that begins with ``block``; None if it has none.
 
-    Raises NoHeader where nothing above its numbers can name their columns.
+    Raises NoHeader if nothing above its numbers can name their columns.
     """
     lines: list[tuple[str, int]] = []
     end = 0
@@ -73,7 +73,7 @@ def header_lines(block: bytes) -> HeaderLines | None:
 
 
 def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
-    """The header in the comment right above rows that begin a text. Raises NoHeader where there is none."""
+    """The header in the comment directly above rows that begin a text. Raises NoHeader if there is none."""
     mark = _delimiter(lines[rows][0])
     if rows:
         text = lines[rows - 1][0].strip().lstrip("#%").strip()
@@ -84,20 +84,20 @@ def _header_in_comment(lines: list[tuple[str, int]], rows: int) -> HeaderLines:
 
 
 def _above(lines: list[tuple[str, int]], plain: int, rows: int) -> int:
-    """The header's place among lines whose ``rows`` begin there; ``plain`` is the first line that is no comment.
+    """The header's index among the lines; ``rows`` is where the rows begin, ``plain`` the first non-comment line.
 
-    Raises NoHeader where that one is a text in one piece.
+    Raises NoHeader if that line is a single text.
     """
     mark = _delimiter(lines[rows][0])
     whole = len(lines[rows][0].split(mark))
-    widths = whole, _width(lines[rows][0], mark)  # a delimiter at the end of a row ends it, or begins an empty cell
+    widths = whole, _width(lines[rows][0], mark)  # a delimiter at the end of a row may end it, or begin an empty cell
 
     def wide(k: int, *cells: int) -> bool:
         text = lines[k][0]
         return k >= plain and not _is_comment(text) and max(cells) > 1 and _width(text, mark) in cells
 
     if not wide(rows - 1, *widths):
-        if wide(rows - 1, whole + 1):  # a column of comments that no row has
+        if wide(rows - 1, whole + 1):  # a column of comments that is empty in all rows
             return rows - 1
         if _width(lines[plain][0], mark) == 1:
             raise NoHeader(rows + 1, widths[1], mark)
@@ -119,7 +119,7 @@ def _decoded(raw: bytes) -> str:
 
 
 def _is_comment(line: str) -> bool:
-    """Whether a line above the header tells nothing of the columns."""
+    """Whether a line above the header says nothing about the columns."""
     plain = line.strip()
     return not plain or plain.startswith(("#", "%")) or plain.lower().startswith("sep=") or _quoted_alone(plain)
 
@@ -133,19 +133,19 @@ def _delimiter(line: str) -> str:
 
 
 def _width(line: str, mark: str) -> int:
-    """How many cells a line has; a delimiter at its end begins none."""
+    """Number of cells in a line; a trailing delimiter does not begin a cell."""
     return len(_cells(line, mark))
 
 
 def _is_row(line: str) -> bool:
-    """Whether a line is of numbers: its first cell is one, or a time of day, and some other one."""
+    """Whether a line holds numbers: its first cell is a number or a time of day, and some other cell is a number."""
     cells = [cell.strip().strip('"').strip() for cell in line.split(_delimiter(line))]
     numbers = [bool(_NUMBER.fullmatch(cell)) for cell in cells]
     return len(cells) > 1 and (numbers[0] or is_time_of_day(cells[0])) and any(numbers[1:])
 
 
 def _are_units(cells: list[str]) -> bool:
-    """Whether cells are units, or empty, and not all of them empty."""
+    """Whether all cells are units or empty, and at least one is not empty."""
     plain = [cell.strip().strip('"').strip() for cell in cells]
     told = [cell for cell in plain if cell not in ("", "-")]
     return bool(told) and all(cell.lower() in _UNITS or _UNIT_MARK.fullmatch(cell) for cell in told)
@@ -157,7 +157,7 @@ def _are_names(cells: list[str]) -> bool:
 
 
 def _with_units(names: list[str], units: list[str]) -> list[str]:
-    """The names with the units below them in brackets."""
+    """The names, each followed by its unit in brackets."""
     told = []
     for name, unit in zip(names, units, strict=False):
         plain, unit = name.strip().strip('"').strip(), unit.strip().strip('"').strip(" []()")

@@ -1,4 +1,4 @@
-"""Import maps: which column of a text trace is which signal, in which unit. Being YAML, a new drive needs no code."""
+"""Import maps: which column of a text trace is which signal, in which unit. In YAML, so a new drive needs no code."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ _PARAMETER = re.compile(r"(?<![A-Za-z])[rp]0*(\d+)(?:\[(\d+)\]|\.(\d+))?(?!\d)",
 
 @dataclass(frozen=True)
 class Column:
-    """One place where a signal may be found: a parameter number, a column's name, or a regular expression for it."""
+    """How to find a signal's column: a parameter number, a column name, or a regular expression for it."""
 
     name: str
-    follows: str | None = None  # this column must follow that one, else that one is taken in its stead
+    follows: str | None = None  # this column must follow that one; otherwise that one is used instead
     slope: float = 0.0  # and with at least this slope
 
     @property
     def plain(self) -> str:
-        """A column's name that this one finds, as far as it can be told: a regular expression without its escapes."""
+        """A column name that this one would match, as far as possible: the regular expression without escapes."""
         plain = re.sub(r"\\(.)", r"\1", self.name)
         return plain if self.find([plain]) else self.name
 
     def find(self, header: list[str]) -> list[int]:
-        """Which of the columns in `header` it names, best first; empty where none."""
+        """Indices of the columns in `header` that it matches, best first; empty if none."""
         if wanted := _PARAMETER.fullmatch(self.name):
             ranked = sorted((*_rank(wanted, name), place) for place, name in enumerate(header))
             return [place for rank, _, place in ranked if rank == ranked[0][0] < _NO_FIT]
@@ -53,22 +53,22 @@ class SignalMap:
     """How one signal is read."""
 
     signal: str
-    columns: tuple[Column, ...]  # the first one that the trace has is taken
+    columns: tuple[Column, ...]  # the first one in the trace is used
     factor: float  # SI value of one of the column's own units (of one count, for a counter)
-    counts_per_revolution: float | None = None  # given for a counter
+    counts_per_revolution: float | None = None  # for counters only
     bits: int = 32  # width of that counter
-    maximum_speed: float = math.inf  # rad/s of the shaft that the counter sits on
+    maximum_speed: float = math.inf  # rad/s of the shaft that carries the counter
     maximum_acceleration: float = math.inf  # rad/s²
-    at_output: bool = False  # whether it is told at the output's shaft; the gear ratio is the model's
+    at_output: bool = False  # whether it refers to the output shaft; the model has the gear ratio
     write_as: str = ""  # the column's name when a trace is written
-    magnitude: bool = False  # whether it tells how large it is and not which way it acts
-    less_than: Column | None = None  # the column tells how much less the signal is than that one, in the same unit
-    decimals: int | None = None  # of the column when a trace is written; None: as many as its values need
+    magnitude: bool = False  # whether it is a magnitude without sign
+    less_than: Column | None = None  # the column holds that one minus the signal, in the same unit
+    decimals: int | None = None  # of the column when a trace is written; None: as many as needed
 
 
 @dataclass(frozen=True)
 class ImportMap:
-    """A whole map. `text` is the YAML it came from: it is kept with every recording that the map reads."""
+    """A complete map. `text` is its YAML source, which is kept with every recording read through it."""
 
     name: str
     text: str
@@ -76,16 +76,16 @@ class ImportMap:
     time_unit: str
     signals: tuple[SignalMap, ...]
     motion: str = "rotary"  # or linear: then positions are m, speeds m/s, torques forces in N
-    run: Column | None = None  # tells which run a row is of, where a file holds several
-    test: Column | None = None  # tells which test a row is of
-    of_points: bool = False  # each row is an operating point: at rest there, or at constant speed
-    delimiter: str | None = None  # None: found out
-    number_format: str | None = None  # "german" or "english"; None: found out
+    run: Column | None = None  # run that a row belongs to, if a file holds several
+    test: Column | None = None  # test that a row belongs to
+    of_points: bool = False  # each row is an operating point: at rest, or at constant speed
+    delimiter: str | None = None  # None: detected
+    number_format: str | None = None  # "german" or "english"; None: detected
     time_name: str = "X [ms]"  # names of columns when a trace is written
     column_name: str = "{column}"
 
     def places(self, header: list[str]) -> set[int]:
-        """Which of the columns in a header may be read."""
+        """Indices of the columns in a header that may be read."""
         columns = [column for signal in self.signals for column in signal.columns]
         columns += [Column(column.follows) for column in columns if column.follows]
         columns += [signal.less_than for signal in self.signals if signal.less_than]
@@ -191,11 +191,11 @@ def _decimals(check: Checker, content: Any, place: str) -> int | None:
 
 
 def _in_si(check: Checker, value: Mapping[str, Any], place: str, signal: str, motion: str) -> float:
-    """SI value of one of the column's units; of one that measures something else, through the ``gain`` given for it."""
+    """SI value of the column's unit; if the column measures another quantity, converted with its ``gain``."""
     allowed = units_of(signal, motion)
     unit = value.get("unit", next(iter(allowed)))
     if "gain" not in value:
-        if unit == "1":  # what the column holds already
+        if unit == "1":  # the column already holds the signal's own unit
             return 1.0
         if unit in ALL_UNITS and unit not in allowed:
             raise check.error(
@@ -235,9 +235,9 @@ _NO_FIT = 3
 
 
 def _rank(wanted: re.Match[str], name: str) -> tuple[int, int]:
-    """How well a column's name fits a parameter (0 is best), and its index, to choose among equals.
+    """How well a column's name matches a parameter (0 is best), and its index, to choose among equals.
 
-    Drives write r4821 also as r482[1] or r482.1: number and index, run together.
+    Drives also write r4821 as r482[1] or r482.1: number and index.
     """
     found = list(_PARAMETER.finditer(name))
     if not found:

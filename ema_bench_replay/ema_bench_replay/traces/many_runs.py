@@ -1,4 +1,4 @@
-"""Many recordings from one text trace, whose rows tell which run and which test they are of."""
+"""Many recordings from one text trace with columns for run and test."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from ema_bench_replay.traces.trace_table import TraceTable, read_table
 
 
 def read_runs(path: str | Path, import_map: ImportMap) -> list[Recording]:
-    """Read all runs of a trace, in the order of their first rows; one where the map names no column of runs.
+    """Read all runs of a trace, in the order of their first rows; a single one if the map names no run column.
 
-    A run is named by its file and its number, and holds its test in the metadata. Raises InputError.
+    A run is named after its file and number, and has its test in the metadata. Raises InputError.
     """
     path = Path(path)
     table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places)

@@ -1,4 +1,4 @@
-"""How a text file writes its numbers: `1.445.660,5` (German) or `1,445,660.5` (English), decided by the whole file."""
+"""Number format of a text file: `1.445.660,5` (German) or `1,445,660.5` (English), decided from the whole file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-# Decide on the first bytes where they settle it, and read on only while they do not.
+# Bytes examined first; more are read only while the format is undecided.
 _SAMPLE = 4096
 
 _DIGITS = np.zeros(256, dtype=bool)
@@ -32,28 +32,28 @@ class NumberFormat:
 
     @cached_property
     def pattern(self) -> re.Pattern[str]:
-        """What a number of this format looks like, whole; thousands in groups of three or not at all."""
+        """Pattern of a whole number text in this format; thousands in groups of three or not grouped."""
         decimal, thousands = re.escape(self.decimal), re.escape(self.thousands)
         whole = rf"(?:[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+|\d+)"
         return re.compile(rf"[+-]?(?:{whole}(?:{decimal}\d*)?|{decimal}\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
     def value(self, text: str) -> float:
-        """The number that `text` writes; ValueError where it is none of this format."""
+        """The number written in `text`; ValueError if it is not in this format."""
         if not self.pattern.fullmatch(text):
             raise ValueError(text)
         return float(text.replace(self.thousands, "").replace(self.decimal, "."))
 
     def groups_are_whole(self, text: bytes) -> bool:
-        """Whether every thousands mark in `text` stands between one to three digits and a group of exactly three."""
+        """Whether every thousands mark in `text` follows one to three digits and precedes exactly three."""
         mark = ord(self.thousands)
         padded = np.frombuffer(b"\n\n\n\n" + text + b"\n\n\n\n", dtype=np.uint8)
         marks = np.flatnonzero(padded == mark)
         if not marks.size:
             return True
-        digit = [_DIGITS[padded[marks + k]] for k in range(-4, 5)]  # digit[4 + k]: what stands k after the mark
+        digit = [_DIGITS[padded[marks + k]] for k in range(-4, 5)]  # digit[4 + k]: the character k after the mark
         if not (digit[3] & digit[5] & digit[6] & digit[7] & ~digit[8]).all():
             return False
-        lead = np.where(digit[2], np.where(digit[1], 3, 2), 1)  # digits before the mark, as far as a group has them
+        lead = np.where(digit[2], np.where(digit[1], 3, 2), 1)  # digits before the mark, up to three
         before = padded[marks - lead - 1]
         first = padded[marks - lead]
         continued = (before == mark) & (lead == 3)
@@ -67,11 +67,11 @@ FORMATS = {"german": GERMAN, "english": ENGLISH}
 
 
 def detect(text: bytes, delimiter: str, likely: NumberFormat) -> tuple[NumberFormat, str | None]:
-    """The format of the numbers in `text` (rows of cells), and what had to be assumed where the text leaves it open.
+    """The format of the numbers in `text` (rows of cells), and the assumption made if the text leaves it open.
 
-    A mark settles it where it cannot be the other kind: both marks in one number, one mark twice, or a group that is
-    not of three digits; where numbers disagree, most of them decide, and reading names the others. `812.347` alone
-    settles nothing; then time must tell (it may not go backwards), or else `likely` is assumed.
+    A mark decides if it has only one meaning: both marks in one number, one mark twice, or a group that does not have
+    three digits. If numbers disagree, the majority decides, and reading reports the others. `812.347` alone decides
+    nothing; then the time column decides (it may not go backwards), otherwise `likely` is assumed.
     """
     size = _SAMPLE
     while True:
@@ -92,7 +92,7 @@ def detect(text: bytes, delimiter: str, likely: NumberFormat) -> tuple[NumberFor
 
 
 def _evidence(sample: bytes, delimiter: str) -> tuple[Counter[str], str]:
-    """How many different numbers show which decimal mark, and one of those that leave it open."""
+    """How many different numbers indicate each decimal mark, and an example of those that leave it open."""
     marks = "." if delimiter == "," else ".,"
     votes: Counter[str] = Counter()
     unsettled = ""
@@ -106,7 +106,7 @@ def _evidence(sample: bytes, delimiter: str) -> tuple[Counter[str], str]:
 
 
 def _decimal_mark(number: str) -> str | None:
-    """The mark that must be the decimal one if this is a number; None where it may be either."""
+    """The decimal mark of this number; None if it may be either."""
     dots, commas = number.count("."), number.count(",")
     if dots and commas:
         return "," if number.rindex(",") > number.rindex(".") else "."

@@ -1,4 +1,4 @@
-"""A text file as blocks of whole lines in ASCII-compatible bytes, whatever Windows made of it."""
+"""A text file as blocks of whole lines in ASCII-compatible bytes, from any Windows encoding."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ class NotText(ValueError):
 
 
 def text_blocks(file: BinaryIO) -> Iterator[tuple[bytes, bool]]:
-    """Blocks of whole lines, each with whether it is the last. Only the last one may end without a line end.
+    """Blocks of whole lines, each with whether it is the last. Only the last one may lack a line end.
 
-    Byte order marks and carriage returns are gone, UTF-16 has become UTF-8; other encodings are left as they are, since
-    digits are the same in all of them. Raises NotText where a line has no end.
+    Byte order marks and carriage returns are removed, UTF-16 is converted to UTF-8; other encodings stay unchanged,
+    since digits are the same in all of them. Raises NotText if a line does not end.
     """
     start = file.read(4)
     file.seek(0)
@@ -29,7 +29,7 @@ def text_blocks(file: BinaryIO) -> Iterator[tuple[bytes, bool]]:
     if encoding == "utf-8-sig":
         file.seek(3)
     elif encoding:
-        # A cut file may end inside a character: what is left of it is no line of numbers anyway.
+        # A truncated file may end inside a character: such a line holds no complete row anyway.
         file = io.BytesIO(file.read().decode(encoding, errors="replace").encode())
     waiting, carry = b"", b""
     while chunk := file.read(_BLOCK):
@@ -42,6 +42,6 @@ def text_blocks(file: BinaryIO) -> Iterator[tuple[bytes, bool]]:
             if waiting:
                 yield waiting, False
             waiting = block
-    # A file whose space was reserved ahead of its content ends in zeros.
+    # A file with preallocated space ends in zeros.
     last = waiting + carry.rstrip(b"\0")
     yield last, True

@@ -1,4 +1,4 @@
-"""Times of day and dates, as programs write them beside samples: in s, so that they are a column of numbers."""
+"""Times of day and dates in exported files, converted to s so that they become a column of numbers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def is_time_of_day(text: str) -> bool:
 
 
 def seconds(text: str) -> float:
-    """The time [s] that a text tells, from 1970 where it has a date, else from midnight. Raises ValueError."""
+    """The time [s] given by a text: since 1970 if it has a date, otherwise since midnight. Raises ValueError."""
     found = _FORM.fullmatch(text)
     if found is None:
         raise ValueError(f"{text!r} is no time of day")

@@ -1,4 +1,4 @@
-"""Text traces (the Siemens drive's CSV, or any other that an import map describes) to recordings, and back."""
+"""Text traces (the Siemens drive's CSV, or any other described by an import map) to recordings, and back."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from ema_bench_replay.traces.wrapped_angle import counted_on
 
 __all__ = ["read_trace", "write_trace"]
 
-# Steps are told apart from the usual one beyond this share of it, and beyond what the time column's decimals resolve.
+# A step differs from the usual one if it is off by more than this share and by more than the time column resolves.
 _UNEQUAL = 0.01
-# Of all rows, how many may tell the time of the row before them: a clock too coarse for its sampling, and no stuck one.
+# Share of rows that may repeat the time of the row before: a clock too coarse for its sampling. More means it is stuck.
 _REPEATED = 0.1
 
 
@@ -44,10 +44,10 @@ def read_trace(
 ) -> Recording:
     """Read a text trace through an import map.
 
-    Both positions begin at zero; what the counters showed there is kept as their angle origins. All other values are
-    those of the text times the unit's SI value. The metadata hold source, hash and map, and what `write_trace` needs to
-    write the same text again. Findings (jumps, gaps, a torn last row) are in the recording's warnings. `progress` is
-    told the share that was read. Raises InputError.
+    Both positions begin at zero; the counter readings there are kept as angle origins. All other values are those of
+    the text times the unit's SI value. The metadata hold source, hash and map, and what `write_trace` needs to write
+    the same text again. Findings (jumps, gaps, an incomplete last row) are in the recording's warnings. `progress` is
+    called with the share read so far. Raises InputError.
     """
     path = Path(path)
     table = read_table(path, import_map.delimiter, import_map.number_format, import_map.places, progress)
@@ -55,12 +55,12 @@ def read_trace(
 
 
 def recording_of(table: TraceTable, import_map: ImportMap) -> Recording:
-    """The recording that a table is, or a part of one."""
+    """The recording in a table, or in a part of one."""
     return _Trace(table, import_map).recording()
 
 
 class _Trace:
-    """One trace on its way to a recording."""
+    """Conversion of one trace to a recording."""
 
     def __init__(self, table: TraceTable, import_map: ImportMap) -> None:
         self.table = table
@@ -85,7 +85,7 @@ class _Trace:
         time = times(stamps, 1e-9)
         signals = {name: self._values(maps[name], time) for name in self.columns}
         if "output_command" in signals:
-            # Measured from the same zero as the output position where both show one scale, else from its own start.
+            # Relative to the output position's zero if both have the same scale, otherwise to its own start.
             beside = "output_position" if "output_position" in signals else "motor_position"
             same_scale = beside in signals and not maps[beside].counts_per_revolution
             zero = self.origins[beside] if same_scale else signals["output_command"][0]
@@ -102,9 +102,9 @@ class _Trace:
         )
 
     def _time(self) -> tuple[int | None, np.ndarray, float, str]:
-        """Place of the time column, stamps in ns from 0, what the column shows at the first sample, and its unit.
+        """Index of the time column, stamps in ns from 0, the column's value at the first sample, and its unit.
 
-        Operating points may have none: then they follow each other by a second.
+        Operating points may have no time column: then they are one second apart.
         """
         table = self.table
         if self.map.time is None:
@@ -161,7 +161,7 @@ class _Trace:
             self._warn(f"time steps are unequal: {least * 1e-6:g} to {most * 1e-6:g} ms")
 
     def _place(self, signal: SignalMap) -> int | None:
-        """Which column of the table is that signal; None where it has none."""
+        """Index of the signal's column in the table; None if there is none."""
         for column in signal.columns:
             places = column.find(self.table.header)
             if not places:
@@ -174,7 +174,7 @@ class _Trace:
         return None
 
     def _following(self, column: Column, place: int, signal: str) -> int:
-        """The column at `place`; but if it should follow another one and does not, that one."""
+        """The column at `place`, or the one that it should follow if it does not follow it."""
         leaders = Column(column.follows).find(self.table.header) if column.follows else []
         if not leaders:
             return place
@@ -210,7 +210,7 @@ class _Trace:
         return by_pieces(lambda part: (part - first) * signal.factor, values)
 
     def _whole(self, column: Column, signal: str) -> np.ndarray:
-        """What a signal's column is told against (n,)."""
+        """The reference column (n,) from which the signal's column is subtracted."""
         places = column.find(self.table.header)
         if not places:
             raise InputError(
@@ -220,7 +220,7 @@ class _Trace:
         return self.table.columns[places[0]]
 
     def _counted_on(self, values: np.ndarray, turn: float, name: str) -> np.ndarray:
-        """An angle (n,) that begins again after each ``turn`` of its own unit, as the shaft went."""
+        """Unwrap an angle (n,) that restarts after each ``turn``, in its own unit."""
         on, turns = counted_on(values, turn)
         if turns:
             self._warn(f"{name} begins again after {turn:.6g}, a turn, {turns} times: repaired, counted on")
@@ -280,18 +280,18 @@ class _Trace:
 
 
 def _stamps(time: np.ndarray, unit: str) -> np.ndarray:
-    """Stamps [ns] (n,), from 0 on, of a column of time in a unit."""
+    """Stamps [ns] (n,), from 0 on, from a time column in that unit."""
     first = time[0]
     return by_pieces(lambda part: np.rint((part - first) * TIME_UNITS[unit]).astype(np.int64), time)
 
 
 def _not_rising(stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The samples (m,) whose stamps go back, and those (k,) whose stamps repeat the one before."""
+    """Indices of the samples (m,) whose stamps go back, and of those (k,) that repeat the previous stamp."""
     return steps_where(lambda steps: steps < 0, stamps) + 1, steps_where(lambda steps: steps == 0, stamps) + 1
 
 
 def _slope(leader: np.ndarray, follower: np.ndarray) -> tuple[float, float]:
-    """Slope of the follower's regression on its leader, and its standard error (infinite where the leader rests)."""
+    """Slope of the follower's regression on its leader, and its standard error (infinite if the leader is constant)."""
     of_leader, of_follower = mean_of(leader), mean_of(follower)
     x, y = shifted(leader, -of_leader), shifted(follower, -of_follower)
     square = _product(x, x)

@@ -1,4 +1,4 @@
-"""A text trace as a table of numbers: header, delimiter and number format found out, every cell accounted for."""
+"""Read a text trace as a table of numbers: detect header, delimiter and number format, and check every cell."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ _BYTES_FOR_NEWLINE = 1 << 16
 
 @dataclass(frozen=True)
 class TraceTable:
-    """The numbers of a trace, as they stand in the file."""
+    """The numbers of a trace, as in the file."""
 
     path: Path
     sha256: str
     header: list[str]  # names of the columns
-    header_line: int  # its line number, counted from 1; the rows follow without a break
-    columns: list[np.ndarray]  # float64 (n,) each; NaN where a column that nobody needs holds no number
-    decimals: list[int]  # how many each column shows
+    header_line: int  # its line number, counted from 1; the rows follow directly
+    columns: list[np.ndarray]  # float64 (n,) each; unneeded columns may hold NaN
+    decimals: list[int]  # number of decimals of each column
     style: Style
     warnings: tuple[str, ...]
     left_out: tuple[int, ...] = ()  # rows of the file, counted from 0 below the header, that are not in the columns
 
     def line(self, row: int) -> int:
-        """Number of the line (counted from 1) that a row (counted from 0) stands in."""
+        """Line number (counted from 1) of a row (counted from 0)."""
         for left_out in self.left_out:
             row += left_out <= row
         return self.header_line + 1 + row
@@ -52,7 +52,7 @@ class TraceTable:
         return f"{self.path}: line {self.line(row)}"
 
     def without(self, rows: np.ndarray) -> TraceTable:
-        """The table less some rows (counted from 0, ascending); of a table that no row was taken from."""
+        """The table without some rows (counted from 0, ascending); only for a table with no rows removed yet."""
         columns = [less_rows(column, rows) for column in self.columns]
         return replace(self, columns=columns, left_out=tuple(int(row) for row in rows))
 
@@ -65,11 +65,11 @@ class Style:
     trailing: bool = True  # a delimiter ends each row
     newline: str = "\r\n"
     decimal: str = ","
-    thousands: str = "."  # empty where thousands are not set off
+    thousands: str = "."  # empty if thousands are not grouped
 
 
 def all_columns(header: list[str]) -> Collection[int]:
-    """The places of all columns."""
+    """The indices of all columns."""
     return range(len(header))
 
 
@@ -82,11 +82,11 @@ def read_table(
 ) -> TraceTable:
     """Read a delimited text file: one header line and numbers below it.
 
-    Comments (#, %), blank lines, quoted texts and what else has other cells than the rows may stand above the header, a
-    row of units below it: they are then in brackets behind the names. Columns may stand apart by blanks. Times of day
-    and dates are told in s. A cut last row is left out, with a warning. `delimiter` and `number_format` ("german",
-    "english") are found out where they are None. `needed` tells of a header which columns must hold numbers; others may
-    hold words and empty cells. `progress` is told the share that was read. Raises InputError.
+    Above the header there may be comments (#, %), blank lines, quoted texts and lines with other cells than the rows;
+    below it a row of units, which are appended to the names in brackets. Columns may be separated by blanks. Times of
+    day and dates are converted to s. An incomplete last row is dropped, with a warning. `delimiter` and `number_format`
+    ("german", "english") are detected if they are None. `needed` returns for a header the columns that must hold
+    numbers; others may hold words and empty cells. `progress` is called with the share read so far. Raises InputError.
     """
     try:
         if (size := path.stat().st_size) > LARGEST:
@@ -119,7 +119,7 @@ def read_table(
 
 
 class _RowReader:
-    """Reads the rows of one file; what the first rows tell about their form holds for all."""
+    """Reads the rows of one file; the format of the first rows holds for all."""
 
     def __init__(
         self,
@@ -139,7 +139,7 @@ class _RowReader:
         self.trailing = len(cells) > 1 and not cells[-1]
         self.header = cells[:-1] if self.trailing else cells
         self.needed = sorted(needed(self.header))
-        # A comma inside quotation marks is part of a number; the ones between cells become semicolons.
+        # A comma inside quotation marks is part of a number; those between cells become semicolons.
         self.quoted_commas = self.written_delimiter == "," and b'"' in body
         self.delimiter = ";" if self.quoted_commas else self.written_delimiter
         sample = self._tidy(body)
@@ -184,7 +184,7 @@ class _RowReader:
         return form
 
     def _decimals(self, sample: bytes) -> list[int]:
-        """The most decimals that each column shows in the first rows."""
+        """The maximum number of decimals of each column in the first rows."""
         lines = sample[: 1 << 16].decode("latin-1").split("\n")[:_ROWS_FOR_DECIMALS]
         most = [0] * len(self.header)
         for line in lines[:-1]:
@@ -193,7 +193,7 @@ class _RowReader:
         return most
 
     def _without_torn_row(self, text: bytes) -> bytes:
-        """A text whose last row has no line end: with one where the row is whole, else without that row."""
+        """A text whose last row lacks a line end: with one added if the row is complete, otherwise without the row."""
         end = text.rfind(b"\n") + 1
         cells = text[end:].decode("latin-1").split(self.delimiter)
         whole = len(cells) == len(self.header) + self.trailing
@@ -208,7 +208,7 @@ class _RowReader:
         self.warnings.append(f"{self.path.name}: line {line}: the last row is cut; used up to the row before it")
 
     def _only_needed(self, text: bytes) -> np.ndarray | None:
-        """The rows, NaN in columns that nobody needs, where nothing in the others is out of the ordinary; else None."""
+        """The rows, with NaN in unneeded columns, if the others contain nothing unusual; otherwise None."""
         if not 0 < len(self.needed) < len(self.header):
             return None
         mark, width = self.delimiter.encode(), len(self.header) + self.trailing
@@ -224,7 +224,7 @@ class _RowReader:
         return rows
 
     def _fast(self, text: bytes, columns: int, trailing: bool) -> np.ndarray | None:
-        """The rows where nothing is out of the ordinary, else None. What passes here, `_careful` would read alike."""
+        """The rows if they contain nothing unusual, otherwise None. The result equals that of `_careful`."""
         delimiter, form = self.delimiter.encode(), self.format
         if not text or text.translate(None, b"0123456789+-.,eE\n" + delimiter):
             return None
@@ -245,10 +245,10 @@ class _RowReader:
         else:
             return None
         if dropped and dropped in text and b"e" in text.lower():
-            return None  # a mark inside an exponent (1E1.000) is no thousands mark
+            return None  # a mark inside an exponent (1E1.000) is not a thousands mark
         plain = text.translate(bytes.maketrans(form.decimal.encode() + delimiter, b". "), dropped)
         with warnings.catch_warnings():
-            warnings.simplefilter("error", DeprecationWarning)  # what NumPy 1 gives where it cannot read on
+            warnings.simplefilter("error", DeprecationWarning)  # NumPy 1 warns so if it cannot parse further
             try:
                 values = np.fromstring(plain, sep=" ")
             except (ValueError, DeprecationWarning):
@@ -256,7 +256,7 @@ class _RowReader:
         return values.reshape(count, -1) if values.size == count * columns else None
 
     def _careful(self, text: bytes, is_last: bool) -> np.ndarray:
-        """The rows, cell by cell; InputError names the first one that is wrong."""
+        """The rows, cell by cell; InputError names the first wrong one."""
         lines = text.decode("latin-1").split("\n")[:-1]
         rows = np.empty((len(lines), len(self.header)))
         for number, line in enumerate(lines):
@@ -297,7 +297,7 @@ def _sha256(file: BinaryIO) -> str:
 
 
 def _header(path: Path, block: bytes) -> tuple[str, int, bytes]:
-    """Header, the number of its last line (counted from 1) and what follows it in the block."""
+    """Header, the number of its last line (counted from 1) and the rest of the block."""
     try:
         found = header_lines(block)
     except NoHeader as missing:

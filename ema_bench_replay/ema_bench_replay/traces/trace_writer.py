@@ -1,4 +1,4 @@
-"""Recordings to text traces: what `read_trace` reads, written the way the drive writes it."""
+"""Write recordings as text traces in the drive's format; `read_trace` reads them back."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from ema_bench_replay.traces.trace_table import Style
 
 _ROWS = 50_000  # formatted at a time
 _MOST_DECIMALS = 24
-_ROUNDED = 16.0 * float(np.finfo(float).eps)  # of the largest number: what reading and writing round off
+_ROUNDED = 16.0 * float(np.finfo(float).eps)  # relative to the largest number: rounding of reading and writing
 
 
 @dataclass(frozen=True)
 class _Column:
     name: str
-    values: np.ndarray  # in the column's own unit; int64 where it shows no decimals
+    values: np.ndarray  # in the column's own unit; int64 if it has no decimals
     decimals: int
 
 
 def write_trace(
     recording: Recording, path: str | Path, import_map: ImportMap, *, force: bool = False
 ) -> tuple[str, ...]:
-    """Write a recording as the text trace that the map reads; returns the signals that the map has no column for.
+    """Write a recording as the text trace that the map reads; returns the signals for which the map has no column.
 
-    A recording that was read through the same map gets its own text back: names and order of its mapped columns,
-    decimals, number format, first counts and first time. Others are written in the map's delimiter and number format
-    (German, as a Siemens drive does, where it names none), with its names and decimals; where it gives no decimals,
-    with as many as the values need. Raises InputError where the file exists (without `force`) or cannot be written.
+    A recording that was read through the same map gets its original text back: names and order of its mapped columns,
+    decimals, number format, first counts and first time. Others are written with the map's delimiter and number format
+    (default German, as on a Siemens drive), names and decimals; without given decimals, with as many as the values
+    need. Raises InputError if the file exists (without `force`) or cannot be written.
     """
     kept = recording.metadata.get("text") if recording.metadata.get("map_text") == import_map.text else None
     if kept:
@@ -60,7 +60,7 @@ def _kept_columns(recording: Recording, import_map: ImportMap, text: dict[str, A
             values = _values(recording, import_map, column["signal"], text["origins"])
         else:
             continue
-        # the first rows, whose decimals were counted, may show fewer than others
+        # decimals were counted in the first rows, which may have fewer than others
         columns.append(_column(column["name"], values, _decimals(values, column["decimals"])))
     return columns
 
@@ -79,7 +79,7 @@ def _map_columns(recording: Recording, import_map: ImportMap) -> list[_Column]:
 
 
 def _map_style(import_map: ImportMap) -> Style:
-    """How a trace is written that no trace was read for: so that the map reads it."""
+    """Style for a recording that was not read from a trace: one that the map can read."""
     delimiter = import_map.delimiter or ";"
     usual = ENGLISH if delimiter == "," else GERMAN
     form = FORMATS[import_map.number_format] if import_map.number_format else usual
@@ -91,7 +91,7 @@ def _time(recording: Recording, unit: str, origin: float) -> np.ndarray:
 
 
 def _values(recording: Recording, import_map: ImportMap, name: str, origins: dict[str, float]) -> np.ndarray:
-    """A signal in its column's unit. Positions are counted from where the counter stood at their zero."""
+    """A signal in its column's unit. Positions are offset by the counter's reading at their zero."""
     factor = next(signal.factor for signal in import_map.signals if signal.signal == name)
     origin = {
         "motor_position": recording.motor_angle_origin,
@@ -100,11 +100,11 @@ def _values(recording: Recording, import_map: ImportMap, name: str, origins: dic
     }.get(name, 0.0)
     first = 0.0 if np.isnan(origin) else origin / factor
     values = recording.signals[name] / factor
-    return values + first if first else values  # -0.0 stays what it is
+    return values + first if first else values  # keeps -0.0
 
 
 def _decimals(values: np.ndarray, least: int) -> int:
-    """How many decimals, `least` or more, write all the values but for what reading and writing round off."""
+    """Number of decimals, `least` or more, that represents all values up to rounding of reading and writing."""
     known = values[np.isfinite(values)]
     allowed = _ROUNDED * float(np.abs(known).max(initial=0.0))
     decimals = least
@@ -118,10 +118,10 @@ def _column(name: str, values: np.ndarray, decimals: int) -> _Column:
 
 
 def _text(columns: list[_Column], start: int, style: Style) -> bytes:
-    """Rows from `start` on: written the English way, then the marks are exchanged."""
+    """Rows from `start` on: formatted in English style, then the marks are exchanged."""
     grouped = "," if style.thousands else ""
     cells = [f"{{:{grouped}.{column.decimals}f}}" if column.decimals else f"{{:{grouped}d}}" for column in columns]
-    delimiter = "\0"  # stands apart from both marks until they are exchanged
+    delimiter = "\0"  # differs from both marks until they are exchanged
     line = delimiter.join(cells) + delimiter * style.trailing + style.newline
     lists = [column.values[start : start + _ROWS].tolist() for column in columns]
     english = "".join(map(line.format, *lists)).encode()

@@ -1,4 +1,4 @@
-"""Angles that begin again after each turn, as absolute encoders show them: counted on."""
+"""Unwrap angles that restart after each turn, as absolute encoders show them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import numpy as np
 
 from ema_bench_replay.long_columns import Column, by_pieces, extremes, overlapping, steps_where
 
-_LEAST_SPAN = 0.75  # of a turn, that an angle which begins again has been through
-_MOST_SPAN = 1.001  # of a turn
-_JUMP = 0.5  # of a turn between two samples: no motor goes so far in one of a drive's
+_LEAST_SPAN = 0.75  # of a turn: minimum span of a wrapping angle
+_MOST_SPAN = 1.001  # of a turn: its maximum span
+_JUMP = 0.5  # of a turn between two samples: no motor turns that far in one sample of a drive
 _MOST_JUMPS = 0.25  # of all steps
 
 
 def counted_on(values: np.ndarray, turn: float) -> tuple[np.ndarray, int]:
-    """The angle (n,) as the shaft went, and how often it began again; ``turn`` is one turn in the same unit.
+    """The unwrapped angle (n,), and the number of wraps; ``turn`` is one turn in the same unit.
 
-    An angle that goes beyond one turn, or does not jump, or does so all the time, stays as it is.
+    An angle that exceeds one turn, never jumps, or jumps too often, is returned unchanged.
     """
     known = by_pieces(lambda part: part[np.isfinite(part)], values)
     if len(known) < 2:
@@ -25,10 +25,10 @@ def counted_on(values: np.ndarray, turn: float) -> tuple[np.ndarray, int]:
     if not 0 < jumps <= _MOST_JUMPS * len(known) or not _LEAST_SPAN * turn < greatest - least <= _MOST_SPAN * turn:
         return values, 0
     went = Column(np.float64)
-    more = 0.0  # that it went up to the piece before
+    more = 0.0  # offset of the unwrapped angle at the end of the previous piece
     for part in overlapping(known):
         on = np.unwrap(part, period=turn) + more
-        went.add(on[1:] if went.size else on)  # what follows a piece begins with its last value
+        went.add(on[1:] if went.size else on)  # each later piece begins with the previous one's last value
         more = on[-1] - part[-1]
     unwrapped = went.finish()
     if len(known) == len(values):

@@ -1,4 +1,4 @@
-"""The catalogue of effects: one file an effect."""
+"""The catalogue of effects: one file per effect."""
 
 from .catalogue import catalogue, effects_with, find_effect, the_effect
 from .effect import Circumstances, Effect, Parameter, Trait

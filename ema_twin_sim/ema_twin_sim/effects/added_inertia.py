@@ -6,7 +6,7 @@ from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Add to the output's inertia."""
+    """Add to the output inertia."""
     plant["output_inertia"] += parameters["inertia"]
 
 

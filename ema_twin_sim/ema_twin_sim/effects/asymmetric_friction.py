@@ -1,14 +1,14 @@
 """Asymmetric friction: fraction * (L + b |w|) [N m]; friction is (1 + fraction) forward and (1 - fraction) backward.
 
-L [N m] and b [N m s/rad] are the total dry level and viscous coefficient of the motor's side: it scales what all other
-effects have made up. (A Coulomb level alone that differs by direction is a constant load while sliding.)
+L [N m] and b [N m s/rad] are the total dry level and viscous coefficient of the motor side: the effect scales the sum
+of all other effects. (A Coulomb level alone that differs by direction is a constant load while sliding.)
 """
 
 from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Add to the asymmetry that the plant applies last."""
+    """Add to the plant's asymmetry, which is applied last."""
     plant["asymmetry"] += parameters["fraction"]
 
 

@@ -1,7 +1,7 @@
 """Backlash: a dead zone of width [rad, slow shaft] between motor and output, +-ratio * width / 2 at the fast shaft.
 
-Added to a rigid transmission it makes it a two-inertia one with the model's contact stiffness and damping. The gap is
-centred at the start of a recording, unless the motor moves there: then its driving flank touches. Nordin and Gutman,
+Added to a rigid transmission, it makes it a two-inertia one with the model's contact stiffness and damping. The output
+starts in the middle of the gap, unless the motor moves at the start: then the driving flank touches. Nordin and Gutman,
 "Controlling mechanical systems with backlash" (2002).
 """
 
@@ -9,7 +9,7 @@ from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Open a gap in the transmission."""
+    """Set the gap of the transmission."""
     plant["two_inertia"] = 1.0
     plant["gap"] += 0.5 * parameters["width"] * plant["gear_ratio"]
 

@@ -1,6 +1,6 @@
-"""The catalogue: every module of this folder that holds an ``EFFECT``, by its id. A new effect is in it by existing.
+"""The catalogue: every module of this folder that holds an ``EFFECT``, by id. A new file is included automatically.
 
-Effects from users' files stand beside them in the process that was told to read these files (see ``own_effects``).
+Effects from users' files are added in each process that has read these files (see ``own_effects``).
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from ema_bench_replay.errors import InputError
 from .effect import Effect, Trait
 
 _own: dict[Path, Effect] = {}
-"""Users' effects, by the file that each is from."""
+"""Users' effects, by file."""
 
 
 @cache
 def catalogue() -> dict[str, Effect]:
-    """All effects by id: those of the package, and the users' that this process has read."""
+    """All effects by id: those of the package, and the users' effects that this process has read."""
     return {**_shipped(), **{effect.id: effect for effect in _own.values()}}
 
 
@@ -37,20 +37,20 @@ def _shipped() -> dict[str, Effect]:
 
 
 def effects_with(trait: Trait) -> frozenset[str]:
-    """The ids of all effects of a trait, users' own included."""
+    """The ids of all effects with a trait, including users' own."""
     return frozenset(id for id, effect in catalogue().items() if trait in effect.traits)
 
 
 def the_effect(trait: Trait) -> str:
-    """The id of the package's only effect of a trait. Raises ValueError where there is not just one."""
+    """The id of the package's only effect with a trait. Raises ValueError if there is not exactly one."""
     (id,) = (id for id, effect in _shipped().items() if trait in effect.traits)
     return id
 
 
 def include(effect: Effect, file: Path) -> None:
-    """Put the effect of a user's file beside the package's; a file that is read again replaces what it held.
+    """Add the effect of a user's file to the catalogue; reading a file again replaces its effect.
 
-    Raises InputError where another effect has that id.
+    Raises InputError if another effect has that id.
     """
     holders = {held.id: f"in {place}" for place, held in _own.items() if place != file.resolve()}
     holders |= dict.fromkeys(_shipped(), "in the catalogue")
@@ -61,17 +61,17 @@ def include(effect: Effect, file: Path) -> None:
 
 
 def own_files() -> tuple[Path, ...]:
-    """The users' files that this process has read; another process reads them with ``load_effects``."""
+    """The users' files that this process has read; another process must read them with ``load_effects``."""
     return tuple(_own)
 
 
 def is_own(effect: Effect) -> bool:
-    """Whether an effect is from a user's file."""
+    """Whether an effect comes from a user's file."""
     return _shipped().get(effect.id) is not effect
 
 
 def find_effect(id: str, place: str) -> Effect:
-    """The effect of that id. Raises InputError, naming ``place`` and the nearest id, where there is none."""
+    """The effect with that id. Raises InputError, naming ``place`` and the nearest id, if there is none."""
     effects = catalogue()
     if id not in effects:
         near = difflib.get_close_matches(id, effects, n=1, cutoff=0.5)

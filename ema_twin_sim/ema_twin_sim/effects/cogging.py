@@ -1,7 +1,7 @@
-"""Cogging: T = torque * sin(order * theta + phase) [N m], the motor's teeth and magnets, whatever the current.
+"""Cogging: T = torque * sin(order * theta + phase) [N m], from the motor's teeth and magnets, at any current.
 
-Order 24 on this motor (least common multiple of slots and poles); another motor's is one of the others, or several, or
-one that its recordings show.
+Order 24 on this motor (least common multiple of slots and poles). Another motor has one or several of the other orders,
+or one found from its recordings.
 """
 
 import math
@@ -10,7 +10,7 @@ from .effect import Effect, Parameter, Trait
 
 
 def act(at, p):
-    """Torque [N m] at the motor counter's own angle."""
+    """Torque [N m] at the motor counter's angle."""
     return p[0] * math.sin(p[2] * at.motor_angle + p[1])
 
 

@@ -1,6 +1,6 @@
 """Constant load: T = torque [N m], on the output side, at the fast shaft; positive opposes positive motion.
 
-A Coulomb level that differs by direction is this while sliding, and goes under this name.
+While sliding, a Coulomb level that differs by direction is the same, and is reported under this name.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Current offset: T = torque * sin(4 theta + phase) [N m], once per electrical turn of the four pole pairs.
 
-A current sensor that reads zero wrong makes the drive inject a constant phase current, whose torque swings once per
+A current sensor with a zero offset makes the drive inject a constant phase current, whose torque oscillates once per
 electrical revolution.
 """
 
@@ -12,7 +12,7 @@ _POLE_PAIRS = 4.0
 
 
 def act(at, p):
-    """Torque [N m] at the motor counter's own angle."""
+    """Torque [N m] at the motor counter's angle."""
     return p[0] * math.sin(_POLE_PAIRS * at.motor_angle + p[1])
 
 

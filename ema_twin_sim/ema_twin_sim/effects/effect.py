@@ -1,4 +1,4 @@
-"""What an effect is: a name, an equation, bounded parameters with units, and how it acts."""
+"""The definition of an effect: a name, an equation, bounded parameters with units, and how it acts."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ QUANTITIES = (
     "current",
     "encoders",  # their difference
 )
-"""What an effect may show over."""
+"""Quantities on which an effect may depend."""
 
 POSITIVE = sys.float_info.min
-"""The lower bound of a number that is never zero."""
+"""The lower bound of a parameter that is never zero."""
 
 Values = Mapping[str, float]
 Options = Mapping[str, str]
@@ -49,16 +49,17 @@ Options = Mapping[str, str]
 class Parameter:
     """One parameter of an effect.
 
-    ``lower`` and ``upper`` are what is possible at all: a torque may be of any size, since machines are, and has an
-    infinite bound (``math.inf``); a share or an angle is bounded. A search looks as far as the recordings reach.
+    ``lower`` and ``upper`` are physical bounds: a torque scales with the machine and has an infinite bound
+    (``math.inf``); a share or an angle is bounded. A search covers the range of the recordings.
 
-    ``default`` is a typical value of this class of machine, used where an effect is added with none given. The search
-    for missing effects begins at each of ``starts`` (none: spread between the bounds, or, of a user's own effect, over
-    what the recordings cover); a ``periodic`` parameter is an angle. An effect's first parameter is its size;
-    ``neutral`` is the size at which it does nothing and from which it grows in proportion (None: it has none, or does
-    not grow in proportion, so that sizes too are tried from starts).
-    What acts ``at_rest`` only does not show in motion, and is not fitted to it. A ``driven`` speed is one over which an
-    effect fades: beyond the speeds that recordings drive it would be another effect, and is not looked for there.
+    ``default`` is a typical value for this class of machine, used if an effect is added without a value. The search for
+    missing effects starts at each of ``starts`` (if empty: spread between the bounds, or, for a user's own effect, over
+    the recorded range). A ``periodic`` parameter is an angle. An effect's first parameter is its size; ``neutral`` is
+    the size at which it does nothing and from which its action grows proportionally (None: there is no such size, or
+    the action is not proportional, so that sizes are tried from ``starts``, too).
+
+    A parameter that acts ``at_rest`` only is not visible in motion, and is not fitted to it. A ``driven`` speed is one
+    over which an effect fades: beyond the recorded speeds it would be another effect, so it is not searched there.
     """
 
     name: str
@@ -76,7 +77,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Circumstances:
-    """What a value is judged by, SI at the fast shaft."""
+    """Quantities by which the plausibility of a value is judged, SI at the fast shaft."""
 
     duration: float  # s, of the longest recording
     sample_period: float  # s, the longest
@@ -85,15 +86,15 @@ class Circumstances:
     output_travel: float  # rad, of the slow shaft
     dry_level: float  # N m, all Coulomb friction
     viscous: float  # N m s/rad
-    motor_inertia: float  # kg m2, gearbox included
+    motor_inertia: float  # kg m2, including the gearbox
     output_inertia: float  # kg m2
     torque_limit: float  # N m
-    limit_in_words: str  # the same with the unit of the model's file
+    limit_in_words: str  # the torque limit as text, in the unit of the model file
 
 
 @dataclass(frozen=True)
 class Implausible:
-    """Values of a parameter that no machine has, and the question to ask instead: something else is missing."""
+    """A rule for values of a parameter that no machine has, and the question to ask: something else may be missing."""
 
     parameter: str
     when: Callable[[Values, Circumstances], bool]
@@ -106,21 +107,20 @@ class Effect:
 
     It acts in one of two ways, or in both. ``act(at, p) -> float`` is compiled and called at every step: ``at`` is the
     :class:`~ema_twin_sim.plant.operating_point.OperatingPoint`, ``p`` the parameters in the order of the table (up to
-    four, options that carry a number included last); the place where its value goes (``TORQUE`` on the motor,
-    ``DRY_LEVEL``, ``OUTPUT_TORQUE``, ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters,
-    options)`` changes the plant's own constants once, for what does not depend on the operating point or has a place of
-    its own there.
+    four, numeric options last). The target of its value (``TORQUE`` on the motor, ``DRY_LEVEL``, ``OUTPUT_TORQUE``,
+    ``VISCOUS_COEFFICIENT``) may depend on an option. ``settle(plant, parameters, options)`` changes the plant's
+    constants once, for actions that do not depend on the operating point or have a constant of their own.
 
-    A fault of the motor's winding acts there where a switching drive is simulated: ``settle_winding(winding,
-    parameters, options)`` changes the constants of ``plant.switching.layout.WINDING``, and ``act`` and ``settle`` stand
-    for it where no winding is simulated, which is also where a torque is balanced with a measured current.
+    For a fault of the motor's winding, ``settle_winding(winding, parameters, options)`` changes the constants of
+    ``plant.switching.layout.WINDING`` if a switching drive is simulated. ``act`` and ``settle`` replace it if no
+    winding is simulated, and if a torque is balanced with a measured current.
 
-    ``depends_on`` is the one of QUANTITIES that it shows over most, or empty. ``free_option`` is an option that any
-    positive number may be given for; its choices are those that are looked for on every machine, or, where not
-    ``searched``, those that recordings show only. What ``every_machine`` has goes before what explains hardly more,
-    where a model lacks it. ``shown_by`` is the motion to record so that it
-    shows. An ``electrical`` effect needs to know the motor's pole pairs. One that ``delays`` shows what an encoder
-    remembers. ``traits`` are what rules ask for; ``told_by`` says what else would tell its size where no motion does.
+    ``depends_on`` is the one of QUANTITIES over which it is most visible, or empty. ``free_option`` is an option that
+    accepts any positive number; its choices are searched on every machine, or, if not ``searched``, only if the
+    recordings show them. An effect that ``every_machine`` has is preferred, if the model lacks it, to one that explains
+    hardly more. ``shown_by`` is the motion to record to make it visible. An ``electrical`` effect needs the motor's
+    pole pairs. One that ``delays`` uses the encoder's memory. Rules ask for ``traits``; ``told_by`` says what else
+    would determine its size if no motion does.
     """
 
     id: str
@@ -159,18 +159,18 @@ class Effect:
                 raise ValueError(f"effect {self.id}: traits: give members of Trait, not {trait!r}")
 
     def where(self, options: Options) -> int:
-        """The place that ``act``'s value goes to under these options."""
+        """The target of ``act``'s value with these options."""
         return self.place(options) if callable(self.place) else self.place
 
     @property
     def wave_angle(self) -> Parameter | None:
-        """The angle of an effect that is a wave: one of a size from zero on, which an angle turns; None of others."""
+        """The phase parameter if the effect is a wave (a size from zero on and a phase angle); otherwise None."""
         size, *others = self.parameters
         angles = [parameter for parameter in others if parameter.periodic]
         return angles[0] if size.neutral == 0.0 and size.lower == 0.0 and len(angles) == 1 else None
 
     def allows(self, option: str, choice: str) -> bool:
-        """Whether an option may be chosen so."""
+        """Whether an option accepts this choice."""
         return choice in self.options[option] or (option == self.free_option and _positive(choice))
 
     def default_options(self) -> dict[str, str]:
@@ -178,12 +178,12 @@ class Effect:
         return {name: choices[0] for name, choices in self.options.items()}
 
     def default_parameters(self) -> dict[str, float]:
-        """Typical values of this class of machine."""
+        """Typical values for this class of machine."""
         return {parameter.name: parameter.default for parameter in self.parameters}
 
 
 def range_words(lower: float, upper: float, unit: str = "") -> str:
-    """The range of a number as people say it: ``0 to 1 rad``, ``0 N m or more``, ``more than 0``, ``any number``."""
+    """The range of a number in words: ``0 to 1 rad``, ``0 N m or more``, ``more than 0``, ``any number``."""
     unit = f" {unit}" if unit not in ("", "1") else ""
     if math.isfinite(lower) and math.isfinite(upper):
         return f"{lower:g} to {upper:g}{unit}"

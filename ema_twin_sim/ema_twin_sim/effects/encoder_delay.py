@@ -1,6 +1,6 @@
 """Encoder delay: the output encoder shows theta_o(t - delay), delay in s; so does the drive's position loop.
 
-An encoder on a bus answers a cycle or more late. A time lag between two encoders looks like backlash and compliance.
+An encoder on a bus is late by a cycle or more. A time lag between two encoders looks like backlash and compliance.
 """
 
 import math

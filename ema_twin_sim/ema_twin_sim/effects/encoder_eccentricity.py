@@ -1,8 +1,8 @@
 """Encoder eccentricity: the encoder shows theta_o + a (sin(n theta_o + phase) - sin(n theta_o(0) + phase)) [rad].
 
-An encoder disc whose centre is off its shaft errs once per turn (order n = 1); an oval one, or a resolver whose two
-windings differ, twice; a resolver of several pole pairs as often as these. theta_o is the encoder's own angle;
-positions are published from zero. An error of the motor's encoder has orders of n times the gear ratio. Hanselman,
+An eccentric encoder disc has an error once per turn (order n = 1); an oval one, or a resolver whose two windings
+differ, twice; a resolver with several pole pairs, once per pole pair. theta_o is the encoder's own angle; positions are
+published from zero. An error of the motor's encoder has orders of n times the gear ratio. Hanselman,
 "Resolver signal requirements for high accuracy resolver-to-digital conversion" (1990).
 """
 
@@ -12,7 +12,7 @@ from .effect import Effect, Implausible, Parameter, Trait
 
 def settle(plant, parameters, options):
     """Add a wave to the output encoder's error."""
-    if plant["angle_errors"] < ANGLE_ERRORS:  # one too many is refused once all effects had their say
+    if plant["angle_errors"] < ANGLE_ERRORS:  # one too many is refused after all effects were applied
         row = plant["angle_error"][plant["angle_errors"]]
         row[:] = parameters["amplitude"], parameters["phase"], float(options["order"])
     plant["angle_errors"] += 1

@@ -1,6 +1,6 @@
-"""Mesh friction: a dry level coefficient * |T_t| [N m], friction of the teeth in proportion to their load.
+"""Mesh friction: a dry level coefficient * |T_t| [N m], friction of the teeth proportional to their load.
 
-T_t [N m at the fast shaft] is what the gearbox passes on to the output. Thesis, chapter 3.4 (sliding of the teeth).
+T_t [N m at the fast shaft] is the torque transmitted to the output. Thesis, chapter 3.4 (sliding of the teeth).
 """
 
 from .effect import DRY_LEVEL, Effect, Implausible, Parameter, Trait

@@ -1,7 +1,7 @@
 """Mesh ripple: T = torque * sum over k = 1, 3, 5 of sin(k (order * theta + phase)) / k [N m], at the tooth mesh.
 
-The mesh stiffness steps as one or two pairs of teeth carry. Orders (cycles per motor revolution): 15.75 the first mesh
-(63/4), 15.0 the second, 45 its third harmonic, which the three output meshes do not cancel.
+The mesh stiffness changes in steps as one or two pairs of teeth carry. Orders (cycles per motor revolution): 15.75 the
+first mesh (63/4), 15.0 the second, 45 its third harmonic, which the three output meshes do not cancel.
 """
 
 import math
@@ -10,7 +10,7 @@ from .effect import Effect, Parameter, Trait
 
 
 def act(at, p):
-    """Torque [N m] at the motor counter's own angle."""
+    """Torque [N m] at the motor counter's angle."""
     angle = p[2] * at.motor_angle + p[1]
     return p[0] * (math.sin(angle) + math.sin(3.0 * angle) / 3.0 + math.sin(5.0 * angle) / 5.0)
 

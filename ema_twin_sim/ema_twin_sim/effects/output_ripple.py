@@ -1,6 +1,7 @@
-"""Output ripple: T = torque * sin(order * theta_o + phase) [N m], so many times in a turn of the output.
+"""Output ripple: T = torque * sin(order * theta_o + phase) [N m], with `order` cycles per turn of the output.
 
-A joint that is bent (twice), the teeth of the last gear, the rollers of an output bearing. Once per turn is gravity's.
+Causes: a bent joint (twice per turn), the teeth of the last gear, the rollers of an output bearing. Once per turn is
+gravity.
 """
 
 import math
@@ -9,7 +10,7 @@ from .effect import OUTPUT_TORQUE, Effect, Parameter, Trait
 
 
 def act(at, p):
-    """Torque [N m], at the fast shaft, at the output encoder's own angle."""
+    """Torque [N m] at the fast shaft, from the output encoder's own angle."""
     return p[0] * math.sin(p[2] * at.output_angle + p[1])
 
 

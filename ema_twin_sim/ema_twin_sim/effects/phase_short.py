@@ -1,12 +1,12 @@
-"""Turn-to-turn short: a share of one phase's turns makes no torque, while the drive goes on imposing its current.
+"""Turn-to-turn short: a share of one phase's turns makes no torque, while the drive still imposes its current.
 
-With imposed sinusoidal currents phase k (0, 1, 2 for u, v, w) of a motor with P pole pairs makes the torque
+With imposed sinusoidal currents, phase k (0, 1, 2 for u, v, w) of a motor with P pole pairs makes the torque
 Kt i (1 - cos(2 P theta - 4 pi k / 3)) / 3. The shorted share of it is lost:
 
     T = fraction / 3 * Kt * i * (1 - cos(2 P theta - 4 pi k / 3)) [N m]
 
-The averaged drive loses the mean as torque per ampere, as a torque constant error would, and ripples with the rest, in
-proportion to the torque that is left. A switching drive's winding has the fewer turns themselves (``windings.py``).
+In the averaged drive the mean reduces the torque per ampere, like a torque constant error, and the rest is ripple
+proportional to the remaining torque. In a switching drive the winding itself has fewer turns (``windings.py``).
 Phase u's flux is at the motor counter's zero. The current and the heat in the shorted loop are not modelled.
 """
 
@@ -15,22 +15,22 @@ import math
 from .effect import Effect, Implausible, Parameter, Trait
 
 _PHASES = ("u", "v", "w")
-_APART = 4.0 * math.pi / 3.0  # rad of the ripple
+_APART = 4.0 * math.pi / 3.0  # rad of the ripple between two phases
 
 
 def settle(plant, parameters, options):
-    """The mean that is lost, of torque per ampere and of back-EMF."""
+    """Reduce torque per ampere and back-EMF by the mean loss."""
     plant["torque_constant"] *= 1.0 - parameters["fraction"] / 3.0
     plant["back_emf_constant"] *= 1.0 - parameters["fraction"] / 3.0
 
 
 def act(at, p):
-    """Torque [N m] that swings about that mean; p: fraction, the phase's number."""
+    """Torque [N m] that oscillates about that mean; p: fraction, phase number."""
     return -at.motor_torque * p[0] / (3.0 - p[0]) * math.cos(2.0 * at.electrical_angle - _APART * p[1])
 
 
 def settle_winding(winding, parameters, options):
-    """The turns that are left of the phase."""
+    """Reduce the active turns of the phase."""
     winding[f"active_turns_{options['phase']}"] *= 1.0 - parameters["fraction"]
 
 

@@ -1,7 +1,7 @@
 """Presliding friction: z' = w - stiffness |w| z / L, T = stiffness z + damping z' [N m], a bristle in place of L sgn w.
 
-Before it slides, a contact gives way like a spring (Dahl 1968; LuGre: Canudas de Wit, Olsson, Astrom, Lischinsky 1995).
-L [N m] is the motor side's dry level; the bristle's state z [rad] starts relaxed.
+Before it slides, a contact yields like a spring (Dahl 1968; LuGre: Canudas de Wit, Olsson, Astrom, Lischinsky 1995).
+L [N m] is the motor side's dry level; the bristle's state z [rad] starts at 0.
 """
 
 import math
@@ -10,7 +10,7 @@ from .effect import POSITIVE, Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Replace dry friction by the bristle (on both sides of a transmission with play, shared as their levels)."""
+    """Replace dry friction by the bristle (with backlash on both sides, in proportion to their levels)."""
     plant["bristle_stiffness"] = parameters["stiffness"]
     plant["bristle_damping"] = parameters["damping"]
 

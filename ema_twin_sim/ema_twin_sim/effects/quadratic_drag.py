@@ -1,4 +1,4 @@
-"""Quadratic drag: T = coefficient * w * |w| [N m], churned oil or air at high speed."""
+"""Quadratic drag: T = coefficient * w * |w| [N m], churning oil or air at high speed."""
 
 import math
 

@@ -1,9 +1,9 @@
-"""Rotor eccentricity: T = Kt * i * amplitude / 2 * cos((2 P + 1) theta + phase) [N m], of P pole pairs.
+"""Rotor eccentricity: T = Kt * i * amplitude / 2 * cos((2 P + 1) theta + phase) [N m], for P pole pairs.
 
-A rotor off centre by a share of the air gap changes each phase's flux by 1 + amplitude cos(theta + phase - 2 pi k / 3),
-k = 0, 1, 2 for u, v, w. With imposed sinusoidal currents the torque keeps its mean: of all products with the phases'
-own waves only those at the order 2 P + 1 add up (``plant/switching/windings.py``). A switching drive's winding is off
-centre itself.
+A rotor off centre by a share of the air gap multiplies the flux of phase k (0, 1, 2 for u, v, w) by 1 + amplitude
+cos(theta + phase - 2 pi k / 3). With imposed sinusoidal currents the torque keeps its mean: of all products with the
+phase currents only those at the order 2 P + 1 add up (``plant/switching/windings.py``). In a switching drive the
+winding itself is eccentric.
 """
 
 import cmath
@@ -13,12 +13,12 @@ from .effect import Effect, Implausible, Parameter, Trait
 
 
 def act(at, p):
-    """Torque [N m] at the motor counter's own angle."""
+    """Torque [N m] at the motor counter's angle."""
     return 0.5 * p[0] * at.motor_torque * math.cos(2.0 * at.electrical_angle + at.motor_angle + p[1])
 
 
 def settle_winding(winding, parameters, options):
-    """The displacement, added to the one that the winding has."""
+    """Add the displacement to that of the winding."""
     has = cmath.rect(winding["eccentricity"], winding["eccentricity_phase"])
     off = has + cmath.rect(parameters["amplitude"], parameters["phase"])
     winding["eccentricity"], winding["eccentricity_phase"] = abs(off), cmath.phase(off)

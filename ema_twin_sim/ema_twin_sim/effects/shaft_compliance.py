@@ -1,6 +1,6 @@
 """Shaft compliance: T_t = stiffness * (theta - ratio * theta_o) + damping * (w - ratio * w_o) [N m], at the fast shaft.
 
-Added to a rigid transmission it makes it a two-inertia one; with backlash, the spring lies behind the gap.
+Added to a rigid transmission, it makes it a two-inertia one; with backlash, the spring is behind the gap.
 """
 
 import math
@@ -9,14 +9,14 @@ from .effect import POSITIVE, Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Put the spring and damper between motor and output, in place of the stiff contact."""
+    """Put the spring and damper between motor and output, instead of the stiff contact."""
     plant["two_inertia"] = 1.0
     plant["contact_stiffness"] = parameters["stiffness"]
     plant["contact_damping"] = parameters["damping"]
 
 
 def _damping_ratio(values, circumstances):
-    """Of two inertias on a spring: damping / 2 * sqrt((1 / J_m + 1 / J_o) / stiffness)."""
+    """Damping ratio of two inertias on a spring: damping / 2 * sqrt((1 / J_m + 1 / J_o) / stiffness)."""
     softness = 1.0 / circumstances.motor_inertia + 1.0 / max(circumstances.output_inertia, 1e-12)
     return 0.5 * values["damping"] * math.sqrt(softness / values["stiffness"])
 

@@ -1,7 +1,7 @@
 """Shear thinning: T = -fraction * b * w * |w| / (|w| + speed) [N m]; b is the model's viscous coefficient [N m s/rad].
 
-The lubricant thins with the shear rate (Cross 1965), so friction bends down at speed. On two robots' measured joints it
-is taken for a negative quadratic drag or a negative Stribeck term.
+The lubricant thins with the shear rate (Cross 1965), so the friction curve bends down at speed. On the measured joints
+of two robots it was mistaken for a negative quadratic drag or a negative Stribeck term.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Stribeck friction: a dry level torque * exp(-|w| / speed) [N m] that fades as a film builds up; at rest too.
+"""Stribeck friction: a dry level torque * exp(-|w| / speed) [N m], which fades as a film builds up; also at rest.
 
 The exponential form of Bo and Pavelescu (1982) with exponent one, as in Armstrong-Helouvry, Dupont and Canudas de Wit,
 "A survey of models, analysis tools and compensation methods for the control of machines with friction" (1994).

@@ -1,8 +1,8 @@
 """Sun run-out: torque * sin(theta + phase) [N m], once per turn of the motor shaft.
 
-An eccentric sun gear presses its meshes once per turn: the load on the teeth, and with it their friction, swings with
-the shaft's angle (dissipative), or the shaft is pushed back and forth (conservative). The thesis's current of 5 s
-period at 0.01 rad/s is this (2 pi / 1.24 = 5.07 s), not the mesh.
+An eccentric sun gear presses its meshes once per turn: the load on the teeth, and with it their friction, varies with
+the shaft's angle (dissipative), or the shaft is pushed back and forth (conservative). The current with a period of 5 s
+at 0.01 rad/s in the thesis is this (2 pi / 1.24 = 5.07 s), not the mesh.
 """
 
 import math
@@ -11,7 +11,7 @@ from .effect import DRY_LEVEL, TORQUE, Effect, Implausible, Parameter
 
 
 def act(at, p):
-    """Dry level or torque [N m] at the motor counter's own angle."""
+    """Dry level or torque [N m] at the motor counter's angle."""
     return p[0] * math.sin(at.motor_angle + p[1])
 
 

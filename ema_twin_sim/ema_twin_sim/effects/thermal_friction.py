@@ -1,6 +1,6 @@
 """Thermal friction: T = -fraction * b * w * (1 - exp(-t / time_constant)) [N m], t [s] from a cold start.
 
-The lubricant warms as the machine runs, and the model's viscous coefficient b [N m s/rad] falls.
+The lubricant warms up as the machine runs, and the model's viscous coefficient b [N m s/rad] falls.
 """
 
 import math
@@ -9,7 +9,7 @@ from .effect import POSITIVE, VISCOUS_COEFFICIENT, Effect, Implausible, Paramete
 
 
 def act(at, p):
-    """Change of the viscous coefficient [N m s/rad] at a time since the cold start."""
+    """Change of the viscous coefficient [N m s/rad] at a time after the cold start."""
     return -p[0] * at.viscous_coefficient * (1.0 - math.exp(-at.time / p[1]))
 
 

@@ -1,7 +1,7 @@
 """Tooth fault: a pulse of torque [N m] one tooth wide, once per pass of the damaged tooth.
 
-Passes per motor revolution (order): 1, 2.25 a tooth of the sun, 0.75 of a planet or the fixed ring, 0.7258 of the
-output ring. The pulse is a raised cosine as wide as one mesh (1/15.75 of a motor revolution).
+Passes per motor revolution (order): 1; 2.25 for a tooth of the sun; 0.75 for a planet or the fixed ring; 0.7258 for the
+output ring. The pulse is a raised cosine as wide as one mesh cycle (1/15.75 of a motor revolution).
 """
 
 import math
@@ -12,7 +12,7 @@ _MESH_ORDER = 15.75
 
 
 def act(at, p):
-    """Torque or dry level [N m] at the motor counter's own angle."""
+    """Torque or dry level [N m] at the motor counter's angle."""
     turn = (p[2] * at.motor_angle - p[1]) / (2.0 * math.pi)
     half = 0.5 * p[2] / _MESH_ORDER
     away = abs(turn - math.floor(turn + 0.5))

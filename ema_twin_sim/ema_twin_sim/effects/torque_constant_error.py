@@ -1,13 +1,13 @@
-"""Torque constant error: the machine gives scale * Kt per ampere, T = (1 - scale) Kt i [N m]; the drive believes Kt.
+"""Torque constant error: the machine has scale * Kt per ampere, T = (1 - scale) Kt i [N m]; the drive assumes Kt.
 
-Magnets lose strength with heat and age; nominal torque constants are good to some per cent.
+Magnets lose strength with heat and age; nominal torque constants are accurate to some per cent.
 """
 
 from .effect import Effect, Implausible, Parameter, Trait
 
 
 def settle(plant, parameters, options):
-    """Scale the machine's constant; the drive's own stays nominal."""
+    """Scale the machine's torque constant; the drive's stays nominal."""
     plant["torque_constant"] *= parameters["scale"]
 
 

@@ -1,6 +1,6 @@
 """Torque ripple: T = -Kt * i * fraction * sin(24 theta + phase) [N m], the sixth harmonic of the four pole pairs.
 
-Back-EMF that is no sine, or currents that are none: the torque swings in proportion to the current.
+The back-EMF or the currents are not sinusoidal: the torque oscillates in proportion to the current.
 """
 
 import math
@@ -11,7 +11,7 @@ _ORDER = 24.0
 
 
 def act(at, p):
-    """Torque [N m] that the motor gives less, at its counter's own angle."""
+    """Torque [N m] that the motor lacks, at its counter's angle."""
     return -at.motor_torque * p[0] * math.sin(_ORDER * at.motor_angle + p[1])
 
 

@@ -1,4 +1,4 @@
-"""Traits: what rules need to know of an effect beside its equation, so that no rule names one."""
+"""Traits: what rules need to know about an effect in addition to its equation, so that no rule names an effect."""
 
 from __future__ import annotations
 
@@ -6,49 +6,49 @@ from enum import Enum, auto
 
 
 class Trait(Enum):
-    """One thing that is true of an effect, said in the effect's file and asked for by rules."""
+    """A property of an effect, set in the effect's file and used by rules."""
 
     DRY_FRICTION = auto()
     """The machine's own constant friction: ``torque`` on a ``side``, known within a tolerance."""
     VISCOUS_FRICTION = auto()
-    """The machine's own friction in proportion to speed: ``coefficient`` on a ``side``, known within a tolerance."""
+    """The machine's own friction proportional to speed: ``coefficient`` on a ``side``, known within a tolerance."""
     PLAY = auto()
-    """A gap of some ``width`` between motor and output, which lets the two encoders part."""
+    """A gap of some ``width`` between motor and output, so that the two encoders may differ."""
     SPRING = auto()
-    """A ``stiffness`` and ``damping`` between motor and output, which let the two encoders part."""
+    """A ``stiffness`` and ``damping`` between motor and output, so that the two encoders may differ."""
     BRISTLE = auto()
-    """Friction that begins as a spring: it shows in the first moments of a motion, and near standstill."""
+    """Friction that starts as a spring: visible at the start of a motion, and near standstill."""
     FRICTION_UNDER_LOAD = auto()
-    """Friction in proportion to the load that is passed on; without loads that vary it looks like constant friction."""
+    """Friction proportional to the transmitted load; under a constant load it looks like constant friction."""
     TORQUE_FACTOR = auto()
-    """One factor, ``scale``, on all torques at once: no motion tells it from every constant being off alike."""
+    """One factor, ``scale``, on all torques: no motion distinguishes it from all constants being off by one factor."""
     SENSOR_DELAY = auto()
-    """An output encoder that is late by ``delay``."""
+    """An output encoder delayed by ``delay``."""
     SENSOR_WAVE = auto()
-    """An output encoder's error of ``amplitude`` and ``phase`` over the output's angle."""
+    """An output encoder error with ``amplitude`` and ``phase`` over the output angle."""
     MOTOR_WAVE = auto()
-    """A torque of any ``order`` in the motor's turns."""
+    """A torque of any ``order`` per motor turn."""
     OUTPUT_WAVE = auto()
-    """A torque of any ``order`` in the output's turns."""
+    """A torque of any ``order`` per output turn."""
     GEAR_WAVE = auto()
-    """A torque of any ``order`` that a gear between the two shafts brings about."""
+    """A torque of any ``order`` caused by a gear between the two shafts."""
 
     LOAD = auto()
-    """Torque on the output that a model knows beforehand, whatever moves."""
+    """A torque on the output that the model knows in advance, independent of motion."""
     OF_TEETH = auto()
-    """Of the teeth of gears: where the motor turns as its output does, there are none."""
+    """Caused by gear teeth: impossible if the output turns with the motor."""
     OF_OUTPUT_TURNS = auto()
-    """Over the output's turns: a carriage makes none."""
+    """Depends on turns of the output: impossible for a carriage."""
     LIKE_A_CONSTANT = auto()
-    """Acts as one of the machine's constants does, and may stand behind that one being off."""
+    """Acts like one of the machine's constants, and may be mistaken for an error of that constant."""
     LIKE_PLAY_OR_SPRING = auto()
-    """What a gearbox that rings or bounces looks like in the torque alone."""
+    """A gearbox that rings or bounces looks like this in the torque alone."""
     SHOWN_BY_REVERSALS = auto()
-    """Where nothing reverses, it looks like friction that is off by a little."""
+    """Without reversals it looks like a small friction error."""
 
     NOT_AT_REST = auto()
-    """Does not show where nothing turns."""
+    """Not visible at rest."""
     TRANSIENT = auto()
-    """No operating point shows it: it takes an acceleration, a way or a time."""
+    """Not visible at operating points: it needs acceleration, travel or time."""
     BY_CURRENT = auto()
-    """In proportion to the very current that is to be explained: at operating points it would explain any."""
+    """Proportional to the current that is to be explained: at operating points it would explain any current."""

@@ -1,4 +1,4 @@
-"""Models: the machine's constants and its effects, frozen, and the files they come from."""
+"""Models: a machine's constants and effects, immutable, and their files."""
 
 from .model import ConstantValue, EffectInstance, Model
 from .model_file import load_model, save_model

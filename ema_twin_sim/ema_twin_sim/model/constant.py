@@ -1,4 +1,4 @@
-"""What a constant of a machine is: its place in a model file, its unit, its bounds."""
+"""The definition of a machine constant: its place in a model file, its unit, its bounds."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Constant:
-    """One constant: where it stands in a model file, its unit and its bounds."""
+    """One constant: its place in a model file, its unit and its bounds."""
 
     part: str
     name: str
@@ -15,11 +15,11 @@ class Constant:
     lower: float
     upper: float
     description: str
-    absent: float | None = None  # stands for having none, or knowing none, where all inertia is one number
-    optional: bool = False  # no value stands for having none
-    kind: str = ""  # the fidelity that it belongs to; models of another have none of it
-    everywhere: bool = False  # but models of another may have this one too
-    usual: float | None = None  # what it is where a model of that fidelity gives none
+    absent: float | None = None  # value if there is none, or it is unknown, in a model with a single inertia
+    optional: bool = False  # may be left out: the machine then has none
+    kind: str = ""  # the fidelity that it belongs to; other models do not have it
+    everywhere: bool = False  # but models of other fidelities may have this one, too
+    usual: float | None = None  # default if a model of that fidelity gives none
 
     @property
     def path(self) -> str:

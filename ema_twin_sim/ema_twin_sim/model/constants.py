@@ -1,8 +1,8 @@
 """The constants of a machine, its drive, transmission and sensors: names, units, bounds, meaning.
 
-A model file gives each one as ``{value, unit, tolerance, source}``; its unit must be the one in this table, or what
-takes its place where the machine is linear. Machines come in all sizes: what has the size of one (an inertia, a torque,
-a current) is bounded by its sign alone; shares, angles, and the times of drive and sensors have bounds of their own.
+A model file gives each one as ``{value, unit, tolerance, source}``; its unit must be the one in this table, or its
+counterpart on a linear machine. Machines come in all sizes: quantities that scale with the machine (inertia, torque,
+current) are bounded by sign only; shares, angles, and the times of drive and sensors have numeric bounds.
 """
 
 from __future__ import annotations
@@ -149,9 +149,9 @@ KINDS: dict[str, tuple[str, ...]] = {
     "drive": ("averaged", "switching"),
     "transmission": ("rigid", "two_inertia", "planetary"),
 }
-"""The fidelities that a part can have."""
+"""The possible fidelities of each part."""
 
 CHOICES: dict[str, dict[str, tuple[str, ...]]] = {"switching": SWITCHING_CHOICES, "planetary": PLANETARY_CHOICES}
-"""By fidelity, the words that a model of it may choose among, by path; the first is taken where none is given."""
+"""By fidelity and path, the choices of a model; the first is the default."""
 
 PARTS: tuple[str, ...] = ("machine", "drive", "transmission", "sensors")

@@ -1,4 +1,4 @@
-"""Matching: a recording as a model's twin can take it, whatever signals and units its machine came with."""
+"""Matching: convert a recording so that a model's twin can use it, whatever its signals and shafts."""
 
 from __future__ import annotations
 
@@ -16,19 +16,18 @@ from ema_bench_replay.recording import AT, AT_EITHER_SHAFT, KIND, MAY_BE_MAGNITU
 from .model import Model
 
 BY_TORQUE = "driven_by"
-"""The metadata of a recording that has no current but its drive's torque: ``{BY_TORQUE: "torque"}``."""
+"""Metadata of a recording with the drive's torque instead of a current: ``{BY_TORQUE: "torque"}``."""
 BY_SPEED = "position_by"
-"""The metadata of a recording that has no position but its motor's speed: ``{BY_SPEED: "speed"}``."""
-_STILL = 100.0  # times the way of an output that a rigid train would have made it go
-_IMPOSSIBLE = 10.0  # times the drive's limit: no unit that was mistaken, but a sample that is spoilt
+"""Metadata of a recording with the motor's speed instead of its position: ``{BY_SPEED: "speed"}``."""
+_STILL = 100.0  # an output at rest travels less than 1 / this of what a rigid train would give
+_IMPOSSIBLE = 10.0  # times the drive's limit: a corrupt sample rather than a wrong unit
 
 
 def matched(recording: Recording, model: Model) -> Recording:
-    """The recording with all of the motor's signals at the fast shaft; with a current where it has but a torque, and
-    the way of its speed where it has no position.
+    """The recording with all motor signals at the fast shaft; a missing current is computed from the torque, a missing
+    position from the speed.
 
-    Raises InputError where recording and model are of different motions (rotary, linear), or a speed is one that the
-    drive never gives.
+    Raises InputError if recording and model differ in motion (rotary, linear), or a speed is beyond the drive's.
     """
     if recording.motion != model.motion:
         raise InputError(
@@ -71,7 +70,7 @@ def matched(recording: Recording, model: Model) -> Recording:
 
 
 def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """The way (n,) that a speed makes; where that is missing, as a straight line has it. NaN if it is nowhere known."""
+    """Integral (n,) of a speed; missing values are interpolated linearly. NaN if it is never known."""
     known = by_pieces(np.isfinite, speed)
     if not known.any():
         return by_pieces(partial(np.full_like, fill_value=np.nan), speed)
@@ -88,9 +87,9 @@ def _way(speed: np.ndarray, time: np.ndarray) -> np.ndarray:
 
 
 def _clamped(signals: Mapping[str, np.ndarray], model: Model) -> str:
-    """What there is to say of an output that stands still while the motor turns; empty where it moves.
+    """A note if the output stands still while the motor turns; empty if it moves.
 
-    A torsion test clamps it: what gives way in between is then a spring that the motor winds up.
+    In a torsion test it is clamped: the compliance in between is then a spring that the motor winds up.
     """
     if not {"motor_position", "output_position", "current"} <= signals.keys():
         return ""

@@ -1,4 +1,4 @@
-"""A model: a bench's constants and the effects it is taken to have. Frozen; changes return a new model."""
+"""A model: a machine's constants and its assumed effects. Immutable; changes return a new model."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from .constants import CONSTANTS
 if TYPE_CHECKING:
     from .own_units import OwnUnits
 
-POLE_PAIRS = "pole pairs"  # name of an order: that of the electrical angle
-ORDER_ERROR = 0.03  # cycles per turn within which an order is a named one
-_HARMONICS = 12  # of a named order that are named after it
+POLE_PAIRS = "pole pairs"  # name of the order of the electrical angle
+ORDER_ERROR = 0.03  # cycles per turn within which an order gets a name
+_HARMONICS = 12  # highest multiple of a named order that is named after it
 LUMPED = "inertia"
-"""The name of the one inertia of a machine that has no gearbox to part it."""
+"""Name of the single inertia of a machine without a gearbox that would split it."""
 
 
 @dataclass(frozen=True)
 class ConstantValue:
     """The value of a constant: SI unit as in ``constants.CONSTANTS``, relative tolerance (one standard deviation).
 
-    Where nothing is known of it (open), the tolerance is infinite, and the value is where a fit starts.
+    If it is unknown (open), the tolerance is infinite, and the value is the start of a fit.
     """
 
     value: float
@@ -43,14 +43,14 @@ class ConstantValue:
 
 
 ENABLED = "enabled"
-"""Last word of the path of an effect's switch."""
+"""Last part of the path of an effect's switch."""
 
 
 @dataclass(frozen=True)
 class EffectInstance:
-    """One effect in a model: options and parameters by name, all of them given.
+    """One effect in a model: all options and parameters by name.
 
-    Where it is ``open``, the values are not known: they are where a fit starts.
+    If it is ``open``, the values are unknown: they are the start of a fit.
     """
 
     effect: str
@@ -66,11 +66,11 @@ class EffectInstance:
 
 @dataclass(frozen=True)
 class Model:
-    """What a twin is made of.
+    """The complete description of a twin.
 
     ``kinds`` holds the fidelity of ``drive`` and ``transmission``, ``constants`` the values by path
-    (``machine.motor_inertia``), ``effects`` the instances by name: an effect's first instance is named by its id, later
-    ones ``id_2``, ``id_3``…
+    (``machine.motor_inertia``), ``effects`` the instances by name: an effect's first instance is named after its id,
+    later ones ``id_2``, ``id_3``…
     """
 
     name: str
@@ -78,12 +78,12 @@ class Model:
     kinds: Mapping[str, str]
     constants: Mapping[str, ConstantValue]
     effects: Mapping[str, EffectInstance] = field(default_factory=dict)
-    motion: str = "rotary"  # or linear: then inertias are masses, torques forces, and an angle of the motor is its way
-    lumped: bool = False  # whether all inertia is one number
-    units: OwnUnits | None = None  # in which its numbers are told; None: SI
+    motion: str = "rotary"  # or linear: then inertias are masses, torques forces, and motor angles displacements
+    lumped: bool = False  # whether there is a single inertia
+    units: OwnUnits | None = None  # own units of its values; None: SI
     orders: Mapping[str, float] = field(default_factory=dict)  # by name, cycles per turn of the motor
-    other_orders: bool = True  # whether anything else of it may repeat
-    choices: Mapping[str, str] = field(default_factory=dict)  # by path, of what its fidelities may choose among
+    other_orders: bool = True  # whether torques of other orders are possible
+    choices: Mapping[str, str] = field(default_factory=dict)  # by path, chosen options of its fidelities
 
     def __post_init__(self) -> None:
         for name in ("kinds", "constants", "effects", "orders", "choices"):
@@ -96,16 +96,16 @@ class Model:
 
     @property
     def is_open(self) -> bool:
-        """Whether numbers of the machine are not known but for where a fit starts."""
+        """Whether any value of the machine is only the start of a fit."""
         return any(math.isinf(held.tolerance) for held in self.constants.values()) or any(
             instance.open for instance in self.active.values()
         )
 
     def order_names(self, order: float, within: float = ORDER_ERROR) -> list[str]:
-        """What of the machine repeats so often in a turn of its motor; or what a multiple of which does: ``4 × slots``.
+        """Names of an order (cycles per motor turn), or of an order of which it is a multiple: ``4 × slots``.
 
-        Everything is a multiple of a turn, and of what takes several: they are not named. With each pole pair passes a
-        turn of the electrical angle.
+        Multiples of orders of one or less are not named, since every order is one. The order of the electrical angle
+        equals the number of pole pairs.
         """
         exact = [_electrical(name, own) for name, own in self.orders.items() if abs(order - own) <= within]
         multiples = [
@@ -118,12 +118,12 @@ class Model:
 
     @property
     def pole_pairs(self) -> float | None:
-        """Of the motor: turns of the electrical angle in one of its own, where they are known, if but as an order."""
+        """Pole pairs of the motor (electrical turns per motor turn), if known, possibly only as an order."""
         held = self.constants.get("machine.pole_pairs")
         return self.orders.get(POLE_PAIRS) if held is None else held.value
 
     def motor_order(self, name: str) -> float:
-        """The order of an effect, in cycles per turn of the motor."""
+        """The order of an effect, in cycles per motor turn."""
         instance = self.effects[name]
         of_output = find_effect(instance.effect, name).where(instance.options) == OUTPUT_TORQUE
         return float(instance.options["order"]) / (self.value("machine.gear_ratio") if of_output else 1.0)
@@ -139,24 +139,24 @@ class Model:
 
     @property
     def turn(self) -> float:
-        """What an encoder's counts are counted over: a revolution [rad], or a metre where the machine is linear."""
+        """Reference of encoder counts: a revolution [rad], or a metre on a linear machine."""
         return 2.0 * math.pi if self.motion == "rotary" else 1.0
 
     def unit(self, path: str) -> str:
-        """The unit of a constant in this machine's motion."""
+        """The unit of a constant for this machine's motion."""
         return unit_in(CONSTANTS[path].unit, self.motion)
 
     def parameter_unit(self, effect: str, parameter: str) -> str:
-        """The unit of an effect's parameter in this machine's motion; angles of waves are angles in any."""
+        """The unit of an effect's parameter for this machine's motion; phase angles are always angles."""
         row = next(p for p in find_effect(effect, "effect").parameters if p.name == parameter)
         return row.unit if row.periodic else unit_in(row.unit, self.motion)
 
     def shown_path(self, path: str) -> str:
-        """The path of a constant as people know it: one ``machine.inertia`` where all of it is one number."""
+        """The path of a constant as shown to users: ``machine.inertia`` if there is a single inertia."""
         return f"machine.{LUMPED}" if self.lumped and path == "machine.motor_inertia" else path
 
     def fitted_from(self, nominal: Model) -> Model:
-        """The same model, the source of each constant that has moved from ``nominal`` saying so."""
+        """The same model; the source of each constant that differs from ``nominal`` says that it was fitted."""
         constants = dict(self.constants)
         for path, held in constants.items():
             if held.value != nominal.value(path):
@@ -171,7 +171,7 @@ class Model:
         *,
         enabled: bool = True,
     ) -> Model:
-        """A model with one more instance of an effect; what is not given takes the catalogue's defaults."""
+        """A model with one more instance of an effect; missing values take the catalogue's defaults."""
         effect = find_effect(id, "effect")
         instance = checked_instance(effect, parameters or {}, options or {}, id, complete=False, motion=self.motion)
         if id in self.effects and not effect.repeatable:
@@ -192,9 +192,9 @@ class Model:
         return replace(self, effects={k: v for k, v in self.effects.items() if k not in gone})
 
     def with_value(self, path: str, value: float) -> Model:
-        """A model with one number changed: ``effects.NAME.PARAMETER`` or a constant's path.
+        """A model with one value changed: ``effects.NAME.PARAMETER`` or a constant's path.
 
-        Raises InputError with the range where the value is outside it, with the nearest name where a path is unknown.
+        Raises InputError with the range if the value is outside it, with the nearest name if the path is unknown.
         """
         if path.startswith("effects."):
             _, name, parameter = [*path.split("."), "", ""][:3]
@@ -227,7 +227,7 @@ class Model:
         return replace(self, effects={**self.effects, name: replace(self.effects[name], enabled=enabled)})
 
     def with_option(self, name: str, option: str, choice: str) -> Model:
-        """A model with one effect's option chosen. Raises InputError with the choices where there is no such one."""
+        """A model with one option of an effect set. Raises InputError with the choices if the choice is invalid."""
         if name not in self.effects:
             raise InputError(f"model {self.name}: no effect '{name}'; it holds {', '.join(self.effects) or 'none'}")
         held = self.effects[name]
@@ -236,10 +236,10 @@ class Model:
         return replace(self, effects={**self.effects, name: replace(changed, enabled=held.enabled, open=held.open)})
 
     def with_setting(self, path: str, value: bool | float | str) -> Model:
-        """A model with one thing changed, as a running twin's parameters name it.
+        """A model with one setting changed, named as in a running twin's parameters.
 
         ``effects.NAME.enabled`` (bool), ``effects.NAME.OPTION`` (str), ``effects.NAME.PARAMETER`` or a constant's path
-        (float). Raises InputError where there is no such thing, or the value is out of range.
+        (float). Raises InputError if it does not exist, or the value is out of range.
         """
         part, _, rest = path.partition(".")
         name, _, word = rest.partition(".")
@@ -255,13 +255,13 @@ def _electrical(name: str, order: float) -> str:
 
 
 def nearest(name: str, known: Mapping[str, object] | tuple[str, ...]) -> str:
-    """``did you mean 'x'?`` or the list of what is known."""
+    """``did you mean 'x'?`` or the list of known names."""
     near = difflib.get_close_matches(name, list(known), n=1)
     return f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
 
 
 def check_range(value: object, lower: float, upper: float, unit: str, place: str) -> float:
-    """The value as a float. Raises InputError where it is no finite number within [lower, upper]."""
+    """The value as a float. Raises InputError if it is not a finite number within [lower, upper]."""
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
@@ -273,7 +273,7 @@ def check_range(value: object, lower: float, upper: float, unit: str, place: str
 
 
 def parameter_range(parameter: Parameter, motion: str) -> tuple[float, float, str]:
-    """(lower, upper, unit) of a parameter; an angle's way on a rail is of any length."""
+    """(lower, upper, unit) of a parameter; on a linear machine an angle is a length without bounds."""
     unit = parameter.unit if parameter.periodic else unit_in(parameter.unit, motion)
     if unit == parameter.unit:
         return parameter.lower, parameter.upper, unit
@@ -290,9 +290,9 @@ def checked_instance(
     complete: bool,
     motion: str = "rotary",
 ) -> EffectInstance:
-    """An instance whose names, options and ranges are right. Raises InputError naming ``place`` otherwise.
+    """An instance with checked names, options and ranges. Raises InputError naming ``place`` otherwise.
 
-    ``complete`` demands every parameter; else missing ones take their defaults.
+    ``complete`` requires every parameter; otherwise missing ones take their defaults.
     """
     table = {parameter.name: parameter for parameter in effect.parameters}
     for name in parameters:

@@ -1,11 +1,11 @@
-"""Model files: YAML, ``{version, machine, drive, transmission, sensors, effects}``, read strictly and written whole.
+"""Model files: YAML, ``{version, machine, drive, transmission, sensors, effects}``, read strictly, written complete.
 
-A file may name a ``base`` beside it (models of one bench share one file of constants); its own entries then overrule
-the base's. What is written is always whole: a file that stands alone. A machine of which less is known may
-give its one ``inertia`` (of a linear machine: its mass) in place of the motor's, the gearbox's and the output's, and
-leave out what it does not have. ``tolerance: open`` says that a value is not known, but for where a fit starts.
-``orders`` names what repeats with the motor's turns, in cycles per turn (``pole pairs``: the electrical angle);
-``other_orders: false`` says that nothing else does, so that none is looked for.
+A file may name a ``base`` in the same folder (models of one bench share one file of constants); its own entries
+override those of the base. A written file is always complete and needs no base. If less is known of a machine, the file
+may give one ``inertia`` (for a linear machine: its mass) instead of those of motor, gearbox and output, and leave out
+what the machine does not have. ``tolerance: open`` marks a value that is only the start of a fit. ``orders`` names what
+repeats with the motor's turns, in cycles per turn (``pole pairs``: the electrical angle); ``other_orders: false`` says
+that nothing else does, so that no other order is searched.
 """
 
 from __future__ import annotations
@@ -35,32 +35,32 @@ OPEN = "open"
 ABSENT = "not given: the machine has none"
 TORQUE_CONSTANT = "machine.torque_constant"
 SHAFTS = ("motor", "output")
-"""Shafts at which a torque constant may be told; a model holds that of the motor's."""
+"""Shafts to which a torque constant may refer; a model holds the one at the motor."""
 _KEYS = ("version", "base", *PARTS, "orders", "other_orders", "effects")
 
 
 def load_model(name: str | os.PathLike[str]) -> Model:
-    """The model in a file, or the one of that name in config/models. Raises InputError with file, place and remedy."""
+    """Load a model from a file, or by name from config/models. Raises InputError with file, place and remedy."""
     content, files = _read_whole(name)
     return _model(files[0], content)
 
 
 def model_files(name: str | os.PathLike[str]) -> list[Path]:
-    """The files that a model is read from: its own and those that it is based on."""
+    """The files of a model: its own and its bases."""
     return _read_whole(name)[1]
 
 
 def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = False) -> Path:
-    """Write a model whole, as it loads again.
+    """Write a complete model file that loads as the same model.
 
-    Raises InputError where the file exists (without ``force``) or cannot be written.
+    Raises InputError if the file exists (without ``force``) or cannot be written.
     """
     path = Path(path)
     check_model_name(path)
     text = _text(model)
     try:
         _model(path, parse_yaml(text))
-    except InputError as error:  # whoever made it made what no model can be
+    except InputError as error:  # a programming error: the given model is invalid
         raise RuntimeError(f"a model is not written that would not load again: {error}") from error
     with new_file(path, force=force) as file:
         head = "# EMA twin model, whole; units as stated, tolerances relative (one std)\n"
@@ -69,7 +69,7 @@ def save_model(model: Model, path: str | os.PathLike[str], *, force: bool = Fals
 
 
 def _text(model: Model) -> str:
-    """A model as YAML, whole."""
+    """A complete model as YAML."""
     content: dict[str, object] = {"version": VERSION, "machine": {"name": model.machine}}
     if model.motion != "rotary":
         content["machine"] = {"name": model.machine, "motion": model.motion}
@@ -106,7 +106,7 @@ def _text(model: Model) -> str:
 
 
 def _units_of_effects(model: Model) -> str:
-    """A line of comment for each effect that a model holds."""
+    """A comment line for each effect of a model."""
     lines = []
     for effect in dict.fromkeys(instance.effect for instance in model.effects.values()):
         names = [parameter.name for parameter in find_effect(effect, "effect").parameters]
@@ -116,7 +116,7 @@ def _units_of_effects(model: Model) -> str:
 
 
 def check_model_name(path: Path) -> None:
-    """Raise InputError where a file of that name would not be taken for a model."""
+    """Raise InputError if a file with that name would not be recognised as a model."""
     if path.suffix not in (".yaml", ".yml"):
         raise InputError(
             f"{path}: a model file is named .yaml (without it, it would hide a shipped model of that name)"
@@ -132,7 +132,7 @@ class _Dumper(yaml.SafeDumper):
 
 
 def _read_whole(name: str | os.PathLike[str]) -> tuple[dict[str, object], list[Path]]:
-    """The content of a model's file over that of its bases, and these files."""
+    """The content of a model file merged over its bases, and the list of files."""
     path = Path(name)
     if path.suffix not in (".yaml", ".yml") and not path.is_file():
         path = find_configuration("models", f"{name}.yaml")
@@ -148,12 +148,12 @@ def _read_whole(name: str | os.PathLike[str]) -> tuple[dict[str, object], list[P
 
 
 def _base(path: Path, named: object) -> Path:
-    """The file that a model's ``base`` names: beside it, or a shipped one by its name."""
+    """The file named by a model's ``base``: in the same folder, or a shipped one by name."""
     name = Checker(path).text(named, "base")
     beside = path.parent / name
     try:
         return beside if beside.is_file() else find_configuration("models", name)
-    except (InputError, OSError, ValueError):  # OSError, ValueError: a name that no file can have
+    except (InputError, OSError, ValueError):  # OSError, ValueError: an invalid file name
         raise InputError(
             f"{path}: base: {name[:200]!r} is no file beside it, and no model in config/models; name one of them"
         ) from None
@@ -209,7 +209,7 @@ def _model(path: Path, content: Mapping[str, Any]) -> Model:
                 raise check.error(f"{part}.{name}", "is missing", f"give its value in {unit_in(constant.unit, motion)}")
     if TORQUE_CONSTANT in constants and isinstance(of_motor := machine.get("torque_constant"), dict):
         shaft = check.choice(of_motor.get("shaft", SHAFTS[0]), f"{TORQUE_CONSTANT}.shaft", SHAFTS)
-        if shaft != SHAFTS[0]:  # a joint's torque per ampere holds the gear ratio
+        if shaft != SHAFTS[0]:  # a joint's torque per ampere includes the gear ratio
             held = constants[TORQUE_CONSTANT]
             constants[TORQUE_CONSTANT] = held.at(held.value / constants["machine.gear_ratio"].value)
     name = check.text(machine.get("name", path.stem), "machine.name")

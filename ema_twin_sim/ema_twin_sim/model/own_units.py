@@ -1,11 +1,11 @@
-"""A machine's own units: its seconds, newton metres and amperes, and the drum of a linear one.
+"""A machine's own units of time, torque and current, and the drum radius of a linear machine.
 
-Mechanics is covariant. With time times a, torque times m and current times i, a recording of one machine is a recording
-of another, whose constants follow from their units. What is known beforehand of a search (how slow is standstill, how
-wide is a kernel, how large may an effect be) is known of one machine. So recordings and model are told in the units of
-the machine at hand, in which it has the size of that one, and what was found is told back in SI.
+Mechanics is covariant. With time, torque and current scaled, a recording of one machine is a recording of another,
+whose constants scale with their units. The prior knowledge of a search (which speed is standstill, how wide is a
+kernel, how large may an effect be) comes from one machine, the reference bench. So recordings and model are converted
+to units in which the machine has the size of the reference bench, and results are converted back to SI.
 
-A linear machine is told as the rotary one whose carriage runs round a drum of some radius: x = r θ, F = T / r.
+A linear machine is treated as a rotary one whose carriage runs round a drum of some radius: x = r θ, F = T / r.
 """
 
 from __future__ import annotations
@@ -38,14 +38,14 @@ _POWERS = {
     "ohm": (0, -1, 1, -2),
     "H": (0, 0, 1, -2),
 }
-"""By the parts of a rotary machine's units, the powers of radius, time, torque and current that lead from own to native
-numbers. Volts follow from power: V A = N m / s. Any other part stays."""
+"""For each part of a rotary unit, the powers of radius, time, torque and current that convert own to native values.
+Volts follow from power: V A = N m / s. Other parts are not scaled."""
 _PART = re.compile(r"(/)|(N m|kg m\^2|[^\s/^]+)(?:\^(\d+))?")
 
 
 @cache
 def _powers(unit: str) -> tuple[int, ...]:
-    """The powers of a unit, from those of its parts: of ``N m s^2/rad^2`` those of N m, twice s, less twice rad."""
+    """The powers of a unit from those of its parts: for ``N m s^2/rad^2``, N m plus twice s minus twice rad."""
     total: tuple[int, ...] = (0, 0, 0, 0)
     sign = 1
     for slash, part, times in _PART.findall(unit):
@@ -59,7 +59,7 @@ def _powers(unit: str) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class OwnUnits:
-    """What one of each own unit is: s, N m and A; and the drum's radius [m] where the machine is linear (else None)."""
+    """Sizes of the own units in s, N m and A, and the drum radius [m] of a linear machine (otherwise None)."""
 
     time: float = 1.0
     torque: float = 1.0
@@ -67,19 +67,19 @@ class OwnUnits:
     radius: float | None = None
 
     def factor(self, unit: str) -> float:
-        """What an own number in a rotary unit is multiplied by to be the machine's native one."""
-        turn = 2.0 * math.pi if unit == "1/rev" and self.radius is not None else 1.0  # counts of a carriage are per m
+        """Factor that converts a value in own units (rotary unit) to the machine's native unit."""
+        turn = 2.0 * math.pi if unit == "1/rev" and self.radius is not None else 1.0  # a carriage's counts are per m
         sizes = (self.radius or 1.0, self.time, self.torque, self.current)
         return math.prod(size**power for size, power in zip(sizes, _powers(unit), strict=True)) / turn
 
 
 def model_in(model: Model, units: OwnUnits) -> Model:
-    """A native model in own units, which it remembers."""
+    """A native model converted to own units, which it stores."""
     return replace(_scaled(model, units, -1), motion="rotary", units=units)
 
 
 def native(model: Model) -> Model:
-    """A model in own units as its machine has it; another model as it is."""
+    """A model in own units converted to native units; any other model unchanged."""
     if model.units is None:
         return model
     motion = "rotary" if model.units.radius is None else "linear"
@@ -87,7 +87,7 @@ def native(model: Model) -> Model:
 
 
 def in_si(model: Model) -> Model:
-    """A model in own units in SI, still as the drum of a linear machine: what a twin is compared with."""
+    """A model in own units converted to SI; a linear machine stays a rotary drum, as in the comparison of twins."""
     if model.units is None:
         return model
     in_native = native(model)
@@ -95,7 +95,7 @@ def in_si(model: Model) -> Model:
 
 
 def native_as_given(model: Model, given: Model) -> Model:
-    """A model in own units as its machine has it; what did not move from the ``given`` native one, to the digit."""
+    """A model in own units converted to native units; values unchanged from the ``given`` native model stay exact."""
     if model.units is None:
         return model
     back, began = native(model), model_in(given, model.units)
@@ -111,7 +111,7 @@ def native_as_given(model: Model, given: Model) -> Model:
 
 
 def recording_in(recording: Recording, units: OwnUnits) -> Recording:
-    """A native recording in own units."""
+    """A native recording converted to own units."""
     if units == OwnUnits():
         return recording
     way = units.factor("rad")
@@ -129,7 +129,7 @@ def recording_in(recording: Recording, units: OwnUnits) -> Recording:
 
 
 def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
-    """A number of a model in a rotary unit, and that unit, as people know them: SI, a carriage's where it is one."""
+    """A value of a model and its (rotary) unit converted for display: SI, linear units for a carriage."""
     if model.units is None:
         return value, unit_in(unit, model.motion)
     linear = model.units.radius is not None
@@ -137,12 +137,12 @@ def shown(model: Model, value: float, unit: str) -> tuple[float, str]:
 
 
 def told(model: Model, value: float, unit: str) -> float:
-    """A number in a rotary unit and SI, as a model's own units tell it."""
+    """A value in SI (rotary unit) converted to a model's own units."""
     return value if model.units is None else value / model.units.factor(unit)
 
 
 def shown_entry(model: Model, value: float, std: float | None, unit: str, *, angle: bool = False) -> dict[str, Any]:
-    """``{value, std, unit}`` as people know them; ``unit`` is the rotary one, of an ``angle`` that of any machine."""
+    """``{value, std, unit}`` for display; ``unit`` is the rotary one; an ``angle`` keeps its unit on any machine."""
     if angle:
         return {"value": value, "std": std, "unit": unit}
     own, written = shown(model, value, unit)

@@ -1,7 +1,7 @@
 """The constants of a planetary train: teeth, dimensions, material, friction, condition.
 
-Play and run-out are lengths along the line of action. Left-out conditions stand for a healthy gearbox. Sources and
-equations: ``plant/planetary``.
+Backlash and run-out are lengths along the line of action. Without condition parameters the gearbox is healthy. Sources
+and equations: ``plant/planetary``.
 """
 
 import math

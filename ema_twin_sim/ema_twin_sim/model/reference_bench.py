@@ -1,4 +1,4 @@
-"""The bench of the Politecnico di Torino, in whose size own units tell every machine.
+"""The bench of the Politecnico di Torino: own units scale every machine to its size.
 
 In SI: rms torque and speed over ramps, sines, triangles and steps (six recordings of bench_cases, median of 28 cases),
 inertia and torque constant of its model.
@@ -8,5 +8,5 @@ TORQUE = 0.34  # N m
 INERTIA = 1.77175e-3  # kg m^2
 TORQUE_CONSTANT = 1.91  # N m/A
 MOTOR_SPEED = 6.9  # rad/s
-DRUM_SPEED = 10.0  # rad/s, of the drum that a carriage runs round
-OUTPUT_FRICTION = 0.2  # N m: what holds an output in its play, where no torque tells it
+DRUM_SPEED = 10.0  # rad/s, of the drum that represents a linear machine
+OUTPUT_FRICTION = 0.2  # N m: assumed friction that holds an output within backlash, if no torque is recorded

@@ -1,6 +1,6 @@
 """The constants of a switching drive: DC link, inverter, resolver, and the three windings with their faults.
 
-Left-out faults stand for a healthy motor. Sources and equations: ``plant/switching``.
+Without fault parameters the motor is healthy. Sources and equations: ``plant/switching``.
 """
 
 import math

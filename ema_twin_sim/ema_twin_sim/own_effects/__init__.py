@@ -1,4 +1,4 @@
-"""Effects that users write themselves, one Python file each, without touching the package."""
+"""Effects written by users, one Python file each, without changing the package."""
 
 from .effect_file import load_effect, load_effects
 

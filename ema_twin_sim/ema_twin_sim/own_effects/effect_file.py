@@ -1,8 +1,8 @@
-"""The file of a user's own effect: Python that ends in ``EFFECT = Effect(...)``, as the catalogue's files do.
+"""The file of a user's own effect: Python that ends in ``EFFECT = Effect(...)``, like the catalogue's files.
 
-Such a file is code. It runs where it is named, on the command line (``--with FILE.py``) or in a node's parameter
-(``effect_files``), and never because a model names its effect. It is read from its source and compiled anew in every
-process (a twentieth of a second), so that no machine code of an earlier version can run.
+Such a file is code. It runs only if it is named on the command line (``--with FILE.py``) or in a node's parameter
+(``effect_files``), never because a model names its effect. It is read from source and compiled again in every process
+(a twentieth of a second), so that no machine code of an earlier version can run.
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ _HINTS = {
     "relative import": "write: from ema_twin_sim.effects.effect import Effect, Parameter",
     "'Parameter' has no len": "a table of one parameter ends in a comma: (Parameter(...),)",
 }
-"""What to do about mistakes that are easily made, by what Python says of them."""
+"""Remedies for common mistakes, by Python's error message."""
 
 
 def load_effects(files: Iterable[str | os.PathLike[str]]) -> list[Effect]:
-    """The effects of users' files, in the catalogue of this process from now on (a worker process calls it itself)."""
+    """Load users' effects and add them to this process's catalogue (a worker process calls it itself)."""
     return [load_effect(file) for file in files]
 
 
 def load_effect(file: str | os.PathLike[str]) -> Effect:
-    """The effect of a user's file, in the catalogue of this process from now on.
+    """Load the effect of a user's file and add it to this process's catalogue.
 
-    The file is run. Raises InputError, with file, line and remedy, where it holds no effect that works: its table and
+    The file is executed. Raises InputError, with file, line and remedy, if it holds no working effect: its table and
     its function are tried out here, not while a twin runs.
     """
     path = Path(file)

@@ -1,4 +1,4 @@
-"""What a user's code raised, in one line: where it is in their file, and what Python or the compiler says."""
+"""An error of a user's code in one line: its place in the file, and the message of Python or the compiler."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import traceback
 from pathlib import Path
 
 _AROUND = ("Failed in ", "File ", "During", "There are", "Enable logging")
-"""How the lines of the compiler's message begin that are not about the mistake itself."""
+"""Beginnings of lines in the compiler's message that do not describe the mistake itself."""
 
 
 def line_of(error: BaseException, file: Path) -> str:
-    """``line N: ``, the last place in the file that an error has passed; empty where it has passed none."""
+    """``line N: ``, the innermost place in the file in an error's traceback; empty if there is none."""
     if isinstance(error, SyntaxError) and error.filename == str(file):
         return f"line {error.lineno}: "
     passed = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
@@ -22,7 +22,7 @@ def line_of(error: BaseException, file: Path) -> str:
 
 
 def words(error: BaseException) -> str:
-    """What went wrong: the kind of error and its text, or the one telling line of a compiler's page."""
+    """The kind of error and its text, or the most informative line of a compiler's message."""
     if isinstance(error, SyntaxError):
         return f"{type(error).__name__}: {error.msg}"
     lines = [line.strip() for line in str(error).splitlines()]

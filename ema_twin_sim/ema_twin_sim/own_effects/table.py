@@ -1,4 +1,4 @@
-"""The table of a user's effect: words, names, numbers and options, checked before anything relies on them."""
+"""Check the table of a user's effect: texts, names, numbers and options, before they are used."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAMING = "use small letters, digits and single underscores"
 
 
 def checked_table(file: Path, effect: Effect) -> Effect:
-    """The effect with its numbers as floats and its lists as tuples. Raises InputError where its table is not right."""
+    """The effect with its numbers as floats and its lists as tuples. Raises InputError if its table is invalid."""
     check = _Check(file)
     check.name(effect.id, "EFFECT.id")
     if re.search(r"_\d+$", effect.id):
@@ -37,7 +37,7 @@ def checked_table(file: Path, effect: Effect) -> Effect:
             raise check.error(f"EFFECT.{way}", "is no function", f"give {way}={way}")
     if not isinstance(effect.electrical, bool):
         raise check.error("EFFECT.electrical", f"is {effect.electrical!r}", "give True or False")
-    act = getattr(effect.act, "py_func", effect.act)  # of a function that is compiled already, the Python
+    act = getattr(effect.act, "py_func", effect.act)  # the Python function, if already compiled
     return replace(effect, parameters=parameters, options=options, act=act)
 
 
@@ -89,7 +89,7 @@ def _checked_options(check: _Check, options: object) -> dict[str, tuple[str, ...
 
 
 class _Check:
-    """Refusals that name the file and the place in its table."""
+    """Raises errors that name the file and the place in its table."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -106,7 +106,7 @@ class _Check:
             raise self.error(place, f"{value!r} is no name for YAML and ROS", _NAMING)
 
     def bound(self, value: object, place: str) -> float:
-        """A number, or infinity where there is no bound."""
+        """A number, or infinity if there is no bound."""
         if isinstance(value, float) and math.isinf(value):
             return value
         return self.number(value, place, "give a number, or math.inf for none")

@@ -1,7 +1,7 @@
 """A trial of a user's effect: compiled and called over its options, bounds and a few operating points.
 
-What would stop a twin in the middle of a run (a name that does not exist, a division by zero, a parameter that is not
-in the table) is found here, where it can be said with file, line and remedy.
+Errors that would stop a twin during a run (an unknown name, a division by zero, a parameter that is not in the table)
+are found here, and reported with file, line and remedy.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _PLACES = {
 
 
 def _point(time: float, speed: float, dry_level: float) -> OperatingPoint:
-    """A machine of the bench's size after some seconds [s] at a speed [rad/s] of its motor."""
+    """Operating point of a machine of the bench's size at a time [s] and motor speed [rad/s]."""
     return OperatingPoint(
         time=time,
         motor_angle=speed * time,
@@ -58,7 +58,7 @@ POINTS = (_point(0.0, 0.0, 0.0), _point(5.0, 0.01, 0.05), _point(1.0, -6.2, 0.05
 
 
 def try_out(file: Path, effect: Effect) -> None:
-    """Raise InputError where the effect is not a finite number at every trial."""
+    """Raise InputError unless the effect is finite in every trial."""
     for options in choices(effect):
         try:
             place = effect.where(options)
@@ -80,13 +80,13 @@ def try_out(file: Path, effect: Effect) -> None:
 
 
 def choices(effect: Effect) -> Iterator[dict[str, str]]:
-    """Every choice of an effect's options."""
+    """Every combination of an effect's options."""
     for choice in itertools.product(*effect.options.values()):
         yield dict(zip(effect.options, choice, strict=True))
 
 
 def _settings(effect: Effect) -> Iterator[dict[str, float]]:
-    """The defaults, and each parameter at its bounds, where it has any."""
+    """The defaults, and each parameter at its finite bounds."""
     defaults = effect.default_parameters()
     yield defaults
     for p in effect.parameters:
@@ -94,7 +94,7 @@ def _settings(effect: Effect) -> Iterator[dict[str, float]]:
 
 
 def _try_settle(file: Path, effect: Effect, way: str, constants: np.ndarray, options: Options) -> None:
-    """Try a function of that name on constants (1,) that are all one."""
+    """Try the function with that name on constants (1,) that are all one."""
     for parameters in _settings(effect):
         settled = constants.copy()
         try:
@@ -133,7 +133,7 @@ def _try_act(
 
 
 def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) -> Callable[..., float]:
-    """``act`` in machine code. Raises InputError with the line that cannot become any."""
+    """``act`` compiled. Raises InputError with the line that cannot be compiled."""
     try:
         inspect.signature(act).bind(None, None)
     except (TypeError, ValueError):
@@ -153,11 +153,11 @@ def _compiled(file: Path, act: Callable[..., float], values: tuple[float, ...]) 
         except (NameError, TypeError) as error:
             plain = plain or error
         except Exception:
-            continue  # plain Python is stricter (1 / 0): what counts is what the compiled function does, below
+            continue  # plain Python is stricter (1 / 0): the compiled function decides, below
     try:
         return compiled_effect(act, on_disk=False)
     except Exception as error:
-        told = plain or error  # what Python says of the same mistake is clearer, and has a line
+        told = plain or error  # Python's message for the same mistake is clearer, and has a line
         place = line_of(told, file) or _start(act)
         raise InputError(f"{file}: {place}act does not compile: {words(told)}; {_COMPILABLE}") from None
 
@@ -172,11 +172,11 @@ def _told(values: Mapping[str, object]) -> str:
 
 
 class _NotInTable(Exception):
-    """A parameter is read that the table does not have; compiled code would find a silent zero there."""
+    """A parameter outside the table is read; compiled code would silently read a zero."""
 
 
 class _Table(tuple[float, ...]):
-    """The parameters of the table, and nothing else."""
+    """The parameters of the table only."""
 
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, int) and not 0 <= index < len(self):

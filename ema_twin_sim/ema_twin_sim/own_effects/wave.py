@@ -1,4 +1,4 @@
-"""Whether an angle of a user's effect turns a wave, so that two of its values tell all others."""
+"""Test whether an angle of a user's effect is the phase of a wave, so that two of its values determine all others."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ..plant.operating_point import OperatingPoint
 from .trial import POINTS, choices
 
 _TURNED = (0.7, 2.1, 4.0)
-"""rad, at which a wave must be what two angles a quarter of a turn apart make of it."""
-_SAME = 1e-6  # of the largest value
+"""Test angles, rad: a wave must be the combination of its values at two angles a quarter turn apart."""
+_SAME = 1e-6  # tolerance, relative to the largest value
 
 
 @lru_cache
 def turns_a_wave(effect: Effect, parameter: Parameter) -> bool:
-    """Whether ``act`` goes with the cosine and sine of this angle, but for what does not depend on it."""
+    """Whether ``act`` is a sum of a constant and multiples of cosine and sine of this angle."""
     return effect.act is not None and all(
         _is_wave(effect, effect.act, parameter, (*numeric,), at) for numeric in _numeric(effect) for at in POINTS
     )
@@ -44,6 +44,6 @@ def _is_wave(
         middle = 0.5 * (plain + half)
         wave = [middle + (plain - middle) * math.cos(a) + (quarter - middle) * math.sin(a) for a in _TURNED]
         off = max(abs(value(a) - told) for a, told in zip(_TURNED, wave, strict=True))
-    except Exception:  # plain Python is stricter than what is compiled: then each angle is tried
+    except Exception:  # plain Python is stricter than compiled code: then each angle is tried
         return False
     return off <= _SAME * max(abs(plain), abs(quarter), abs(half), abs(middle))

@@ -1,7 +1,7 @@
 """The compiled plant: drive, transmission, friction and sensors, advanced step by step, without ROS or files.
 
-Numba keys its cache of machine code by one source file's date, and the kernel is made of several: the cache therefore
-lives in a folder named after the content of all of them, so that no edit or update ever runs stale code.
+Numba keys its cache of machine code by the date of one source file, but the kernel consists of several. The cache
+folder is therefore named after the content of all of them, so that no edit or update ever runs stale code.
 """
 
 import hashlib

@@ -1,18 +1,18 @@
-"""The unexplained torque: what the measured motion needs and the model does not account for.
+"""The unexplained torque: needed by the measured motion and not accounted for by the model.
 
-At each sample the model's torques are taken at the *measured* operating point and compared with the measured
+At each sample the model's torques are evaluated at the *measured* operating point and compared with the measured
 acceleration. Positive values oppose positive motion, as every torque of the catalogue does:
 
     unexplained = F[ Kt i - friction - effects ] - J F[ dw/dt ]
 
-F is one causal filter for both sides, so that it is computed sample by sample in the same way live and offline: the
-drive's own smoothing of the speed (which the measured speed already has, so it is applied to the torques only) and two
-equal lags that keep the derivative of a noisy speed readable. Both sides are taken at the middle of the interval: half
-a sample between them would show as inertia times jerk. Where no speed is measured, the motor counter's difference
-stands in; it is so coarse (0.08 rad/s at 2 ms) that the first lag comes before the model's torques are taken. Where the
-transmission has play or gives way, the output is simulated, driven by the measured motor (``driven_output.py``).
+F is one causal filter for both sides, computed sample by sample in the same way live and offline: the drive's own
+smoothing of the speed (applied to the torques only, since the measured speed already has it) and two equal lags that
+keep the derivative of a noisy speed usable. Both sides are evaluated at the middle of the interval: a shift of half a
+sample would appear as inertia times jerk. If no speed is measured, the motor counter's difference is used; it is so
+coarse (0.08 rad/s at 2 ms) that the first lag is applied before the model's torques are evaluated. If the transmission
+has backlash or compliance, the output is simulated, driven by the measured motor (``driven_output.py``).
 
-It is a pass by itself over the samples, which ends the kernel's (``estimate``).
+It is a separate pass over the samples after that of the kernel (``estimate``).
 """
 
 import math
@@ -28,20 +28,20 @@ from .layout import CURRENT_IN, LOAD_IN, MOTOR_POSITION_IN, MOTOR_POSITION_OUT, 
 from .operating_point import OperatingPoint, changed
 from .transmission import end_stop_torque
 
-BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above what friction and loads vary with
-COUNTER_LAG = 0.020  # s, where the speed is a counter's difference
-STANDSTILL = 0.05  # rad/s of the fast shaft, below which the shaft counts as held by dry friction
+BALANCE_LAG = 0.005  # s, each of the two lags: together about 20 Hz, above the variation of friction and loads
+COUNTER_LAG = 0.020  # s, if the speed is a counter's difference
+STANDSTILL = 0.05  # rad/s of the fast shaft; below, the shaft counts as held by dry friction
 
 
 @njit(error_model="numpy")
 def unsmoothed(speed, before, interval, smoothing):
-    """True speed [rad/s] from two samples of a speed smoothed by a first-order lag."""
+    """Unsmoothed speed [rad/s] from two samples of a speed smoothed by a first-order lag."""
     return speed + smoothing * (speed - before) / interval
 
 
 @njit(error_model="numpy")
 def lagged_line(value, input_before, input_now, interval, time_constant):
-    """A first-order lag after an interval in which its input went straight from one value to the other, exactly."""
+    """Exact output of a first-order lag after an interval in which its input changed linearly."""
     if time_constant <= 0.0:
         return input_now
     slope = (input_now - input_before) * (time_constant / interval)
@@ -50,7 +50,7 @@ def lagged_line(value, input_before, input_now, interval, time_constant):
 
 @njit(error_model="numpy")
 def unbalanced_torque(driving, speed, viscous, dry, break_away):
-    """Torque [N m] that friction leaves to accelerate the measured motion, before filtering."""
+    """Torque [N m] left by friction to accelerate the measured motion, before filtering."""
     torque = driving - viscous * speed
     if math.fabs(speed) < STANDSTILL:
         return held_by_dry_friction(torque, break_away)
@@ -59,7 +59,7 @@ def unbalanced_torque(driving, speed, viscous, dry, break_away):
 
 @njit(error_model="numpy")
 def counter_speed(state, speed, interval):
-    """Speed [rad/s] behind the first lag, from the counter's difference over an interval."""
+    """Speed [rad/s] after the first lag, from the counter's difference over an interval."""
     if state.balance_ready == 0.0:
         state.balance_speed_1 = speed
     else:
@@ -69,7 +69,7 @@ def counter_speed(state, speed, interval):
 
 @njit(error_model="numpy")
 def counter_torque(state, torque, interval):
-    """Torque [N m] behind the same lag: its mean over the interval, as the counter's difference is the mean speed."""
+    """Torque [N m] after the same lag: its mean over the interval, as the counter's difference is the mean speed."""
     if state.balance_ready == 0.0:
         state.balance_torque_1 = torque
     else:
@@ -83,10 +83,10 @@ def counter_torque(state, torque, interval):
 def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothing):
     """Unexplained torque [N m] after one more sample; ``state`` carries the filters (``balance_*``).
 
-    ``speed`` [rad/s] is the measured one; a counter's, and its torque, have gone through their first lag already.
+    ``speed`` [rad/s] is the measured one; a counter's speed and its torque have already passed their first lag.
     """
     if state.balance_ready == 0.0:
-        # the filters start as if the motion before the first sample had been steady
+        # the filters assume steady motion before the first sample
         if has_speed:
             state.balance_torque_in = torque
             state.balance_torque_1 = torque
@@ -117,10 +117,10 @@ def filtered_balance(state, torque, speed, inertia, interval, has_speed, smoothi
 
 @njit(error_model="numpy")
 def _unexplained(plant, state, effects, before, now, simulated_angle, interval, time, step):
-    """The unexplained torque [N m] at the bench's sample ``now`` (see the module), NaN where no current or motion is.
+    """The unexplained torque [N m] at the bench's sample ``now`` (see the module); NaN without current or motion.
 
-    ``simulated_angle`` [rad] stands in for a motor position that is not measured. After a sample without a value the
-    filters start again.
+    ``simulated_angle`` [rad] replaces an unmeasured motor position. After a sample without a value the filters start
+    again.
     """
     position = now[MOTOR_POSITION_IN]
     speed = now[SPEED_IN]
@@ -174,7 +174,7 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
     rigid = plant.two_inertia == 0.0
     transmitted = own + load if rigid else driven_output(plant, state, sharp, travel, load, interval, step)
     if transmitted != own:
-        # only the load tells what is passed on, and what follows the load is known after it
+        # the load determines the transmitted torque, and effects that depend on it are evaluated afterwards
         torque, dry, _, thinned = evaluate(effects, changed(at, transmitted, at.dry_level))
     if rigid:
         torque += load
@@ -206,10 +206,10 @@ def _unexplained(plant, state, effects, before, now, simulated_angle, interval, 
 
 @njit(error_model="numpy")
 def estimate(plant, state, effects, time, stamps, bench, twin, step):
-    """Fill the unexplained torque of rows 1… of ``twin`` (n, signals), which the kernel has been over.
+    """Fill the unexplained torque in rows 1… of ``twin`` (n, signals), after the kernel has filled the other signals.
 
     ``stamps`` [ns] (n,), ``bench`` (n, 6), the ``state`` that carries the filters and the ``step`` [s] are the
-    kernel's, ``effects`` all that a model's torques are balanced with, ``time`` [s] that of row 0.
+    kernel's, ``effects`` all effects used to balance torques, ``time`` [s] that of row 0.
     """
     for row in range(1, stamps.shape[0]):
         interval = (stamps[row] - stamps[row - 1]) * 1e-9
@@ -221,9 +221,10 @@ def estimate(plant, state, effects, time, stamps, bench, twin, step):
 
 @njit(cache=True, error_model="numpy")
 def balance_response(plants, interval, has_speed, of_current, count):
-    """Unexplained torque [N m] (count,) that one sample's error of 1 A, or of 1 rad/s (1 rad), causes while turning.
+    """Response of the unexplained torque [N m] (count,) to an error of 1 A, or 1 rad/s (1 rad), in one sample.
 
-    Friction enters by its viscous part alone: away from standstill the dry level does not see the noise.
+    For a turning shaft: only viscous friction enters, since away from standstill the dry level does not depend on
+    noise.
     """
     plant = plants[0]
     state = np.zeros(1, STATE)[0]

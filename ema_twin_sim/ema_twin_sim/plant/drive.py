@@ -15,7 +15,7 @@ from .sensors import shown
 
 @njit(error_model="numpy")
 def limited(value, limit):
-    """Value held within +-limit."""
+    """Value limited to +-limit."""
     return limit if value > limit else (-limit if value < -limit else value)
 
 
@@ -29,8 +29,8 @@ def lag_gain(step, time_constant):
 def speed_controller(plant, error, integral, integrate):
     """One control cycle: (current setpoint [A], integrator [N m]) from the speed error [rad/s].
 
-    PI with back-calculation: what the torque limit cuts off leaves the integrator with ``anti_windup_time``. The
-    current limit is a torque limit too. ``integrate`` is false within the position loop's dead band.
+    PI with back-calculation: the excess over the torque limit is removed from the integrator with ``anti_windup_time``.
+    The current limit acts as a torque limit, too. ``integrate`` is false within the position loop's dead band.
     """
     ceiling = plant.current_limit * plant.nominal_torque_constant
     ceiling = plant.torque_limit if plant.torque_limit < ceiling else ceiling
@@ -46,12 +46,12 @@ def speed_controller(plant, error, integral, integrate):
 def drive_step(plant, state, source, given, ahead, filter_gain, setpoint, integral, speed, output_angle, since_cycle):
     """A control cycle of the drive: (speed setpoint [rad/s], current setpoint [A], integrator [N m]).
 
-    ``given`` is the input ``source`` as the cycle begins, ``ahead`` what a recorded setpoint changes until the next.
-    The position loop sees the ``output_angle`` [rad, fast shaft] through its encoder.
+    ``given`` is the input ``source`` at the start of the cycle, ``ahead`` the change of a recorded setpoint until the
+    next cycle. The position loop sees the ``output_angle`` [rad, fast shaft] through its encoder.
     """
     integrate = True
     if source == SETPOINT:
-        # a trace is sampled before its stamp's cycle runs: it shows a setpoint one cycle later
+        # a trace is sampled before its stamp's cycle runs: a setpoint appears in it one cycle later
         setpoint = given + ahead
     elif source == STANDALONE_SPEED:
         setpoint += filter_gain * (limited(given, plant.speed_limit) - setpoint)
@@ -68,7 +68,7 @@ def drive_step(plant, state, source, given, ahead, filter_gain, setpoint, integr
 def quadrature_voltage(plant, speed, current, current_rate):
     """Quadrature voltage [V] that the winding needs: back-EMF, resistance and inductance of one phase.
 
-    Of two phases in series that carry the drive's ampere, as Kt = 2 Ke has it. Sinusoidal phases that make the same
-    torque carry peaks of 4/3 of it, and the switching drive's voltage is that of their resistance.
+    For two phases in series that carry the drive's ampere, consistent with Kt = 2 Ke. Sinusoidal phases with the same
+    torque carry peaks of 4/3 of it; the switching drive's voltage contains that resistive voltage.
     """
     return plant.back_emf_constant * speed + plant.phase_resistance * current + plant.phase_inductance * current_rate

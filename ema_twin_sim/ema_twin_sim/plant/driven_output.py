@@ -1,10 +1,10 @@
-"""The output side alone, driven by the motor's measured motion: what a transmission with play takes from the motor.
+"""The output side alone, driven by the motor's measured motion: the torque that a transmission with backlash takes.
 
 The unexplained torque of a two-inertia model needs it: while the gap is open, the motor neither accelerates the output
-nor feels its friction. The motor's angle is the integral of its measured speed, drawn slowly to its counter: the
-counter's noise through a contact's stiffness would be newton metres. A contact stiffer than the samples resolve would
-answer to what lies between them, which nobody measured: it is taken as a softer one, critically damped, with which the
-result does not depend on an assumed stiffness.
+nor feels its friction. The motor's angle is the integral of its measured speed, slowly pulled to its counter: through a
+contact's stiffness, the counter's noise would amount to newton metres. A contact stiffer than the samples resolve would
+respond to unmeasured motion between them: it is replaced by a softer, critically damped one, so that the result does
+not depend on an assumed stiffness.
 """
 
 import math
@@ -22,10 +22,10 @@ COUNTER_PULL = 0.08  # s, the lag with which the integrated angle follows the co
 
 @njit(error_model="numpy")
 def driven_output(plant, state, speed, position, output_torque, interval, step):
-    """Mean torque [N m] passed to the output over one interval; ``state`` carries the output (``driven_*``).
+    """Mean torque [N m] transmitted to the output over one interval; ``state`` carries the output (``driven_*``).
 
-    ``speed`` [rad/s] and ``position`` [rad] are the motor's at the interval's end, ``output_torque`` [N m] what the
-    effects put against the output.
+    ``speed`` [rad/s] and ``position`` [rad] are the motor's at the interval's end, ``output_torque`` [N m] is the load
+    of the effects on the output.
     """
     if state.driven_ready == 0.0:
         state.driven_ready = 1.0

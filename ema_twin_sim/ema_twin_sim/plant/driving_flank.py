@@ -1,4 +1,4 @@
-"""Where in its play an output begins: on the driving flank where the motor moves, else in the middle of the gap."""
+"""Initial position of an output in its backlash: on the driving flank if the motor moves, otherwise centred."""
 
 import math
 
@@ -9,10 +9,10 @@ from ..criteria import STANDSTILL
 
 @njit(error_model="numpy")
 def ahead(gap, dry, viscous, stiffness, speed):
-    """By how much [rad] a motor of this ``speed`` [rad/s] is ahead of its output as a motion begins, at the fast shaft.
+    """Lead [rad, fast shaft] of a motor with this ``speed`` [rad/s] over its output at the start of a recording.
 
-    One that moves drives the output along: teeth of this ``stiffness`` [N m/rad] touch, and what the output's ``dry``
-    [N m] and ``viscous`` [N m s/rad] friction take presses them. At rest, and without play, it is 0.
+    A moving motor drives the output: teeth with this ``stiffness`` [N m/rad] touch, loaded by the output's ``dry``
+    [N m] and ``viscous`` [N m s/rad] friction. At rest, and without backlash, it is 0.
     """
     if gap == 0.0 or math.fabs(speed) <= STANDSTILL:
         return 0.0

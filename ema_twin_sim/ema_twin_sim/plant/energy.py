@@ -1,11 +1,11 @@
-"""Where the energy of a run went: every work and loss booked as the steps take it, one by one.
+"""Energy accounting of a run: every work and loss is recorded separately in each step.
 
-Each entry follows from its own equation, never from what is left over, so that the balance
+Each entry is computed from its own equation, never as a remainder, so that the balance
 
-    link + stiffness change = losses + load + change of what is stored
+    link + stiffness change = losses + load + change of stored energy
 
-is a check of the plant (tests/plant/test_energy.py), and its losses by themselves are a result. Torques act over the
-mean of the speeds before and after a step, which is exact for the kinetic energy. ``fine`` fidelities only.
+checks the plant (tests/plant/test_energy.py), and the losses are a result of their own. The work of a torque uses the
+mean of the speeds before and after a step, which is exact for the kinetic energy. Finer fidelities only.
 """
 
 import math
@@ -16,25 +16,25 @@ from .compiled import inlined
 from .planetary.layout import LANE, PLANETS, ROW
 
 ENERGIES = (
-    "link",  # out of the DC link
+    "link",  # from the DC link
     "winding",  # lost in windings and switches
     "air_gap",  # work of the windings' torque
     "motor",  # work of the torque on the motor's shaft
-    "effects",  # taken by effects on the motor's side
+    "effects",  # work against effects on the motor side
     "motor_viscous",
     "motor_dry",
     "shaft",  # lost and stored in the shaft from motor to sun
     "mesh_damping",
-    "sun_mesh_friction",  # taken by friction of the teeth; of it, what they hold across before they slide is stored
+    "sun_mesh_friction",  # work against tooth friction; the tangential elastic part before sliding is stored
     "ring_mesh_friction",
     "output_mesh_friction",
-    "springs",  # work that the meshes' springs took
-    "stiffness_change",  # put into the springs by what their stiffness and run-out do as the wheels turn
+    "springs",  # work on the meshes' springs
+    "stiffness_change",  # put into the springs by changes of stiffness and run-out as the wheels turn
     "output_viscous",
     "output_dry",
-    "load",  # work done on the load, by effects on the output's side
+    "load",  # work on the load, by effects on the output side
 )
-"""Entries [J], from the beginning of a run."""
+"""Entries [J], since the start of a run."""
 
 _AT = {name: k for k, name in enumerate(ENERGIES)}
 LINK, WINDING, AIR_GAP, MOTOR = _AT["link"], _AT["winding"], _AT["air_gap"], _AT["motor"]
@@ -50,7 +50,7 @@ _RUNOUT, _FORCE, _FRICTION, _DAMPED = ROW["RUNOUT_SUN"], ROW["FORCE_SUN"], ROW["
 
 @njit(error_model="numpy")
 def account_drive(energies, h, speed, air_gap_torque, link_power, loss):
-    """Book one step of the switching drive; ``speed`` [rad/s] is the one that its back-EMF was taken at."""
+    """Record one step of the switching drive; ``speed`` [rad/s] is the one used for its back-EMF."""
     energies[LINK] += h * link_power
     energies[WINDING] += h * loss
     energies[AIR_GAP] += h * air_gap_torque * speed
@@ -58,13 +58,13 @@ def account_drive(energies, h, speed, air_gap_torque, link_power, loss):
 
 @njit(error_model="numpy")
 def friction_energies(energies, viscous_entry, dry_entry, h, before, after, pushing, viscous, dry, inertia):
-    """Book friction of one inertia over a step, from its own law; return the mean speed [rad/s].
+    """Record the friction of one inertia over a step, from its own law; return the mean speed [rad/s].
 
     ``pushing`` [N m] is the torque without friction.
     """
     mean = 0.5 * (before + after)
     energies[viscous_entry] += h * viscous * after * mean
-    stopping = inertia * before / h + pushing  # what stops the shaft within the step
+    stopping = inertia * before / h + pushing  # torque that stops the shaft within the step
     friction = stopping if after == 0.0 else math.copysign(dry, after)
     energies[dry_entry] += h * friction * mean
     return mean
@@ -72,9 +72,9 @@ def friction_energies(energies, viscous_entry, dry_entry, h, before, after, push
 
 @inlined
 def account_motor(energies, h, before, after, drive_torque, net, passed, viscous, dry, inertia):
-    """Book a step of the motor's shaft under ``net`` [N m] less what is ``passed`` on; return its mean speed [rad/s].
+    """Record a step of the motor shaft under ``net`` [N m] minus the ``passed`` torque; return its mean speed [rad/s].
 
-    What ``drive_torque`` gives beyond ``net`` is taken by effects.
+    The difference between ``drive_torque`` and ``net`` is taken by effects.
     """
     mean = friction_energies(
         energies, MOTOR_VISCOUS, MOTOR_DRY, h, before, after, net - passed, viscous, dry, inertia
@@ -86,7 +86,7 @@ def account_motor(energies, h, before, after, drive_torque, net, passed, viscous
 
 @inlined
 def account_output(energies, h, before, after, passed, load, viscous, dry, inertia):
-    """Book a step of the output's shaft, which takes what is ``passed`` on against its ``load`` [N m]."""
+    """Record a step of the output shaft, driven by the ``passed`` torque against its ``load`` [N m]."""
     mean = friction_energies(
         energies, OUTPUT_VISCOUS, OUTPUT_DRY, h, before, after, passed - load, viscous, dry, inertia
     )  # fmt: skip
@@ -95,7 +95,7 @@ def account_output(energies, h, before, after, passed, load, viscous, dry, inert
 
 @njit(error_model="numpy")
 def keep_speeds(lanes, moving):
-    """Remember planets' and carrier's speeds before a step."""
+    """Store the planets' and the carrier's speeds before a step."""
     for planet in range(PLANETS):
         lanes[_SPEED_BEFORE + planet] = lanes[_SPIN_SPEED + planet]
     moving.speed_before = moving.carrier_speed
@@ -122,10 +122,10 @@ def _slidings(mesh, arm_1, arm_2, sun, carrier, planet, output):
 
 @njit(error_model="numpy")
 def stored_in_meshes(train, moving, lanes, sun, sun_speed, output, output_speed, h):
-    """Energy [J] in the meshes' springs where a step of ``h`` [s] begins; angles [rad] and speeds [rad/s] of then.
+    """Energy [J] in the meshes' springs at the start of a step of ``h`` [s], from its angles [rad] and speeds [rad/s].
 
-    That is 1/2 k x+ x- with the deflections half a step ahead and half a step back: drift, kick, drift takes the force
-    at the one and leaves the work 1/2 k (x^2 - (h v / 2)^2) behind, exactly, where 1/2 k x^2 is off by h^2.
+    That is 1/2 k x+ x- with the deflections half a step ahead and half a step back: drift, kick, drift uses the force
+    at the former and leaves exactly the work 1/2 k (x^2 - (h v / 2)^2), while 1/2 k x^2 is off by h^2.
     """
     half = 0.5 * h
     stored = 0.0
@@ -147,7 +147,7 @@ def _beyond(depth, play):
 
 @njit(error_model="numpy")
 def account_meshes(energies, h, train, moving, lanes, sun_before, sun_after, output_before, output_after):
-    """Book a step of the meshes: springs, dampers, friction. The output's speeds are the slow shaft's."""
+    """Record a step of the meshes: springs, dampers, friction. The output's speeds are those of the slow shaft."""
     sun = 0.5 * (sun_before + sun_after)
     output = 0.5 * (output_before + output_after)
     carrier = 0.5 * (moving.speed_before + moving.carrier_speed)

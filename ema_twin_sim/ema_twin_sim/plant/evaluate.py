@@ -1,4 +1,4 @@
-"""The sum of what the effects do at an operating point."""
+"""Sum of all effects at an operating point."""
 
 from numba import njit
 
@@ -8,8 +8,8 @@ from .operating_point import call_effect, changed
 
 @njit(error_model="numpy")
 def evaluate(effects, at):
-    """What the effects do at an operating point: torque on the motor, dry level, torque on the output [N m], and change
-    of the viscous coefficient [N m s/rad]. The change's own torque is in the first.
+    """Sums of the effects at an operating point: torque on the motor, dry level, torque on the output [N m], and change
+    of the viscous coefficient [N m s/rad]. The torque of that change is included in the first.
     """
     addresses, places, p = effects
     torque = 0.0

@@ -1,4 +1,4 @@
-"""Dry friction that holds still exactly at zero speed, without chatter and without a step-size trick."""
+"""Dry friction that sticks exactly at zero speed, without chatter and without special step sizes."""
 
 import math
 
@@ -9,34 +9,34 @@ from .compiled import inlined
 
 @njit(error_model="numpy")
 def after_dry_friction(free_speed, speed, sliding, break_away):
-    """Speed at the end of a step once dry friction has taken its share.
+    """Speed at the end of a step after dry friction.
 
-    ``free_speed`` [rad/s] is the speed the shaft would reach without dry friction, ``speed`` the one it has,
-    ``sliding`` and ``break_away`` what the levels could change it by in this step (level times step over inertia).
-    Friction takes the torque that would stop the shaft within the step, and at most its level: the level at rest
-    (break-away, twice the sliding level in the thesis's "Borello" block) where the shaft stands, else the sliding one.
+    ``free_speed`` [rad/s] is the speed without dry friction at the end of the step, ``speed`` that at its start,
+    ``sliding`` and ``break_away`` the largest speed changes by friction in this step (level times step over inertia).
+    Friction takes the torque that would stop the shaft within the step, limited to its level: at rest the break-away
+    level (twice the sliding level in the thesis's "Borello" block), otherwise the sliding one.
     """
     limit = break_away if speed == 0.0 else sliding
     if free_speed > limit:
         return free_speed - sliding
     if free_speed < -limit:
         return free_speed + sliding
-    return free_speed - free_speed  # 0; of a NaN, NaN: friction must not make a standstill of a mistake
+    return free_speed - free_speed  # 0, or NaN for a NaN: friction must not turn an error into standstill
 
 
 @njit(error_model="numpy")
 def directed(asymmetry, speed, torque):
-    """What friction is multiplied by: 1 + asymmetry forward, 1 - asymmetry backward; at rest, the way it is pushed."""
+    """Factor on friction: 1 + asymmetry forward, 1 - asymmetry backward; at rest by the direction of the torque."""
     forward = speed > 0.0 or (speed == 0.0 and torque > 0.0)
     return 1.0 + asymmetry if forward else 1.0 - asymmetry
 
 
 @njit(error_model="numpy")
 def bristle_share(plant):
-    """Share of the bristle that stands on the motor's side where the transmission is not rigid.
+    """Share of the bristle on the motor side if the transmission is not rigid.
 
-    Bristles share out as the dry levels do: then they all give way over the same travel, and a rigid transmission is
-    the limit of a stiff one.
+    Bristles are divided like the dry levels: then they all yield over the same travel, and a rigid transmission is the
+    limit of a stiff one.
     """
     total = plant.motor_dry + plant.output_dry
     return plant.motor_dry / total if total > 0.0 else 1.0
@@ -46,7 +46,7 @@ def bristle_share(plant):
 def bristle_step(bent, speed, level, stiffness, damping, step):
     """(bend [rad], torque [N m]) of a bristle after a step: z' = w - stiffness |w| z / level, T = k z + damping z'.
 
-    Taken implicitly in z, so that no step is too long for a stiff bristle. Canudas de Wit et al. (1995), eqs 1 to 3.
+    Implicit in z, so that a stiff bristle allows any step. Canudas de Wit et al. (1995), eqs 1 to 3.
     """
     if level <= 0.0:
         return 0.0, 0.0
@@ -58,8 +58,8 @@ def bristle_step(bent, speed, level, stiffness, damping, step):
 def rubbing(speed, push, asymmetry, viscous, dry, break_away, bristled, bristle, stiffness, damping, step):
     """(uneven torque, bristle's torque, dry level, break-away level [N m], bristle [rad]) of a shaft in a step.
 
-    Friction that differs by direction scales the levels, and the uneven part of ``viscous`` [N m s/rad] opposes forward
-    motion; at rest the torque ``push`` [N m] tells the direction. A bristle takes the place of both levels.
+    Asymmetric friction scales the levels, and the asymmetric part of ``viscous`` [N m s/rad] opposes forward motion; at
+    rest the torque ``push`` [N m] gives the direction. A bristle replaces both levels.
     """
     uneven = bent = 0.0
     if asymmetry != 0.0:
@@ -75,7 +75,7 @@ def rubbing(speed, push, asymmetry, viscous, dry, break_away, bristled, bristle,
 
 @njit(error_model="numpy")
 def held_by_dry_friction(torque, level):
-    """What remains [N m] of a torque on a shaft at rest after friction has held what it can."""
+    """Remainder [N m] of a torque on a shaft at rest after dry friction."""
     if torque > level:
         return torque - level
     if torque < -level:

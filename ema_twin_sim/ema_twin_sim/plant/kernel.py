@@ -1,18 +1,17 @@
-"""The compiled step of the twin: one loop for a whole recording, for one live sample, and for the virtual bench.
+"""The compiled loop of the twin, the same for a whole recording, one live sample, and the virtual bench.
 
-``advance`` integrates from each row's stamp to the next with the input interpolated between both, in equal steps of at
-most ``step`` seconds, and writes what the bench's sensors would show at each stamp. A live twin calls it with two rows,
-an offline run with all of them: the arithmetic is the same, so are the results.
+``advance`` integrates from each row's stamp to the next with linearly interpolated input, in equal steps of at most
+``step`` seconds, and writes the sensor readings at each stamp. A live twin calls it with two rows, an offline run with
+all of them: the arithmetic is the same, so are the results.
 
-One text, compiled for the fidelity that a model asks for (``kernel``): what a fidelity has not is left out of its
-machine code. Beside the averaged drive and the lumped transmission, a drive may switch (``switching/``), and a
-transmission be a planetary train (``planetary/``): then the step is about 1 us, and effects, which change over
-milliseconds, are taken every EFFECT_PERIOD.
+One source, compiled for the fidelity that a model needs (``kernel``): parts that a fidelity lacks are left out of its
+machine code. Besides the averaged drive and the lumped transmission there are a switching drive (``switching/``) and a
+planetary train (``planetary/``): then the step is about 1 us, and effects, which change over milliseconds, are
+evaluated every EFFECT_PERIOD.
 
-What a step is made of stands in files of its own (``drive.py``, ``friction.py``, ``transmission.py``,
-``planetary/``, ``switching/``, ``row.py``), and other loops take it from there (``many.py``, ``driven_output.py``,
-``measured_motion.py``). What of the motion the model cannot account for is a pass by itself over what was measured
-(``balance.py``).
+The parts of a step are in separate files (``drive.py``, ``friction.py``, ``transmission.py``, ``planetary/``,
+``switching/``, ``row.py``), which other loops use, too (``many.py``, ``driven_output.py``, ``measured_motion.py``). The
+unexplained torque is a separate pass over the measured data (``balance.py``).
 """
 
 import logging
@@ -58,16 +57,16 @@ from .time_steps import step_in_cycle, steps_in
 from .transmission import end_stop_torque, lumped_step, passed_rigidly, shaft_speed, shafts_of
 
 EFFECT_PERIOD = 25e-6
-"""s, after which effects are taken again where steps are shorter."""
+"""s, period at which effects are evaluated if steps are shorter."""
 
 _ONE_AT_A_TIME = threading.Lock()
-"""Threads that ask for the same kernel compile it once."""
+"""Ensures that threads that need the same kernel compile it once."""
 
 _SIGNATURE = void(PLANTS, STATES, EFFECTS, EFFECTS, FINE, int64, STAMPS, TABLE, TABLE, float64, boolean)
 
 
 class _Compiling(Listener):
-    """Logs that a kernel is being compiled, and not just read from disk."""
+    """Logs when a kernel is compiled rather than read from disk."""
 
     def __init__(self, what: str) -> None:
         self._what = what
@@ -83,9 +82,9 @@ class _Compiling(Listener):
 
 
 def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callable[..., Any]:
-    """``advance`` for a fidelity, compiled when first asked for (seconds, told by a log line) and kept on disk.
+    """``advance`` for a fidelity, compiled on first use (seconds, with a log line) and cached on disk.
 
-    ``accounting`` books every energy too, which makes a step 1.7 to 1.9 times as long.
+    ``accounting`` also records every energy, which makes a step take 1.7 to 1.9 times as long.
     """
     drive, transmission = "switching" if switching else "averaged", "planetary" if planetary else "lumped"
     with _ONE_AT_A_TIME, install_listener("numba:compile", _Compiling(f"{drive} drive, {transmission} transmission")):
@@ -95,16 +94,17 @@ def kernel(switching: bool, planetary: bool, accounting: bool = False) -> Callab
 @cache
 def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..., Any]:
     fine = switching or planetary
-    # a fine step is a long chain of products and sums, which fuse where the processor can
+    # a fine step is a long chain of products and sums, which are fused if the processor can
     fused = {"contract"} if fine else False
 
     @njit(_SIGNATURE, cache=True, nogil=True, error_model="numpy", fastmath=fused)
     def advance(plants, states, effects, balanced, fine_parts, source, stamps, bench, twin, step, record):
-        """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the state's own.
+        """Integrate over ``stamps`` [ns] (n,) and fill rows 1… of ``twin`` (n, signals); row 0 is the initial state.
 
         ``bench`` (n, 6) holds the columns ``layout.BENCH``, NaN where the machine lacks one; ``source`` is one of
-        ``layout.INPUTS``, ``fine_parts`` are ``layout.Fine``. Torques are ``balanced`` with other effects than act
-        where a finer part simulates some. ``record`` false integrates without writing (to time the equations alone).
+        ``layout.INPUTS``, ``fine_parts`` are ``layout.Fine``. The effects ``balanced`` are used to balance torques;
+        they differ from the acting ones if a finer part simulates some. ``record`` false integrates without writing (to
+        time the equations alone).
         """
         plant = plants[0]
         state = states[0]
@@ -114,10 +114,10 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         per_ratio = 1.0 / ratio
         rigid = plant.two_inertia == 0.0 and not planetary
         stops = not (math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper))
-        # end stops stand where the encoder's own angle says, whatever a recording starts with
+        # end stops refer to the encoder's own angle, wherever a recording starts
         stop_lower = (plant.end_stop_lower - state.output_angle_origin) * ratio
         stop_upper = (plant.end_stop_upper - state.output_angle_origin) * ratio
-        # effects are opaque calls, across which no compiler keeps what it has read from memory: hence local copies
+        # effects are opaque calls, across which a compiler does not keep values read from memory: hence local copies
         stiffness = plant.contact_stiffness
         damping = plant.contact_damping
         output_inertia = plant.output_inertia
@@ -127,7 +127,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         torque_constant = plant.torque_constant
         pole_pairs = plant.pole_pairs
         viscous_total = plant.motor_viscous + plant.output_viscous
-        # what the motor's shaft carries itself: everything where the transmission is rigid
+        # inertia of the motor shaft: everything if the transmission is rigid
         inertia = plant.motor_inertia + (plant.output_inertia if rigid else 0.0)
         if planetary:
             inertia = trains[0].input_inertia
@@ -141,7 +141,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
         bristle_damping = plant.bristle_damping * share
         output_bristle_stiffness = plant.bristle_stiffness * (1.0 - share)
         output_bristle_damping = plant.bristle_damping * (1.0 - share)
-        # effects see the model's whole dry level; what they change of it is the motor side's
+        # effects see the model's total dry level; their changes apply to the motor side
         total_dry = plant.motor_dry + plant.output_dry
         elsewhere = total_dry - base_dry
         acting = effects[0].shape[0] > 0
@@ -218,7 +218,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                 if planetary:
                     train_of_step = train_constants(train, motor_origin, h)
                 setpoint_gain = lag_gain(plant.control_cycle, plant.speed_setpoint_filter)
-            effects_in = 0  # at every sample, so that a live twin takes them when an offline one does
+            effects_in = 0  # at every sample, so that a live twin evaluates them when an offline one does
             start = bench[row - 1, column]
             slope = bench[row, column] - start
             load_start = bench[row - 1, LOAD_IN]
@@ -263,7 +263,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                     if accounting:
                         account_drive(energies, h, speed, gap_torque, link_power, winding_loss)
 
-                # mechanics: half the drift, then the kick at the middle of the step
+                # mechanics: half the drift, then the kick in the middle of the step
                 if not (rigid or planetary):
                     twist = angle - output_angle
                 angle += 0.5 * h * speed
@@ -275,7 +275,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                 held = base_break_away
                 load_dry = output_dry
                 load_held = output_break_away
-                if not plain:  # one question instead of four where a model has none of these
+                if not plain:  # one test instead of four if a model has none of these
                     if rigid:
                         output_angle = angle - twist
                         output_speed = speed
@@ -298,7 +298,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                         )
                         torque, dry, output_torque, thinned = evaluate(effects, at)
                         dry -= elsewhere
-                        dry = 0.0 if dry < 0.0 else dry  # a NaN stays one, and shows in the motion
+                        dry = 0.0 if dry < 0.0 else dry  # keeps a NaN, so that it appears in the motion
                         break_away = base_break_away + (dry - base_dry)
                         break_away = break_away if break_away > 0.0 else 0.0
                     effects_in -= 1
@@ -387,7 +387,7 @@ def _compiled(switching: bool, planetary: bool, accounting: bool) -> Callable[..
                             turning = 0.5 * (before + speed - sun_before - sun_speed)
                             energies[SHAFT] += h * reaction * turning
                 if acting or k == steps - 1:
-                    # what effects may ask of the step before; no effect, nobody asks until the interval's end
+                    # needed by effects in the next step; without effects only at the interval's end
                     acceleration = (speed - before) * per_step
                     if rigid:
                         transmitted = passed_rigidly(plant, acceleration, speed, load)

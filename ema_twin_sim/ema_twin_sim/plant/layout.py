@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 ANGLE_ERRORS = 8
-"""Waves that the output encoder's error may be made of: a resolver has orders 1, 2 and its pole pairs."""
+"""Maximum waves in the output encoder's error: a resolver has orders 1, 2 and its pole pairs."""
 
 PLANT = np.dtype(
     [
@@ -19,9 +19,9 @@ PLANT = np.dtype(
         ("back_emf_constant", "f8"),  # V s/rad, per phase
         ("phase_resistance", "f8"),  # ohm
         ("phase_inductance", "f8"),  # H
-        ("pole_pairs", "f8"),  # NaN where not known
+        ("pole_pairs", "f8"),  # NaN if unknown
         # drive
-        ("nominal_torque_constant", "f8"),  # N m/A, what the drive believes
+        ("nominal_torque_constant", "f8"),  # N m/A, assumed by the drive
         ("position_gain", "f8"),  # 1/s of the fast shaft per rad of the slow shaft
         ("speed_limit", "f8"),  # rad/s
         ("speed_setpoint_filter", "f8"),  # s
@@ -34,7 +34,7 @@ PLANT = np.dtype(
         ("current_limit", "f8"),  # A
         ("control_cycle", "f8"),  # s
         ("current_lag", "f8"),  # s
-        # friction: what does not depend on the operating point is summed once, not at every step
+        # friction: parts independent of the operating point are summed once, not in every step
         ("motor_viscous", "f8"),  # N m s/rad
         ("output_viscous", "f8"),  # N m s/rad, at the fast shaft
         ("motor_dry", "f8"),  # N m, sliding
@@ -42,7 +42,7 @@ PLANT = np.dtype(
         ("motor_break_away", "f8"),  # N m, at rest
         ("output_break_away", "f8"),
         ("asymmetry", "f8"),  # all friction is (1 + asymmetry) forward, (1 - asymmetry) backward
-        ("bristle_stiffness", "f8"),  # N m/rad; above zero a bristle takes the place of the motor side's dry friction
+        ("bristle_stiffness", "f8"),  # N m/rad; above zero a bristle replaces the motor side's dry friction
         ("bristle_damping", "f8"),  # N m s/rad
         # transmission
         ("two_inertia", "f8"),  # 0 rigid, 1 spring, damper and dead zone between motor and output
@@ -55,7 +55,7 @@ PLANT = np.dtype(
         ("motor_counts", "f8"),  # 1/rev of the fast shaft
         ("output_counts", "f8"),  # 1/rev of the slow shaft
         ("encoder_delay", "f8"),  # s
-        ("angle_errors", "i8"),  # how many waves of angle_error the output's encoder has
+        ("angle_errors", "i8"),  # number of waves in angle_error of the output encoder
         ("angle_error", "f8", (ANGLE_ERRORS, 3)),  # amplitude [rad, slow shaft], phase [rad], order
         ("speed_smoothing", "f8"),  # s
     ],
@@ -63,7 +63,7 @@ PLANT = np.dtype(
 )
 
 ENCODER_MEMORY = 256
-"""Control cycles that the output encoder remembers: 32 ms of the usual 125 us."""
+"""Control cycles stored by the output encoder: 32 ms at the usual 125 us."""
 
 STATE = np.dtype(
     [
@@ -72,7 +72,7 @@ STATE = np.dtype(
         ("motor_speed", "f8"),
         ("output_angle", "f8"),  # rad of the fast shaft (slow shaft times the gear ratio) since the first sample
         ("output_speed", "f8"),  # rad/s of the fast shaft
-        ("twist", "f8"),  # rad of the fast shaft by which motor and output differ while the transmission is rigid
+        ("twist", "f8"),  # rad of the fast shaft, difference of motor and output while the transmission is rigid
         ("current", "f8"),
         ("current_setpoint", "f8"),
         ("integral", "f8"),  # N m, the speed controller's integrator
@@ -81,15 +81,15 @@ STATE = np.dtype(
         ("control_phase", "f8"),  # s since the last control cycle
         ("acceleration", "f8"),  # rad/s2
         ("transmitted_torque", "f8"),  # N m
-        ("bristle", "f8"),  # rad, how far the bristle of presliding friction is bent
-        ("output_bristle", "f8"),  # rad of the fast shaft, the same on the output's side
+        ("bristle", "f8"),  # rad, deflection of the bristle of presliding friction
+        ("output_bristle", "f8"),  # rad of the fast shaft, the same on the output side
         ("encoder_memory", "f8", (ENCODER_MEMORY,)),  # rad of the fast shaft, the output at past control cycles
-        ("encoder_zero", "f8"),  # rad of the slow shaft, what the encoder showed at the first sample
-        ("encoder_newest", "i8"),  # where in it the newest is
-        ("output_start", "f8"),  # rad of the fast shaft, output_angle at the first sample, where its position is zero
-        ("motor_angle_origin", "f8"),  # rad, the counter's own angle where motor_angle is zero
-        ("output_angle_origin", "f8"),  # rad of the slow shaft, the encoder's own where output_angle is
-        # the filters behind the unexplained torque (see balance.py)
+        ("encoder_zero", "f8"),  # rad of the slow shaft, encoder reading at the first sample
+        ("encoder_newest", "i8"),  # index of the newest entry
+        ("output_start", "f8"),  # rad of the fast shaft, output_angle at the first sample (position zero)
+        ("motor_angle_origin", "f8"),  # rad, the counter's angle at motor_angle zero
+        ("output_angle_origin", "f8"),  # rad of the slow shaft, the encoder's angle at output_angle zero
+        # the filters of the unexplained torque (see balance.py)
         ("balance_torque_in", "f8"),
         ("balance_torque_1", "f8"),
         ("balance_torque_2", "f8"),
@@ -110,12 +110,12 @@ STATE = np.dtype(
 )
 
 INPUTS = ("standalone", "standalone_speed", "setpoint", "current")
-"""What drives the twin; an input's number is its place here."""
+"""Inputs that drive the twin; an input's number is its index here."""
 STANDALONE, STANDALONE_SPEED, SETPOINT, CURRENT = range(4)
 
 BENCH = ("output_command", "speed_setpoint", "current", "speed", "motor_position", "load_torque")
-"""Columns of a bench sample that the kernel reads; the last is a measured torque [N m at the fast shaft] that something
-outside puts against the output."""
+"""Columns of a bench sample that the kernel reads; the last is a measured external load [N m at the fast shaft] on the
+output."""
 COMMAND_IN, SETPOINT_IN, CURRENT_IN, SPEED_IN, MOTOR_POSITION_IN, LOAD_IN = range(6)
 
 TWIN = (
@@ -135,7 +135,7 @@ TWIN = (
     "phase_current_v",
     "phase_current_w",
 )
-"""Columns of a twin sample that the kernel writes: the same signals as a bench's, through the same sensors."""
+"""Columns of a twin sample that the kernel writes: the bench's signals, through the same sensors."""
 (
     CURRENT_OUT,
     CURRENT_SETPOINT_OUT,
@@ -155,16 +155,16 @@ TWIN = (
 ) = range(len(TWIN))
 
 TORQUE, DRY_LEVEL, OUTPUT_TORQUE, VISCOUS_COEFFICIENT = range(4)
-"""Where an effect's value goes: a torque on the motor, a dry friction level on the motor, a torque on the output, a
-viscous coefficient of the motor (levels and coefficients are made up before asymmetry scales all friction)."""
+"""Target of an effect's value: a torque on the motor, a dry friction level on the motor, a torque on the output, a
+viscous coefficient of the motor (levels and coefficients are summed before asymmetry scales all friction)."""
 
 
 Effects = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Addresses (n,), places (n,) and parameters (n, 4) of effects that depend on the operating point."""
+"""Addresses (n,), targets (n,) and parameters (n, 4) of effects that depend on the operating point."""
 
 
 class Fine(NamedTuple):
-    """What a kernel takes of the finer fidelities; a part that a model does not have is never used."""
+    """Kernel inputs of the finer fidelities; parts that a model lacks are never used."""
 
     windings: np.ndarray
     """(1,) of ``switching.layout.WINDING``"""
@@ -175,7 +175,7 @@ class Fine(NamedTuple):
     train_states: np.ndarray
     """(1,) of ``planetary.layout.TRAIN_STATE``"""
     lanes: np.ndarray
-    """the planets, and what the meshes last were (``planetary.layout.ROW``)"""
+    """the planets, and the last state of the meshes (``planetary.layout.ROW``)"""
     mesh_table: np.ndarray
     """(3, points + 1, 4) of ``planetary.mesh_table``"""
     energies: np.ndarray

@@ -1,9 +1,9 @@
-"""Several models of the averaged drive side by side: the kernel's own steps, with the model's number innermost.
+"""Several models of the averaged drive in parallel lanes: the kernel's own steps, with the model index innermost.
 
-A step of one model waits for the step before; steps of several do not wait for each other, and a processor's wide
-registers take them together. Rigid and two-inertia transmissions whose effects have all settled into constants, under a
-recorded speed setpoint or current (``simulation/simulate_many.py`` says which models those are). What the twin's
-equations do not need is left out: the unexplained torque, which is a matter of measured motion alone.
+Steps of one model depend on each other; steps of several models do not, so a processor's wide registers compute them
+together. For rigid and two-inertia transmissions whose effects only change constants, driven by a recorded speed
+setpoint or current (``simulation/simulate_many.py`` decides which). The unexplained torque, which depends on the
+measured motion only, is left out.
 """
 
 from collections import namedtuple
@@ -22,7 +22,7 @@ from .time_steps import step_in_cycle, steps_in
 from .transmission import Shafts, lumped_step, passed_rigidly, shaft_speed, shafts_of
 
 LANE = 16
-"""Models that go side by side: four registers of the usual widest kind, so that some work while others wait."""
+"""Number of parallel models: four of the widest usual registers, so that some work while others wait."""
 
 Controller = namedtuple(
     "Controller",
@@ -37,13 +37,13 @@ Controller = namedtuple(
         "anti_windup_time",
     ],
 )
-"""What the speed controller reads of a plant (``drive.py``)."""
+"""Constants of a plant used by the speed controller (``drive.py``)."""
 
 LANES = 44 * LANE
-"""Length of the flat array of lanes: what all models have of the first comes first."""
+"""Length of the flat array of lanes: the first quantity of all models comes first."""
 
 (
-    # the controller's
+    # controller
     CONTROL_CYCLE,
     CURRENT_LIMIT,
     TORQUE_LIMIT,
@@ -69,7 +69,7 @@ LANES = 44 * LANE
     DAMPING,
     GAP,
     COMPLIANCE,
-    # each side's bristle, whose torque takes the place of dry friction
+    # each side's bristle, whose torque replaces dry friction
     LEVEL,
     BRISTLE_STIFFNESS,
     BRISTLE_DAMPING,
@@ -98,7 +98,7 @@ LANES = 44 * LANE
 
 @njit(error_model="numpy")
 def _settle(plants, lanes, h, by_current):
-    """What of the constants depends on the length of a step ``h`` [s]."""
+    """Set the constants that depend on the step length ``h`` [s]."""
     for m in range(LANE):
         plant = plants[m]
         rigid = plant.two_inertia == 0.0
@@ -115,7 +115,7 @@ def _settle(plants, lanes, h, by_current):
 
 @njit(error_model="numpy")
 def _load(plants, states, lanes):
-    """Constants and states of all models into their lanes."""
+    """Load constants and states of all models into their lanes."""
     for m in range(LANE):
         plant = plants[m]
         state = states[m]
@@ -157,7 +157,7 @@ def _load(plants, states, lanes):
 
 @njit(error_model="numpy")
 def _bend(lanes, h, rigid):
-    """The bristles' torques in a step: before the shafts move, as in the kernel."""
+    """Compute the bristles' torques in a step: before the shafts move, as in the kernel."""
     for m in range(LANE):
         lanes[BRISTLE + m], lanes[BENT + m] = bristle_step(
             lanes[BRISTLE + m],
@@ -180,7 +180,7 @@ def _bend(lanes, h, rigid):
 
 @inlined
 def _with_current(lanes, m):
-    """The torque [N m] of a drive in a step whose current has come nearer to its setpoint, less its bristle's."""
+    """Update the current towards its setpoint; returns the drive torque [N m] minus the bristle's."""
     change = lanes[CURRENT_GAIN + m] * (lanes[AMPERES_WANTED + m] - lanes[AMPERES + m])
     current = lanes[AMPERES + m] + change
     lanes[CHANGE + m] = change
@@ -190,7 +190,7 @@ def _with_current(lanes, m):
 
 @inlined
 def _with_motor(lanes, m, h, before, speed):
-    """Let a motor have moved on by a step."""
+    """Advance a motor by a step."""
     lanes[SPEED + m] = speed
     lanes[ANGLE + m] = lanes[ANGLE + m] + 0.5 * h * before + 0.5 * h * speed
     lanes[SMOOTHED + m] += lanes[SMOOTHING_GAIN + m] * (0.5 * (before + speed) - lanes[SMOOTHED + m])
@@ -243,9 +243,9 @@ def _two_inertia_step(lanes, h, load):
     error_model="numpy",
 )
 def advance_many(plants, states, source, stamps, bench, twins, step):
-    """As ``kernel.advance``, of ``plants`` and ``states`` (LANE,), into ``twins`` (LANE, n, signals).
+    """As ``kernel.advance`` for ``plants`` and ``states`` (LANE,), filling ``twins`` (LANE, n, signals).
 
-    All models have one kind of transmission and one control cycle, and all of them bristles or none. ``source`` is
+    All models have the same kind of transmission and control cycle, and either all or none have bristles. ``source`` is
     SETPOINT or CURRENT.
     """
     lanes = np.zeros(LANES)

@@ -1,8 +1,8 @@
-"""The drive torque and the encoder reading that a model needs for a *measured* motion: its equation error.
+"""Drive torque and encoder reading that a model needs for a *measured* motion: its equation error.
 
-At every sample the model's torques are taken at the measured operating point; nothing is integrated but what carries a
-memory (the bristle of presliding friction; the output side behind play or a spring, driven by the measured motor). So a
-wrong model does not drift away from the machine, and its error can be read sample by sample.
+At every sample the model's torques are evaluated at the measured operating point. Only states with memory are
+integrated (the bristle of presliding friction; the output side behind backlash or compliance, driven by the measured
+motor). So a wrong model does not drift away from the machine, and its error is available sample by sample.
 """
 
 import math
@@ -34,20 +34,18 @@ __all__ = [
 ]
 
 REQUIRED = ("torque", "output", "transmitted", "dry_level")
-"""Columns of what a motion requires: torque [N m] but for the motor's own inertia, output angle [rad, slow shaft],
+"""Columns required for a motion: torque [N m] without the motor's own inertia, output angle [rad, slow shaft],
 transmitted torque [N m], dry level [N m]."""
 REQUIRED_TORQUE, REQUIRED_OUTPUT, REQUIRED_TRANSMITTED, REQUIRED_DRY = range(len(REQUIRED))
 
-MEETINGS = 500  # samples with touching teeth over which the encoder's zero is averaged
+MEETINGS = 500  # samples with teeth in contact over which the encoder's zero is averaged
 
 
 @njit(error_model="numpy", forceinline=True)
 def with_friction(
     torque, carried, speed, viscous, thinned, asymmetry, dry, bristled, bristle, stiffness, damping, interval
 ):
-    """(torque [N m], bristle [rad]): what a drive gives for its effects' torque and what is ``carried`` on, and for its
-    friction.
-    """
+    """(torque [N m], bristle [rad]): drive torque for the effects' torque, the ``carried`` torque, and friction."""
     sense = sign(speed)
     level = dry * (1.0 + asymmetry * sense)
     torque += viscous * speed + asymmetry * (viscous + thinned) * math.fabs(speed) + carried
@@ -59,7 +57,7 @@ def with_friction(
 
 @njit(error_model="numpy")
 def operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
-    """Where a measured motion ``now`` (a row of it) stands, beside a transmitted torque and a dry level [N m]."""
+    """Operating point of a measured motion's row ``now``, with a transmitted torque and a dry level [N m]."""
     return OperatingPoint(
         now[TIME],
         motor_origin + now[MOTOR_ANGLE],
@@ -79,7 +77,7 @@ def operating_point(plant, now, motor_origin, output_origin, transmitted, dry):
 
 @njit(error_model="numpy")
 def with_load(load, plant, now, output_origin):
-    """The ``load`` [N m] of effects with what was measured and the end stops put against the output, at ``now``."""
+    """The ``load`` [N m] of effects plus the measured load and the end stops at ``now``."""
     load += now[LOAD]
     if math.isinf(plant.end_stop_lower) and math.isinf(plant.end_stop_upper):
         return load
@@ -103,11 +101,10 @@ def with_load(load, plant, now, output_origin):
 def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen, reuse_output_motion, required):
     """Fill ``required`` (n, 4) with the columns ``REQUIRED`` for a ``motion`` (n, 7) with the columns ``MOTION``.
 
-    ``motor_origin`` and ``output_origin`` [rad] are the counters' own angles where the motion's are zero. An output
-    that flies free between teeth is drawn to where it was ``seen`` (n,) [rad, slow shaft], unless that is empty; until
-    it first meets them it is where it was seen.
-    ``reuse_output_motion``: the output moves as ``required`` holds it already, and only what the motor's side asks for
-    is new.
+    ``motor_origin`` and ``output_origin`` [rad] are the counters' readings at position zero. An output that moves
+    freely in the gap is pulled to its measured position ``seen`` (n,) [rad, slow shaft], unless that is empty; until
+    the first contact it is at the measured position. ``reuse_output_motion``: use the output motion already in
+    ``required``, and compute only the motor side.
     """
     plant = plants[0]
     ratio = plant.gear_ratio
@@ -122,7 +119,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     output_angle = first_output_angle(side, motion, ratio, seen)
     output_speed = motion[0, SPEED]
     drawn = seen.shape[0] == motion.shape[0]
-    zero = 0.0  # rad by which the output's encoder shows more, as seen while teeth touch
+    zero = 0.0  # rad, offset of the output's encoder, estimated while teeth are in contact
     met = first_met = 0
     transmitted = 0.0
     for row in range(motion.shape[0]):
@@ -152,7 +149,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
                 speed_before = motion[before, SPEED]
                 slope = (speed - speed_before) / steps
                 angle = motion[before, MOTOR_ANGLE]
-                # the measured angle at both ends, the measured speed in between
+                # measured angle at both ends, measured speed in between
                 drift = motion[row, MOTOR_ANGLE] - angle - 0.5 * (speed + speed_before) * interval
                 drift /= steps
                 passed = 0.0
@@ -186,7 +183,7 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
         for row in range(first_met):
             required[row, REQUIRED_OUTPUT] = seen[row] - zero / ratio
     if not rigid:
-        # what was passed in the intervals before and after a sample belongs half to it
+        # a sample gets half of the torque transmitted in the intervals before and after it
         last = motion.shape[0] - 1
         for row in range(last + 1):
             required[row, REQUIRED_TORQUE] += 0.5 * (
@@ -201,9 +198,9 @@ def inverse_dynamics(plants, effects, motion, motor_origin, output_origin, seen,
     error_model="numpy",
 )
 def inverse_dynamics_of(plants, address, place, p, motion, motor_origin, output_origin, required, torque):
-    """``torque`` (n,): what one effect alone asks of the drive, beside all that ``required`` holds already.
+    """``torque`` (n,): drive torque needed by one effect alone, in addition to what ``required`` already holds.
 
-    Right for a torque, a level or a coefficient of the motor's side while no bristle carries the level; ``p`` (4,).
+    Valid for a torque, a level or a coefficient of the motor side if no bristle carries the level; ``p`` (4,).
     """
     plant = plants[0]
     values = (p[0], p[1], p[2], p[3])

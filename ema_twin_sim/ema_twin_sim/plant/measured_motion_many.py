@@ -1,7 +1,7 @@
-"""The equation error of several models side by side, whose output moves behind play or a spring.
+"""The equation error of several models in parallel lanes, with the output behind backlash or compliance.
 
-As ``inverse_dynamics`` (``measured_motion.py``) by its own steps, with the model's number innermost: what is simulated
-of one model waits for the step before, and a processor's wide registers take several models together.
+Same steps as ``inverse_dynamics`` (``measured_motion.py``), with the model index innermost: steps of one model depend
+on each other, but a processor's wide registers compute several models together.
 """
 
 import math
@@ -19,13 +19,13 @@ from .time_steps import steps_in
 from .transmission import response
 
 LANE = 8
-"""Models that go side by side: a search asks for some ten at a time."""
+"""Number of parallel models: a search needs some ten at a time."""
 
 LANES = 40 * LANE
-"""Length of the flat array of lanes: what all models have of the first comes first."""
+"""Length of the flat array of lanes: the first quantity of all models comes first."""
 
 (
-    # the output's side (OutputSide)
+    # output side (OutputSide)
     INERTIA,
     VISCOUS,
     DRY,
@@ -38,7 +38,7 @@ LANES = 40 * LANE
     PULL,
     BRAKE,
     SUBSTEP,
-    # the motor's side
+    # motor side
     RATIO,
     VISCOUS_OF_MOTOR,
     TOTAL_DRY,
@@ -75,7 +75,7 @@ LANES = 40 * LANE
 
 @njit(error_model="numpy")
 def _load_lanes(plants, motion, seen, lanes):
-    """Constants and first states of all models into their lanes."""
+    """Load constants and initial states of all models into their lanes."""
     for m in range(LANE):
         plant = plants[m]
         side = output_side(plant)
@@ -103,7 +103,7 @@ def _load_lanes(plants, motion, seen, lanes):
 
 @njit(error_model="numpy")
 def _settle(lanes, interval):
-    """What depends on the length of an interval [s]; the most steps that a model takes over it."""
+    """Set what depends on the length of an interval [s]; returns the largest number of steps of any model."""
     most = 1.0
     for m in range(LANE):
         steps = steps_in(interval, lanes[SUBSTEP + m])
@@ -118,7 +118,7 @@ def _settle(lanes, interval):
 
 @njit(error_model="numpy")
 def _output_steps(lanes, k, speed_before):
-    """A step of every output whose interval has so many."""
+    """Step ``k`` of every output whose interval has so many steps."""
     for m in range(LANE):
         side = OutputSide(
             lanes[INERTIA + m],
@@ -152,7 +152,7 @@ def _output_steps(lanes, k, speed_before):
 
 @njit(error_model="numpy")
 def _drive(lanes, speed, bristled, interval, torque):
-    """The ``torque`` (LANE,) of every drive beside what its output takes."""
+    """Fill the ``torque`` (LANE,) of every drive, without its output's share."""
     for m in range(LANE):
         dry = lanes[DRY_NOW + m] - lanes[DRY + m]
         torque[m], lanes[BRISTLE + m] = with_friction(
@@ -182,17 +182,17 @@ def _drive(lanes, speed, bristled, interval, torque):
 def inverse_dynamics_many(
     plants, addresses, places, parameters, motion, motor_origin, output_origin, seen, torque, output
 ):
-    """As ``inverse_dynamics`` for ``plants`` (LANE,) whose effects differ in their ``parameters`` (LANE, k, 4) only.
+    """As ``inverse_dynamics`` for ``plants`` (LANE,) whose effects differ only in their ``parameters`` (LANE, k, 4).
 
     Fills ``torque`` (n, LANE) and ``output`` (n, LANE), the first two of ``REQUIRED``. ``seen`` is (n, LANE), or (0,
-    LANE) where nobody saw the output.
+    LANE) if the output was not measured.
     """
     lanes = np.zeros(LANES)
     passed = np.zeros((motion.shape[0], LANE))
     _load_lanes(plants, motion, seen, lanes)
     drawn = seen.shape[0] == motion.shape[0]
     bristled = plants[0].bristle_stiffness > 0.0
-    plain = addresses.shape[0] == 0  # then nothing but a measured load asks for anything
+    plain = addresses.shape[0] == 0  # then only a measured load acts
     for m in range(LANE):
         plain = plain and math.isinf(plants[m].end_stop_lower) and math.isinf(plants[m].end_stop_upper)
         lanes[DRY_NOW + m] = lanes[TOTAL_DRY + m]

@@ -1,4 +1,4 @@
-"""A measured motion as compiled code reads it."""
+"""Layout of a measured motion for compiled code."""
 
 MOTION = ("time", "motor_angle", "speed", "acceleration", "current", "output_angle", "load")
 """Columns of a measured motion: s, rad and rad/s and rad/s2 of the fast shaft, A, rad of the slow shaft, N m of a

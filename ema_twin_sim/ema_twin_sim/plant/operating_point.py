@@ -1,4 +1,4 @@
-"""The one signature by which the kernel calls an effect, and the call itself.
+"""The signature with which the kernel calls an effect, and the call itself.
 
 An effect's compiled function is ``act(at, p) -> float``: ``at`` is the operating point below, ``p`` four floats (its
 parameters in the order of its table, then its numeric option). The kernel holds such functions as addresses in an
@@ -22,26 +22,26 @@ OperatingPoint = namedtuple(
     "OperatingPoint",
     [
         "time",  # s since the recording's first sample
-        "motor_angle",  # rad, the motor counter's own angle, so that a phase holds from one recording to the next
-        "electrical_angle",  # rad, pole pairs times that angle; NaN where their number is not known
+        "motor_angle",  # rad, the motor counter's own angle, so that a phase is valid for all recordings
+        "electrical_angle",  # rad, pole pairs times that angle; NaN if their number is unknown
         "motor_speed",  # rad/s
         "output_angle",  # rad of the slow shaft, the output encoder's own angle
         "output_travel",  # rad of the slow shaft since the recording's first sample
         "output_speed",  # rad/s of the slow shaft
-        "acceleration",  # rad/s2 of the fast shaft, over the step before
+        "acceleration",  # rad/s2 of the fast shaft, over the previous step
         "current",  # A, quadrature
         "motor_torque",  # N m, torque constant times current
-        "transmitted_torque",  # N m at the fast shaft, passed on to the output, over the step before
-        "dry_level",  # N m, the model's dry friction so far (levels are made up before what scales them)
+        "transmitted_torque",  # N m at the fast shaft, transmitted to the output, over the previous step
+        "dry_level",  # N m, the model's dry friction so far (levels are summed before they are scaled)
         "viscous_coefficient",  # N m s/rad, the model's viscous friction
     ],
 )
-"""Where the machine stands in a step; everything an effect may depend on."""
+"""State of the machine in a step: everything an effect may depend on."""
 
 
 @njit(error_model="numpy")
 def changed(at, transmitted, dry):
-    """The operating point ``at``, but with another torque passed on to the output and another dry level [N m]."""
+    """The operating point ``at`` with another transmitted torque and dry level [N m]."""
     return OperatingPoint(
         at.time,
         at.motor_angle,
@@ -68,15 +68,15 @@ SIGNATURE = types.float64(_POINT, _PARAMETERS)
 
 @cache
 def compiled_effect(act: Callable[..., float], *, on_disk: bool) -> Any:
-    """``act(at, p)`` in machine code, to be called from Python too; kept as long as the process lives.
+    """``act(at, p)`` compiled, callable from Python, too; kept for the life of the process.
 
-    ``on_disk`` lets the next process find it: only for what cannot change unnoticed.
+    ``on_disk`` caches it for later processes: only for code that cannot change unnoticed.
     """
     return njit(SIGNATURE, cache=on_disk, error_model="numpy")(act)
 
 
 def compile_effect(act: Callable[..., float], *, on_disk: bool) -> int:
-    """The address of ``act(at, p)`` in machine code (valid as long as the process lives)."""
+    """The address of the compiled ``act(at, p)`` (valid for the life of the process)."""
     result = compiled_effect(act, on_disk=on_disk).overloads[SIGNATURE.args]
     return result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
 
@@ -85,7 +85,7 @@ def compile_effect(act: Callable[..., float], *, on_disk: bool) -> int:
 def call_effect(typing_context, address, at, parameters):
     """Call the compiled effect at ``address`` with an operating point and four parameters.
 
-    An effect that raises has no value: it counts as NaN, which ends the run with words.
+    An effect that raises counts as NaN, which ends the run with an error message.
     """
 
     def generate(context, builder, signature, arguments):

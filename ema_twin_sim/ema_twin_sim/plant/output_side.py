@@ -1,7 +1,6 @@
-"""The output behind a measured motor, in steps between samples: what it passes back, and where it goes.
+"""The output behind a measured motor, simulated between samples: its reaction torque and its motion.
 
-Smooth where a search needs it: near standstill the direction of its friction fades, and its level gives way over a
-short travel.
+Smooth as a search needs it: near standstill the sign of its friction fades, and its level yields over a short travel.
 """
 
 import math
@@ -15,17 +14,17 @@ from .friction import bristle_share, bristle_step
 from .motion import MOTOR_ANGLE, SPEED
 from .transmission import contact_torque, shaft_speed
 
-_LONGEST, _SHORTEST = 1e-3, 5e-4  # s of a substep; in between it is short enough for the spring:
-_PULL = 2.0 * math.pi * 5.0  # rad/s with which an output is drawn to where it was seen
-_PHASE = 0.4  # rad that a contact's oscillation may turn in a substep
-_STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is taken as one that samples resolve (driven_output.py)
-_STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle gives way
+_LONGEST, _SHORTEST = 1e-3, 5e-4  # s, bounds of a substep; in between it is short enough for the spring:
+_PULL = 2.0 * math.pi * 5.0  # rad/s, rate at which an output is pulled to its measured position
+_PHASE = 0.4  # rad, largest phase of a contact's oscillation per substep
+_STIFFEST = 2.0 * math.pi * 250.0  # rad/s; a stiffer contact is replaced by one that samples resolve (driven_output.py)
+_STIFF_TRAVEL = 5e-4  # rad of the fast shaft over which a stiff bristle yields
 _LOW_SPEED = 0.02  # rad/s, below which the sign of the speed fades: rows near standstill are not judged
 
 
 @njit(error_model="numpy")
 def sign(speed):
-    """-1 or 1, and in between near standstill."""
+    """-1 or 1, with a continuous transition near standstill."""
     size = math.fabs(speed)
     return (1.0 if speed > 0.0 else -1.0) if size > _LOW_SPEED else speed / _LOW_SPEED
 
@@ -42,18 +41,18 @@ OutputSide = namedtuple(
         "damping",
         "bristle_stiffness",
         "bristle_damping",
-        "pull",  # with which an output that flies free is drawn to where it was seen, and braked
+        "pull",  # N m/rad: spring that pulls an output moving freely in the gap to its measured position; brake: damper
         "brake",
     ],
 )
-"""What the output's motion behind a measured motor depends on, as ``layout.PLANT`` has it."""
+"""Constants that determine the output's motion behind a measured motor, as in ``layout.PLANT``."""
 
 
 @njit(error_model="numpy")
 def output_side(plant):
-    """The output side of a plant; a contact that samples do not resolve is one that they do."""
-    # an output that is driven through a gap comes to rest often: its friction is taken as a bristle always, a stiff one
-    # where the model has none, which is kinder to a search than a level that jumps
+    """The output side of a plant; a contact too stiff for the samples is softened to what they resolve."""
+    # an output driven through a gap often comes to rest: its friction is always a bristle, a stiff one if the model has
+    # none, which suits a search better than a level that jumps
     bristle_stiffness = plant.output_dry / _STIFF_TRAVEL
     bristle_damping = 0.5 * math.sqrt(bristle_stiffness * plant.output_inertia)
     if plant.bristle_stiffness > 0.0:
@@ -82,11 +81,11 @@ def output_side(plant):
 
 @njit(error_model="numpy")
 def first_output_angle(side, motion, ratio, seen):
-    """Where an output begins [rad, fast shaft] behind a ``motion`` (n, 7).
+    """Initial position [rad, fast shaft] of an output behind a ``motion`` (n, 7).
 
-    Where it was ``seen`` (n,) [rad, slow shaft]: what that shows since then until its teeth are sure to touch. A motor
-    that went all through the play has met them, and was the farthest ahead as it did. Not seen, (0,), on the flank
-    that its motor drives.
+    If it was measured (``seen`` (n,) [rad, slow shaft]), from the readings until contact is certain: a motor that has
+    travelled through the whole backlash has made contact, where its lead was largest. If not measured, (0,), on the
+    flank driven by the motor.
     """
     begun = motion[0, MOTOR_ANGLE]
     if side.gap > 0.0 and seen.shape[0] == motion.shape[0]:
@@ -107,7 +106,7 @@ def first_output_angle(side, motion, ratio, seen):
 
 @njit(error_model="numpy")
 def longest_substep(side):
-    """The longest step [s] in which an output side is simulated."""
+    """The longest step [s] for simulating an output side."""
     return min(_LONGEST, max(_SHORTEST, _PHASE / math.sqrt(side.stiffness / side.inertia)))
 
 
@@ -115,10 +114,10 @@ def longest_substep(side):
 def output_step(
     side, h, gain, drag, compliance, motor_angle, motor_speed, angle, speed, bristle, load, drawn, seen, seen_speed
 ):
-    """(torque [N m] passed on, angle [rad], speed [rad/s], bristle [rad]) of an output after a step ``h`` [s].
+    """(transmitted torque [N m], angle [rad], speed [rad/s], bristle [rad]) of an output after a step ``h`` [s].
 
-    ``gain`` and ``drag`` are its response, ``load`` [N m] stands against it. An output that flies free is ``drawn`` to
-    where it was ``seen`` [rad], whose speed is ``seen_speed`` [rad/s]. All is at the fast shaft.
+    ``gain`` and ``drag`` are its response, ``load`` [N m] opposes it. If ``drawn``, an output moving freely in the gap
+    is pulled to its measured position ``seen`` [rad] with speed ``seen_speed`` [rad/s]. All at the fast shaft.
     """
     contact = contact_torque(
         motor_angle - angle, motor_speed - speed, side.stiffness, side.damping, side.gap, h, compliance

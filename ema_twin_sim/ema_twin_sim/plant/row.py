@@ -1,4 +1,4 @@
-"""One sample of a twin, as the bench's sensors would show it."""
+"""One sample of a twin, as seen by the bench's sensors."""
 
 import math
 
@@ -30,7 +30,7 @@ def write_row(
     row, bench, by_current, plant, state, phase, angle, output_angle, smoothed, setpoint, current, current_setpoint,
     voltage, torque, transmitted,
 ):  # fmt: skip
-    """Fill a twin's sample ``row`` (signals,) beside the bench's (6,); what no averaged drive tells is NaN.
+    """Fill a twin's sample ``row`` (signals,) for the bench's (6,); signals unknown to an averaged drive are NaN.
 
     ``phase`` [s] is the time since the last control cycle began; ``by_current``: the measured current drives the twin.
     """

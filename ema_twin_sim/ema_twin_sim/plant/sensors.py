@@ -1,4 +1,4 @@
-"""The bench's sensors: what the drive's trace shows of the plant, so that residuals compare like with like."""
+"""The bench's sensors: the plant as seen in the drive's trace, so that residuals compare like with like."""
 
 import math
 
@@ -10,7 +10,7 @@ from .layout import ENCODER_MEMORY
 
 @njit(error_model="numpy")
 def remember(state, angle):
-    """Keep the output's angle of this control cycle, for an encoder that answers late."""
+    """Store the output's angle of this control cycle, for a delayed encoder."""
     newest = (state.encoder_newest + 1) % ENCODER_MEMORY
     state.encoder_newest = newest
     state.encoder_memory[newest] = angle
@@ -18,9 +18,9 @@ def remember(state, angle):
 
 @njit(error_model="numpy")
 def shown(plant, state, angle, since_cycle):
-    """Output angle [rad, slow shaft] as its encoder shows it: late, and off its centre.
+    """Output angle [rad, slow shaft] as its encoder shows it: delayed and with angle error.
 
-    ``angle`` is the true one [rad, fast shaft], ``since_cycle`` [s] the time since the last one that was remembered.
+    ``angle`` is the true one [rad, fast shaft], ``since_cycle`` [s] the time since the last stored one.
     """
     delay = plant.encoder_delay
     if delay > 0.0:
@@ -43,9 +43,9 @@ def shown(plant, state, angle, since_cycle):
 
 
 def angle_error(plant: np.void, origin: float, angle: np.ndarray) -> np.ndarray:
-    """By how much (n,) [rad] the output's encoder shows more than its true ``angle`` (n,), both from zero.
+    """Error (n,) [rad] of the output encoder at its true ``angle`` (n,), both from zero.
 
-    ``origin`` [rad] is the encoder's own angle where its position is zero; the plant is a record of ``layout.PLANT``.
+    ``origin`` [rad] is the encoder's own angle at position zero; the plant is a record of ``layout.PLANT``.
     """
     error = np.zeros(len(angle))
     for amplitude, phase, order in plant["angle_error"][: plant["angle_errors"]]:
@@ -55,7 +55,7 @@ def angle_error(plant: np.void, origin: float, angle: np.ndarray) -> np.ndarray:
 
 
 def as_encoder_shows(plant: np.void, time: np.ndarray, angle: np.ndarray, origin: float) -> np.ndarray:
-    """The output's ``angle`` (n,) [rad, slow shaft] over ``time`` (n,) [s] as its encoder shows it: late, in error."""
+    """The output's ``angle`` (n,) [rad, slow shaft] over ``time`` (n,) [s] with the encoder's delay and error."""
     if plant["encoder_delay"] != 0.0:
         angle = np.interp(time - plant["encoder_delay"], time, angle)
     return angle + angle_error(plant, origin, angle) if plant["angle_errors"] else angle

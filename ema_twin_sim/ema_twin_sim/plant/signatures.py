@@ -1,4 +1,4 @@
-"""The types of what compiled loops take: records of ``layout.py``, stamps, effects."""
+"""Argument types of the compiled loops: records of ``layout.py``, stamps, effects."""
 
 from numba import float64, from_dtype, int64, types
 
@@ -13,9 +13,9 @@ PLANTS = from_dtype(PLANT)[::1]
 STATES = from_dtype(STATE)[::1]
 STAMPS = types.Array(int64, 1, "C", readonly=True)
 TABLE = float64[:, ::1]
-"""Rows of samples: a bench's, a twin's, a measured motion's."""
+"""Rows of samples of a bench, a twin, or a measured motion."""
 EFFECTS = types.Tuple((int64[::1], int64[::1], float64[:, ::1]))
-"""Of ``layout.Effects``."""
+"""Type of ``layout.Effects``."""
 FINE = types.Tuple(
     (
         from_dtype(WINDING)[::1],
@@ -27,4 +27,4 @@ FINE = types.Tuple(
         float64[::1],
     )
 )
-"""Of ``layout.Fine`` as a plain tuple, which is handed over in half the time."""
+"""Type of ``layout.Fine`` as a plain tuple, which is passed in half the time."""

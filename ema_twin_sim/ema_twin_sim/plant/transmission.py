@@ -1,7 +1,7 @@
 """One step of the mechanics: rigid, or two inertias with a spring, a damper and a dead zone between them.
 
-Positions are at the fast shaft. A step is drift, kick, drift (position Verlet: second order, and it keeps the energy of
-the contact spring); viscous friction is taken at the end of the step, dry friction as ``friction.py`` says.
+Positions are at the fast shaft. A step is drift, kick, drift (position Verlet: second order, conserves the energy of
+the contact spring); viscous friction is implicit (speed at the end of the step), dry friction as in ``friction.py``.
 """
 
 from collections import namedtuple
@@ -14,17 +14,17 @@ from .friction import after_dry_friction
 Shafts = namedtuple(
     "Shafts", ["step", "gain", "drag", "output_gain", "output_drag", "stiffness", "damping", "gap", "compliance"]
 )
-"""What a step of two inertias needs: its length [s], each one's ``response``, the contact between them."""
+"""Constants of a step of two inertias: its length [s], each one's ``response``, the contact between them."""
 
 
 @njit(error_model="numpy")
 def contact_torque(twist, twist_speed, stiffness, damping, gap, step, compliance):
-    """Mean torque [N m] passed from motor to output in a step that starts at ``twist`` [rad], ``twist_speed`` [rad/s].
+    """Mean torque [N m] from motor to output in a step that starts at ``twist`` [rad], ``twist_speed`` [rad/s].
 
-    A spring and a damper over a dead zone of +-``gap`` [rad]; a contact with play never pulls. The spring is taken at
-    the middle of the step, the damper at the mean of the speeds before and after (``compliance`` is step / 2 times the
-    sum of both inverse inertias), and a step in which the teeth meet counts by the share of it that they touch: so the
-    impulse of an impact does not depend on where in a step it falls.
+    A spring and a damper over a dead zone of +-``gap`` [rad]; a contact with backlash never pulls. The spring is
+    evaluated in the middle of the step, the damper at the mean of the speeds before and after (``compliance`` is step /
+    2 times the sum of both inverse inertias). A step in which contact begins counts by the share of it in contact: so
+    the impulse of an impact does not depend on its time within a step.
     """
     share = 1.0 / (1.0 + damping * compliance)
     middle = twist + 0.5 * step * twist_speed
@@ -47,7 +47,7 @@ def contact_torque(twist, twist_speed, stiffness, damping, gap, step, compliance
 
 @njit(error_model="numpy")
 def end_stop_torque(angle, speed, lower, upper, stiffness, damping):
-    """Torque [N m] that an end stop puts against the output; angles at the fast shaft, zero between the stops."""
+    """Torque [N m] of an end stop on the output; angles at the fast shaft, zero between the stops."""
     if angle > upper:
         torque = stiffness * (angle - upper) + damping * speed
         return torque if torque > 0.0 else 0.0
@@ -59,7 +59,7 @@ def end_stop_torque(angle, speed, lower, upper, stiffness, damping):
 
 @njit(error_model="numpy")
 def response(step, inertia, viscous):
-    """(gain, drag) of one inertia over a step: speed change per N m of torque, and the share that viscosity leaves."""
+    """(gain, drag) of one inertia over a step: speed change per N m of torque, and speed factor left by viscosity."""
     gain = step / inertia
     return gain, 1.0 / (1.0 + gain * viscous)
 
@@ -73,7 +73,7 @@ def shaft_speed(speed, torque, dry, break_away, gain, drag):
 
 @njit(error_model="numpy")
 def shafts_of(plant, inertia, viscous, step):
-    """The ``Shafts`` of a plant whose motor's shaft has this ``inertia`` [kg m2] and ``viscous`` friction."""
+    """The ``Shafts`` of a plant whose motor shaft has this ``inertia`` [kg m2] and ``viscous`` friction."""
     gain, drag = response(step, inertia, viscous)
     output_gain, output_drag = response(step, plant.output_inertia, plant.output_viscous)
     compliance = 0.5 * step * (1.0 / plant.motor_inertia + 1.0 / plant.output_inertia)
@@ -94,9 +94,9 @@ def shafts_of(plant, inertia, viscous, step):
 def lumped_step(
     shafts, twist, speed, output_speed, torque, load, dry, break_away, output_dry, output_break_away
 ):  # fmt: skip
-    """(speed, output's speed [rad/s], torque [N m] passed on) of two inertias after a step's kick.
+    """(speed, output speed [rad/s], transmitted torque [N m]) of two inertias after a step's kick.
 
-    ``twist`` [rad] is what the step began at; ``torque`` [N m] drives the motor, ``load`` stands against the output.
+    ``twist`` [rad] is that at the start of the step; ``torque`` [N m] drives the motor, ``load`` opposes the output.
     """
     passed = contact_torque(
         twist, speed - output_speed, shafts.stiffness, shafts.damping, shafts.gap, shafts.step, shafts.compliance
@@ -110,6 +110,6 @@ def lumped_step(
 
 @inlined
 def passed_rigidly(plant, acceleration, speed, load):
-    """Torque [N m] that a rigid transmission passes on: what the output's inertia, friction and ``load`` take."""
+    """Torque [N m] transmitted by a rigid transmission: that of the output's inertia, friction and ``load``."""
     sense = 1.0 if speed > 0.0 else (-1.0 if speed < 0.0 else 0.0)
     return plant.output_inertia * acceleration + plant.output_viscous * speed + plant.output_dry * sense + load

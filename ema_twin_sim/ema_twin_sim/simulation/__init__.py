@@ -1,1 +1,1 @@
-"""Simulation: from a model to the compiled plant, a running twin, a recording's twin, the virtual bench."""
+"""Simulation: turn a model into the compiled plant, a running twin, the twin of a recording, or the virtual bench."""

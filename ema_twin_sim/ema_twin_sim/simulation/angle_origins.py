@@ -1,4 +1,4 @@
-"""Where angles count from: the counters' own, so that a phase found on one recording holds on the next."""
+"""Zero of angles: the counters' own, so that a phase found on one recording holds on the next."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from ..plant.layout import OUTPUT_TORQUE
 
 
 def angle_origins(motor: float, output: float, ratio: float) -> tuple[float, float]:
-    """(motor, output) [rad]: the angles at which a machine of this gear ratio stands where its positions are zero.
+    """(motor, output) [rad]: the angles of a machine with this gear ratio at position zero.
 
-    Of a machine without an encoder on its output, or whose encoder's own angle is not known, the motor's counter tells
-    the output's angle. An angle that nothing tells counts from the recording's first sample.
+    Without an output encoder, or if its own angle is unknown, the output angle follows from the motor's counter. An
+    angle that nothing determines counts from the recording's first sample.
     """
     motor_at = 0.0 if math.isnan(motor) else motor
     return motor_at, motor_at / ratio if math.isnan(output) else output
 
 
 def origins_of(recording: Recording, model: Model) -> tuple[float, float]:
-    """The same of a recording."""
+    """The same for a recording."""
     ratio = model.value("machine.gear_ratio")
     return angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
 
 
 def without_common_zero(recordings: Sequence[Recording], effects: Iterable[EffectInstance]) -> tuple[str, ...]:
-    """One sentence where effects act at an angle that some recordings do not tell; none where all is well."""
+    """One warning if effects act at an angle that some recordings do not contain; otherwise none."""
     found: dict[str, list[str]] = {}
     for instance in effects:
         effect = catalogue()[instance.effect]

@@ -1,4 +1,4 @@
-"""From a model to what the kernel takes: one record of constants and the arrays of effects."""
+"""Turn a model into the kernel's arguments: one record of constants and the arrays of effects."""
 
 from __future__ import annotations
 
@@ -46,25 +46,25 @@ _SAME_NAME = (
 
 @dataclass(frozen=True)
 class Assembly:
-    """The arguments that a model gives to a ``plant.kernel``, and to what balances torques without integrating.
+    """A model's arguments for a ``plant.kernel``, and for code that balances torques without integration.
 
-    Of a planetary train, ``plant`` and ``effects`` are the two inertias that stand for it (``lumped_train.py``); of a
-    switching drive they are the averaged one, with the faults of its winding as torques.
-    ``plant`` is a record array (1,) of ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and
-    parameters (n, 4), dry levels first, so that what depends on the level sees it whole.
+    For a planetary train, ``plant`` and ``effects`` describe the two inertias that replace it (``lumped_train.py``);
+    for a switching drive the averaged one, with winding faults as torques. ``plant`` is a record array (1,) of
+    ``layout.PLANT``; ``effects`` holds addresses (n,), places (n,) and parameters (n, 4), dry levels first, so that
+    what depends on the level sees it whole.
     """
 
     plant: np.ndarray
     effects: Effects
-    acting: Effects  # without what stands for a train's own losses, and for faults of a simulated winding
+    acting: Effects  # without the effects that replace a train's own losses and the faults of a simulated winding
     fine: FineParts
 
 
 def assemble(model: Model, *, by_current: bool = False) -> Assembly:
-    """Build the kernel's arguments; effects compile on first use (milliseconds); the package's are kept on disk.
+    """Build the kernel's arguments. Effects compile on first use (milliseconds); the package's are cached on disk.
 
     ``by_current``: a measured current drives the mechanics, so that the winding of a switching drive is not simulated.
-    Raises InputError where the model is of parts that do not go together.
+    Raises InputError if the model's parts do not fit together.
     """
     plant = np.zeros(1, PLANT)
     record = plant[0]
@@ -73,7 +73,7 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
     record["motor_inertia"] = model.value("machine.motor_inertia") + model.value("machine.gearbox_inertia")
     record["nominal_torque_constant"] = model.value("machine.torque_constant")
     record["two_inertia"] = model.kinds["transmission"] == "two_inertia"
-    turn = 2.0 * math.pi / model.turn  # the plant counts over a revolution
+    turn = 2.0 * math.pi / model.turn  # the plant's counts refer to a revolution
     record["motor_counts"] = turn * model.value("sensors.motor_encoder_counts")
     record["output_counts"] = turn * model.value("sensors.output_encoder_counts")
     for side, none in (("lower", -np.inf), ("upper", np.inf)):
@@ -102,7 +102,7 @@ def assemble(model: Model, *, by_current: bool = False) -> Assembly:
 
 
 def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:
-    """What acts (place, address, parameters) as arrays, dry levels first."""
+    """Acting effects (target, address, parameters) as arrays, dry levels first."""
     ordered = sorted(acting, key=lambda entry: entry[0] != DRY_LEVEL)
     return (
         np.array([address for _, address, _ in ordered], np.int64),
@@ -112,7 +112,7 @@ def _effects(acting: list[tuple[int, int, list[float]]]) -> Effects:
 
 
 def _check(model: Model, record: np.void) -> None:
-    """Refuse what the plant cannot be made of, after all effects have had their say."""
+    """Refuse invalid plants, after all effects were applied."""
     if record["two_inertia"] and not record["output_inertia"] > 0.0:
         raise InputError(
             f"model {model.name}: machine.output_inertia is 0, and a transmission with play or a spring needs it; "
@@ -133,12 +133,12 @@ def _check(model: Model, record: np.void) -> None:
 
 
 def longest_delay(model: Model) -> float:
-    """The longest delay [s] of an encoder that the plant can show: what its memory of control cycles holds."""
+    """The longest encoder delay [s] that the plant can simulate: the length of its memory of control cycles."""
     return (ENCODER_MEMORY - 2) * model.value("drive.control_cycle")
 
 
 def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:
-    """The four numbers that a compiled effect is called with: its parameters, then a numeric option, then zeros."""
+    """The four numbers passed to a compiled effect: its parameters, then a numeric option, then zeros."""
     values = [instance.parameters[parameter.name] for parameter in effect.parameters]
     if effect.option_value is not None:
         values.append(effect.option_value(instance.options))
@@ -147,6 +147,6 @@ def effect_slots(effect: Effect, instance: EffectInstance) -> list[float]:
 
 @cache
 def effect_address(effect: Effect) -> int:
-    """Where the compiled function of an effect that acts is in memory."""
-    assert effect.act is not None  # only effects that act have an address
+    """Memory address of the compiled function of an effect with ``act``."""
+    assert effect.act is not None  # only effects with ``act`` have an address
     return compile_effect(effect.act, on_disk=not is_own(effect))

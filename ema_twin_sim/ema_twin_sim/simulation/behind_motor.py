@@ -1,7 +1,7 @@
-"""The output behind a measured motor: what a twin tells of a recording of two encoders and no torque.
+"""The output behind a measured motor: the twin of a recording with two encoders and no torque.
 
-Nothing drives the motor there: it moves as it was measured, and carries the output along through whatever play, spring
-or late encoder the model has. Torques are in a unit that nobody measured, so that only ratios of them count.
+The motor is not simulated: it moves as measured, and drives the output through the model's backlash, compliance or
+encoder delay. Torques have an arbitrary unit, so only their ratios matter.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from ..plant.sensors import as_encoder_shows
 from .angle_origins import origins_of
 from .assembly import assemble
 
-WIDTH = 2.5  # samples, over which the motor's counter is smoothed for its speed
-MARGIN = 12  # samples, beyond which that smoothing does not reach
+WIDTH = 2.5  # samples over which the motor's counter is smoothed for its speed
+MARGIN = 12  # samples; the smoothing does not reach farther
 
 
 def of_encoders_alone(recording: Recording) -> bool:
-    """Whether a recording holds the positions of motor and output, and nothing that drives a twin."""
+    """Whether a recording holds the positions of motor and output, but no signal that drives a twin."""
     return (
         recording.has("motor_position", "output_position")
         and not recording.of_points
@@ -37,7 +37,7 @@ def of_encoders_alone(recording: Recording) -> bool:
 
 
 def refuse_encoders_alone(recording: Recording) -> None:
-    """Raise InputError where a recording holds nothing that would drive a twin in real time."""
+    """Raise InputError if a recording holds no signal that can drive a twin in real time."""
     if of_encoders_alone(recording):
         raise InputError(
             f"{recording.name}: holds no current, torque or setpoint, which drive a live twin; compare, fit and "
@@ -46,9 +46,9 @@ def refuse_encoders_alone(recording: Recording) -> None:
 
 
 def encoder_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
-    """The units of a machine of which both encoders were recorded and no torque; ``radius`` [m] as in the next.
+    """Own units of a machine recorded with both encoders and no torque; ``radius`` [m] as in ``typical_units``.
 
-    SI where its model holds a user's own effect, whose function may hold numbers in SI.
+    SI if its model holds a user's own effect, whose function may hold numbers in SI.
     """
     if any(is_own(catalogue()[instance.effect]) for instance in model.active.values()):
         return OwnUnits(radius=radius)
@@ -56,10 +56,10 @@ def encoder_units(recordings: Sequence[Recording], model: Model, radius: float |
 
 
 def typical_units(recordings: Sequence[Recording], model: Model, radius: float | None = None) -> OwnUnits:
-    """The units in which a machine of which no torque was recorded has the reference's size: its time by its speed.
+    """Units in which a machine recorded without torque has the size of the reference bench: time from its speed.
 
-    That of torque is a mere name, by which the model's inertia becomes the reference's. ``radius`` [m] is that of the
-    drum that a linear machine runs round.
+    The torque unit is arbitrary, chosen so that the model's inertia equals the reference's. ``radius`` [m] is that of
+    the drum that represents a linear machine.
     """
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))
     motors = [_even(recording) for recording in spread(recordings)]
@@ -72,18 +72,18 @@ def typical_units(recordings: Sequence[Recording], model: Model, radius: float |
 
 
 def twin_behind_motor(model: Model, recording: Recording) -> Recording:
-    """What both encoders show of the model behind the motor's measured motion, at the recording's stamps.
+    """Both encoder readings of the model driven by the motor's measured motion, at the recording's stamps.
 
-    The output counts from where it was on average: where in its play it stood at the first sample, nobody knows. Where
-    the motor's position is missing, so is the output's. Raises InputError where no sample holds both positions.
+    The output is aligned in the mean, since its place in the backlash at the first sample is unknown. If the motor's
+    position is missing, so is the output's. Raises InputError if no sample holds both positions.
     """
-    from scipy.ndimage import gaussian_filter1d  # takes 0.2 s to import, and few recordings come here
+    from scipy.ndimage import gaussian_filter1d  # takes 0.2 s to import, and few recordings need it
 
-    units = encoder_units([recording], model)  # in which what samples resolve is known
+    units = encoder_units([recording], model)  # own units, in which the resolution limits are known
     told, model = recording_in(recording, units), model_in(model, units)
     time, position = _even(told)
     period = float(time[1] - time[0])
-    # beyond its ends the motion goes on as it came
+    # extrapolate the motion beyond its ends
     going_on = np.pad(position, MARGIN, mode="reflect", reflect_type="odd")
     angle, speed = (gaussian_filter1d(going_on, WIDTH, order=order)[MARGIN:-MARGIN] for order in (0, 1))
     speed = speed / period
@@ -105,7 +105,7 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
     moved = required[:, REQUIRED.index("output")] + (position - angle) / model.value("machine.gear_ratio")
     output = as_encoder_shows(assembly.plant[0], time, moved, output_origin)
     output = np.interp(told.time, time, output)
-    output[np.isnan(recording.signals["motor_position"])] = np.nan  # a line bridged it, which is no motion to judge by
+    output[np.isnan(recording.signals["motor_position"])] = np.nan  # a line bridged it: not measured
     if np.isnan(output - recording.signals["output_position"]).all():
         raise InputError(
             f"{recording.name}: has no sample that holds motor_position and output_position together; record both at "
@@ -128,9 +128,9 @@ def twin_behind_motor(model: Model, recording: Recording) -> Recording:
 
 
 def _even(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """(time [s] on an even grid, the motor's position [rad] there); gaps are bridged by straight lines.
+    """(time [s] on an even grid, motor position [rad] there); gaps are bridged by straight lines.
 
-    Raises InputError where no position is known.
+    Raises InputError if no position is known.
     """
     position = recording.signals["motor_position"]
     known = np.isfinite(position)

@@ -1,6 +1,6 @@
-"""Commands of the virtual bench and of a twin on its own clock: ramp, step, sine, triangle, or a file of points.
+"""Commands of the virtual bench and of a standalone twin: ramp, step, sine, triangle, or a file of points.
 
-A YAML file (``ema-twin plan`` writes one) holds a command and for how long it is worth recording.
+A YAML file (``ema-twin plan`` writes one) holds a command and how long to record it.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ _WORDS = {
 }
 
 LARGEST = 1e6
-"""rad or rad/s of the slow shaft, and Hz or s of a shape: no command is larger."""
+"""Largest command: rad or rad/s of the slow shaft, and Hz or s of a shape."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """A command of the slow shaft: position [rad] over time [s], or speed [rad/s] where ``speed``.
+    """A command of the slow shaft: position [rad] over time [s], or speed [rad/s] if ``speed``.
 
     Calling it with times (n,) gives values (n,).
     """
@@ -49,16 +49,16 @@ class Command:
     speed: bool
     function: Callable[[np.ndarray], np.ndarray]
     seconds: float | None = None
-    """For how long it is meant to be recorded, where its file says so."""
+    """Intended recording time, if its file gives one."""
 
     @property
     def name(self) -> str:
-        """A file name's stem for it: ``ramp_0.05``."""
+        """Stem of a file name for it: ``ramp_0.05``."""
         return re.sub(r"[^\w.+-]+", "_", Path(self.text).stem if self.text.endswith(".csv") else self.text)
 
     def __call__(self, time: np.ndarray) -> np.ndarray:
-        """Values (n,) at times [s] (n,). Raises InputError where one is larger than LARGEST."""
-        with np.errstate(all="ignore"):  # what overflows is refused
+        """Values (n,) at times [s] (n,). Raises InputError if one is larger than LARGEST."""
+        with np.errstate(all="ignore"):  # overflow is refused below
             values = self.function(np.asarray(time, np.float64))
         if not np.all(np.abs(values) <= LARGEST):
             unit = "rad/s" if self.speed else "rad"
@@ -68,7 +68,7 @@ class Command:
         return values
 
     def highest_speed(self, time: np.ndarray) -> float:
-        """The highest speed [rad/s] that it asks for at times [s] (n,); a jump of the position is no speed."""
+        """The highest commanded speed [rad/s] at times [s] (n,); position jumps do not count."""
         values = self(time)
         if not self.speed:
             rates = np.abs(np.diff(values) / np.diff(time))
@@ -77,9 +77,9 @@ class Command:
 
 
 def parse_command(text: str, *, start: float = 0.0, phase: float = 0.0) -> Command:
-    """The command that ``KIND:A[:B]`` or a file describes, moved by ``start`` [rad or rad/s] and ``phase`` [rad].
+    """The command given by ``KIND:A[:B]`` or a file, shifted by ``start`` [rad or rad/s] and ``phase`` [rad].
 
-    Raises InputError where the text is no command.
+    Raises InputError if the text is not a command.
     """
     kind, *numbers = text.split(":")
     speed = kind.startswith("speed-")
@@ -124,7 +124,7 @@ def _shape(shape: str, values: list[float], start: float, phase: float) -> Calla
 
 
 def in_words(text: str) -> str:
-    """What ``KIND:A[:B]`` is, for people: ``position: a triangle of ±0.04 rad/s that turns every 2 s``."""
+    """``KIND:A[:B]`` in words: ``position: a triangle of ±0.04 rad/s that turns every 2 s``."""
     kind, *numbers = parse_command(text).text.split(":")
     speed = kind.startswith("speed-")
     words = _WORDS[kind.removeprefix("speed-")].format(*map(float, numbers), unit="rad/s" if speed else "rad")
@@ -132,14 +132,14 @@ def in_words(text: str) -> str:
 
 
 def write_command(text: str, seconds: float, why: str) -> bytes:
-    """The YAML file that ``parse_command`` reads, for a command that is worth ``seconds`` s of recording."""
+    """A YAML file for ``parse_command``, for a command to be recorded for ``seconds`` s."""
     content = {"version": 1, "command": text, "seconds": seconds, "why": why}
     head = f"# {in_words(text)}\n"
     return (head + yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=120)).encode()
 
 
 def _from_yaml(path: Path, start: float, phase: float) -> Command:
-    """The command in a YAML file: ``{version: 1, command, seconds, why}``, the last two if need be."""
+    """The command in a YAML file: ``{version: 1, command, seconds, why}``, the last two optional."""
     content, _ = read_yaml(path, "give a YAML file that plan wrote, or KIND:A[:B]")
     check = Checker(path)
     table = check.mapping(content, "", ("version", "command", "seconds", "why"), ("version", "command"))
@@ -155,7 +155,7 @@ def _from_yaml(path: Path, start: float, phase: float) -> Command:
 
 
 def _from_file(path: Path, start: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Points of a file, time [s] and value [rad], a line each; between them the command goes straight."""
+    """Points from a file, one line each with time [s] and value [rad]; interpolated linearly."""
     points: list[tuple[float, float]] = []
     try:
         lines = path.read_text("utf-8-sig").splitlines()

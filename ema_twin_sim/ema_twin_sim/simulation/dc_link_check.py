@@ -1,4 +1,4 @@
-"""Whether the DC link of a switching drive allows the speed that a recording shows or a command asks for."""
+"""Check whether the DC link of a switching drive allows the recorded or commanded speed."""
 
 from __future__ import annotations
 
@@ -17,29 +17,29 @@ from .assembly import Assembly, assemble
 from .command import Command
 
 _HELD = 0.999
-"""Share of a recording's samples that are no faster: a single wrong sample is no speed."""
+"""Quantile of a recording's speed that is checked: single wrong samples do not count."""
 
 
 def holding_current(assembly: Assembly, speed: float) -> float:
-    """Current [A] that a plant's friction takes at a steady speed [rad/s], effects of the operating point aside."""
+    """Current [A] needed for a plant's friction at a steady speed [rad/s], without operating-point effects."""
     plant = assembly.plant[0]
     viscous, dry = (plant[f"motor_{kind}"] + plant[f"output_{kind}"] for kind in ("viscous", "dry"))
     return float((dry + viscous * abs(speed)) / plant["torque_constant"])
 
 
 def allowed_speed(assembly: Assembly) -> float:
-    """Highest speed [rad/s] at which the DC link can drive the friction; infinite where the drive does not switch."""
+    """Highest speed [rad/s] at which the DC link can drive the friction; infinite if the drive does not switch."""
     if not assembly.fine.switching:
         return np.inf
     winding = assembly.fine.winding[0]
     speed = highest_speed(winding, 0.0)
-    for _ in range(50):  # what friction takes grows with the speed, and takes some of it away
+    for _ in range(50):  # friction grows with speed, which lowers the highest speed
         speed = 0.5 * (speed + highest_speed(winding, holding_current(assembly, speed)))
     return speed
 
 
 def refuse_beyond_link(model: Model, speed: float, place: str) -> None:
-    """Raise InputError where a speed of the motor [rad/s] is beyond what the model's DC link allows."""
+    """Raise InputError if a motor speed [rad/s] exceeds what the model's DC link allows."""
     if model.kinds["drive"] != "switching":
         return
     assembly = assemble(model)
@@ -55,7 +55,7 @@ def refuse_beyond_link(model: Model, speed: float, place: str) -> None:
 
 
 def refuse_recording_beyond_link(model: Model, recording: Recording, source: str) -> None:
-    """The same for the speed of a recording's motor; under the input ``current`` no bridge drives the twin."""
+    """The same for a recording's motor speed; with the input ``current`` no bridge drives the twin."""
     if source == "current" or model.kinds["drive"] != "switching":
         return
     if recording.has("speed"):
@@ -73,6 +73,6 @@ def refuse_recording_beyond_link(model: Model, recording: Recording, source: str
 
 
 def refuse_command_beyond_link(model: Model, command: Command, time: np.ndarray) -> None:
-    """The same for the speed that a command asks for at these times [s] (n,), as far as the drive lets it through."""
+    """The same for the commanded speed at these times [s] (n,), within the drive's speed limit."""
     asked = command.highest_speed(time) * model.value("machine.gear_ratio")
     refuse_beyond_link(model, min(asked, model.value("drive.speed_limit")), f"command '{command.text}'")

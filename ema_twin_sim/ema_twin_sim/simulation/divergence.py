@@ -1,4 +1,4 @@
-"""Where a simulation leaves all bounds: when, and which of its states went first."""
+"""Find when a simulation diverges, and which of its states diverged first."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _FASTEST = 1e7
 _MOST_CURRENT = 1e7
 """A."""
 _MOST_BENT = 1e7
-"""rad of a bristle."""
+"""rad, bristle deflection."""
 _CURRENT, _SPEED = TWIN.index("current"), TWIN.index("speed")
 _RESOLUTION = 500
-"""ns, within which the moment is found."""
+"""ns, accuracy of the time found."""
 
 States = dict[str, tuple[float, float, str]]
-"""By name: value, largest value that may be, unit."""
+"""By name: value, largest allowed value, unit."""
 
 
 def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
-    """The states that can run away."""
+    """The states that can diverge."""
     held = state[0]
     found: States = {
         "the motor's speed": (held["motor_speed"], _FASTEST, "rad/s"),
@@ -53,22 +53,22 @@ def states_of(state: np.ndarray, fine: Fine, parts: FineParts) -> States:
 
 
 def looks_lost(row: np.ndarray) -> bool:
-    """Whether a twin's sample (signals,) is beyond all bounds: what any state does shows in the motor's soon."""
+    """Whether a twin's sample (signals,) is out of bounds: divergence of any state soon shows in the motor's."""
     return not (abs(row[_CURRENT]) <= _MOST_CURRENT and abs(row[_SPEED]) <= _FASTEST)
 
 
 def is_lost(states: States) -> bool:
-    """Whether one of them is beyond its bound, or no number."""
+    """Whether one of them exceeds its bound, or is not a number."""
     return not all(abs(value) <= most for value, most, _ in states.values())
 
 
 def refuse_divergence(
     states_after: Callable[[int, float], States], stamps: np.ndarray, first: float, place: str
 ) -> None:
-    """Raise InputError with the moment and the state that went first, where a simulation lost its way.
+    """Raise InputError with the time and the state that diverged first.
 
-    ``states_after`` simulates anew from ``first`` [s since the start], where all was well: over whole intervals of
-    ``stamps`` [ns] (n,), and then a share of the next one.
+    ``states_after`` simulates again from ``first`` [s since the start], where all states were valid: over whole
+    intervals of ``stamps`` [ns] (n,), and then a share of the next one.
     """
     sound, lost = 0, len(stamps) - 1  # intervals
     while lost - sound > 1:
@@ -91,5 +91,5 @@ def refuse_divergence(
 
 
 def _beyond(value: float, most: float) -> float:
-    """By how much a state is beyond its bound; no number at all is the worst."""
+    """By how much a state exceeds its bound; not a number counts as largest."""
     return abs(value) / most if math.isfinite(value) else math.inf

@@ -1,4 +1,4 @@
-"""Where in its play a twin's output begins at the first sample: ``plant/driving_flank.py``, for a plant's record."""
+"""Initial position of a twin's output in the backlash: ``plant/driving_flank.py`` for a plant's record."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..plant.driving_flank import ahead
 
 
 def lead(plant: np.void, speed: float) -> float:
-    """By how much [rad of the fast shaft] a motor of this ``speed`` [rad/s] is ahead of its output at the first sample.
+    """Lead [rad, fast shaft] of a motor with this ``speed`` [rad/s] over its output at the first sample.
 
     The plant is a record of ``layout.PLANT``.
     """
@@ -17,9 +17,9 @@ def lead(plant: np.void, speed: float) -> float:
 
 
 def begin_behind_measured_motion(state: np.void, plant: np.void, speed: float, position: float) -> None:
-    """Let the output that the motor's measured motion drives (``plant.driven_output``) begin on that flank too.
+    """Let the output driven by the motor's measured motion (``plant.driven_output``) start on that flank, too.
 
-    ``position`` [rad] is the motor's. At rest it begins with the first interval, in the middle of the gap.
+    ``position`` [rad] is the motor's. At rest it starts with the first interval, in the middle of the gap.
     """
     before = _lead(plant, speed, min(plant["contact_stiffness"], plant["output_inertia"] * RESOLVED**2))
     if before != 0.0:
@@ -29,6 +29,6 @@ def begin_behind_measured_motion(state: np.void, plant: np.void, speed: float, p
 
 
 def _lead(plant: np.void, speed: float, stiffness: float) -> float:
-    # in plain Python: once a run, and compiling it would cost more than it saves
+    # plain Python: called once per run, so compiling would cost more than it saves
     friction = float(plant["output_dry"]), float(plant["output_viscous"])
     return float(ahead.py_func(float(plant["gap"]), *friction, stiffness, speed))

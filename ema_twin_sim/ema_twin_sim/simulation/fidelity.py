@@ -1,4 +1,4 @@
-"""From a model to what the finer fidelities take: the switching drive's winding, the planetary train and its meshes."""
+"""Turn a model into the inputs of the finer fidelities: the switching drive's winding, the planetary train's meshes."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ from ..plant.switching.current_reference import phase_amplitude
 from ..plant.switching.layout import WINDING, resting
 
 TANGENTIAL_RATIO = 0.8
-"""Stiffness of a contact across over that along its normal: 2 (1 - nu) / (2 - nu) of Poisson's ratio (Mindlin 1949)."""
+"""Tangential over normal stiffness of a contact: 2 (1 - nu) / (2 - nu) with Poisson's ratio nu (Mindlin 1949)."""
 STIFFER_ACROSS = 1.1
-"""By how much that raises a train's highest frequency at most: friction's arms are half a mesh's radii or less."""
+"""Factor by which that raises a train's highest frequency at most: friction's arms are at most half a mesh's radii."""
 FINE_STEP = 1e-6
 """s, of the thesis (simulation.DT): one or two orders below the time constants of the electronics."""
 DEFAULT_STEP = 25e-6
-"""s, where neither drive nor train asks for less. The tests show it converged: halving or doubling it moves no RMSE by
+"""s, unless drive or train needs less. The tests show that it is converged: halving or doubling it changes no RMSE by
 1 %."""
 CYCLE_SHARE = 0.2
-"""Of a control cycle: what DEFAULT_STEP is of the usual one, for models in own units."""
+"""DEFAULT_STEP as a share of the usual control cycle, for models in own units."""
 REFRESH = 1.0 / 2048.0
-"""Mesh cycles after which stiffness and arms are read again: an eighth of the table's grid."""
+"""Mesh cycles after which stiffness and arms are updated: an eighth of the table's grid."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +65,10 @@ def is_fine(model: Model) -> bool:
 
 
 def fine_parts(model: Model, plant: np.void) -> FineParts:
-    """The constant parts of a model's fidelities; a part that it does not have is empty.
+    """The constant parts of a model's fidelities; a missing part is a placeholder.
 
-    ``plant`` is its record of ``plant.layout.PLANT``, after all effects have had their say.
-    Raises InputError where teeth do not mesh or cannot be assembled.
+    ``plant`` is its record of ``plant.layout.PLANT``, after all effects were applied.
+    Raises InputError if teeth do not mesh or cannot be assembled.
     """
     if not is_fine(model):
         return LUMPED
@@ -79,18 +79,18 @@ def fine_parts(model: Model, plant: np.void) -> FineParts:
 
 
 def own_step(model: Model, asked: float | None) -> float:
-    """The step of a model in own units, usual or ``asked``: a fifth of a control cycle stands for the usual 25 µs."""
+    """The step of a model in own units, default or ``asked``: a fifth of a control cycle instead of 25 µs."""
     return (asked or DEFAULT_STEP) / DEFAULT_STEP * CYCLE_SHARE * model.value("drive.control_cycle")
 
 
 def usual_step(parts: FineParts) -> float:
-    """The step [s] to take where none is asked for: 1 us where the drive switches, 0.3 of the longest of a train."""
+    """The default step [s]: 1 us for a switching drive, 0.3 of the longest allowed step for a train."""
     step = FINE_STEP if parts.switching else DEFAULT_STEP
     return min(step, 0.6 / parts.frequency) if parts.planetary else step
 
 
 def resting_state(parts: FineParts) -> Fine:
-    """All that a kernel takes, nothing moving, no current flowing."""
+    """All kernel inputs, at rest and without current."""
     state = np.zeros(1, TRAIN_STATE)
     state["friction_coefficient"] = parts.train["friction_coefficient"][0]
     lanes, energies = np.zeros(LANES), np.zeros(len(ENERGIES))
@@ -98,20 +98,20 @@ def resting_state(parts: FineParts) -> Fine:
 
 
 def with_parts(fine: Fine, parts: FineParts) -> Fine:
-    """The same state with other constants: a running twin's parameters have changed."""
+    """The same state with other constants, after a running twin's parameters have changed."""
     for mesh in range(len(MESHES)):
         fine.lanes[ROW["DAMPING_SUN"] + LANE * mesh :][:PLANETS] = parts.train["damping"][0, mesh]
-    fine.train_states["mesh_read"] = np.inf  # read all anew
+    fine.train_states["mesh_read"] = np.inf  # forces an update
     return fine._replace(windings=parts.winding, trains=parts.train, mesh_table=parts.table)
 
 
 def kept(state: np.ndarray, fine: Fine) -> tuple[bytes, ...]:
-    """What changes while a twin runs, for ``restored``; as bytes, which copies records ten times as fast."""
+    """The variable state of a twin, for ``restored``; as bytes, since this copies records ten times as fast."""
     return tuple(array.tobytes() for array in _changing(state, fine))
 
 
 def restored(before: tuple[bytes, ...], state: np.ndarray, fine: Fine) -> tuple[np.ndarray, Fine]:
-    """State and parts as they were, of the kinds of these."""
+    """State and parts restored from ``kept``, with the dtypes of these."""
     own, winding_state, train_state, lanes, energies = (
         np.frombuffer(held, array.dtype).copy() for held, array in zip(before, _changing(state, fine), strict=True)
     )
@@ -123,7 +123,7 @@ def _changing(state: np.ndarray, fine: Fine) -> tuple[np.ndarray, ...]:
 
 
 def set_in_motion(fine: Fine, parts: FineParts, speed: float, current: float, angle: float) -> None:
-    """Let a resting train turn with the motor at ``speed`` [rad/s], and windings carry ``current`` [A] at ``angle``."""
+    """Let a resting train turn with the motor at ``speed`` [rad/s]; set the windings' ``current`` [A] at ``angle``."""
     if parts.planetary:
         of = fine.trains[0]
         carrier = speed * of["sun_radius"] / (of["sun_radius"] + of["ring_radius"])
@@ -135,7 +135,7 @@ def set_in_motion(fine: Fine, parts: FineParts, speed: float, current: float, an
 
 
 def start_current(winding: np.void, state: np.void, current: float, angle: float, speed: float) -> None:
-    """Give the phases the currents of a quadrature ``current`` [A] at the motor's ``angle`` [rad]."""
+    """Set the phase currents for a quadrature ``current`` [A] at the motor's ``angle`` [rad]."""
     shift = winding["pole_pairs"] * angle
     peak = current * phase_amplitude.py_func(_Named(winding))
     for k, phase in enumerate("uvw"):
@@ -152,7 +152,7 @@ class _Named:
 
 
 def _ones(kind: np.dtype) -> np.ndarray:
-    """A record that stands for a part that a model does not have: it is divided by, but never used."""
+    """A placeholder record for a missing part: divided by, but never used."""
     record = np.zeros(1, kind)
     for name in kind.names or ():
         record[name] = 1
@@ -160,7 +160,7 @@ def _ones(kind: np.dtype) -> np.ndarray:
 
 
 LUMPED = FineParts(False, False, _ones(WINDING), _ones(TRAIN), np.zeros((3, 2, 4)), 0.0)
-"""Of a model that has neither part."""
+"""Parts of a model with neither a winding nor a train."""
 
 
 def _winding(model: Model) -> np.ndarray:
@@ -182,7 +182,7 @@ def _winding(model: Model) -> np.ndarray:
 
 
 def gearing_of(model: Model) -> Gearing:
-    """The wheels of a planetary model. Raises InputError where they do not mesh or cannot be assembled."""
+    """The wheels of a planetary model. Raises InputError if they do not mesh or cannot be assembled."""
     numbers = {}
     for field in fields(Gearing):
         value = model.value(f"transmission.{field.name}")
@@ -202,13 +202,13 @@ def _table(gearing: Gearing, kind: str, youngs_modulus_ratio: float) -> np.ndarr
 
 
 def inertia_of(model: Model, gearing: Gearing) -> TrainInertia:
-    """The wheels' inertias: as given, else their shares of the gearbox's."""
+    """The wheels' inertias: as given, otherwise their shares of the gearbox inertia."""
     by_share = default_inertia(gearing, model.value("machine.gearbox_inertia"))
     sun, planet, carrier = (model.value(f"transmission.{wheel}_inertia") for wheel in ("sun", "planet", "carrier"))
     return TrainInertia(
         sun or by_share.sun,
         planet or by_share.planet,
-        0.0 if carrier else by_share.planet_mass,  # a carrier's given inertia holds its planets' masses
+        0.0 if carrier else by_share.planet_mass,  # a given carrier inertia includes its planets' masses
         carrier or by_share.carrier,
     )
 
@@ -216,8 +216,8 @@ def inertia_of(model: Model, gearing: Gearing) -> TrainInertia:
 def _train(model: Model, plant: np.void) -> tuple[np.ndarray, np.ndarray, float]:
     """(record (1,), mesh table, highest frequency [rad/s]) of a model's planetary train.
 
-    What effects say of the plant holds for the train too: play (``gap``) is that of its output meshes, compliance
-    (``two_inertia`` without a gap alone) that of the shaft before its sun.
+    Effects on the plant apply to the train, too: backlash (``gap``) is that of its output meshes, compliance
+    (``two_inertia`` without a gap) that of the shaft before its sun.
     """
     gearing = gearing_of(model)
     value = {c.name: model.value(c.path) for c in PLANETARY_CONSTANTS}

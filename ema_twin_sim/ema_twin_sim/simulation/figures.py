@@ -1,4 +1,4 @@
-"""What follows from a model's constants: figures of its gearbox and its drive, and the steps that it takes."""
+"""Quantities derived from a model's constants: figures of its gearbox and drive, and its integration steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .lumped_train import TYPICAL_SPEED, TYPICAL_TORQUE, tooth_friction
 
 @dataclass(frozen=True)
 class Figure:
-    """A number in its unit, or words where there is none; ``note`` says under what conditions."""
+    """A number with unit, or words if there is none; ``note`` gives the conditions."""
 
     name: str
     value: float | str
@@ -29,12 +29,12 @@ class Figure:
     note: str = ""
 
     def as_json(self) -> dict[str, object]:
-        """For ``info --json``."""
+        """Content for ``info --json``."""
         return {"name": self.name, "value": self.value, "unit": self.unit, "note": self.note}
 
 
 def figures(model: Model) -> list[Figure]:
-    """The figures of a model's transmission and drive; none of an averaged drive and a rigid transmission."""
+    """The figures of a model's transmission and drive; none for an averaged drive and a rigid transmission."""
     assembly = assemble(model)
     found = []
     if assembly.fine.planetary:
@@ -82,7 +82,7 @@ def _of_the_gearbox(model: Model, assembly: Assembly) -> list[Figure]:
 
 
 def _of_the_teeth(gearing: Gearing, assembly: Assembly) -> list[Figure]:
-    """Efficiency and self-locking with the model's friction of the teeth; bearings and seals are not in them."""
+    """Efficiency and self-locking with the model's tooth friction; bearings and seals are not included."""
     table = assembly.fine.table
     friction = tooth_friction(assembly.fine.train[0])
     forward = balance(gearing, table, friction, TYPICAL_TORQUE, TYPICAL_SPEED)

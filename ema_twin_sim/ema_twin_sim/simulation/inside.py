@@ -1,4 +1,4 @@
-"""What a twin of a finer fidelity is like inside: its wheels, the forces of its meshes, where its energy went."""
+"""Internal state of a twin of a finer fidelity: its wheels, mesh forces and energies."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Wheels:
 
 @dataclass(frozen=True)
 class Energies:
-    """Energies [J]: works and losses since the start are ``booked`` (``plant.energy.ENERGIES``).
+    """Energies [J]: works and losses since the start in ``booked`` (``plant.energy.ENERGIES``).
 
-    ``stored`` is what is held now: ``kinetic``, ``springs`` of the meshes, ``magnetic``.
+    ``stored`` is the present content: ``kinetic``, ``springs`` of the meshes, ``magnetic``.
     """
 
     booked: dict[str, float]
@@ -43,7 +43,7 @@ class Energies:
 
 
 def wheels(fine: Fine, state: np.ndarray, ratio: float) -> Wheels:
-    """The wheels of a train as they stand."""
+    """The present state of a train's wheels."""
     lanes, moving = fine.lanes, fine.train_states[0]
 
     def rows(name: str) -> np.ndarray:
@@ -64,7 +64,7 @@ def wheels(fine: Fine, state: np.ndarray, ratio: float) -> Wheels:
 
 
 def energies(parts: FineParts, fine: Fine, plant: np.ndarray, state: np.ndarray, step: float) -> Energies:
-    """What was booked since the start, and what is stored in a twin that steps by ``step`` [s]."""
+    """Energies recorded since the start, and stored in a twin with integration step ``step`` [s]."""
     booked = dict(zip(ENERGIES, fine.energies.tolist(), strict=True))
     ratio = float(plant["gear_ratio"][0])
     speed, output_speed = float(state["motor_speed"][0]), float(state["output_speed"][0])

@@ -1,4 +1,4 @@
-"""The longest step with which a model may be integrated, and what sets it."""
+"""The longest integration step of a model, and what limits it."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from .assembly import Assembly
 from .fidelity import FineParts
 
 Limit = tuple[float, str, str]
-"""Step [s], what is too fast beyond it, what to change."""
+"""Step [s], what is too fast for a longer one, what to change."""
 
 
 def longest_step(assembly: Assembly) -> Limit:
-    """The shortest of all parts' limits; infinite where none sets one."""
+    """The shortest limit of all parts; infinite if there is none."""
     limits = [
         _of_the_train(assembly.fine) if assembly.fine.planetary else _of_the_contact(assembly.plant[0]),
         _of_the_bridge(assembly.fine),
@@ -26,7 +26,7 @@ def longest_step(assembly: Assembly) -> Limit:
 
 
 def refuse_long_step(model: Model, assembly: Assembly, step: float) -> None:
-    """Raise InputError where a step [s] is beyond the longest."""
+    """Raise InputError if a step [s] exceeds the longest."""
     longest, what, remedy = longest_step(assembly)
     if step > longest:
         raise InputError(
@@ -36,13 +36,13 @@ def refuse_long_step(model: Model, assembly: Assembly, step: float) -> None:
 
 
 def _rounded_down(step: float) -> float:
-    """A step [s] in two digits, not longer than it is."""
+    """A step [s] rounded down to two digits."""
     digit = 10.0 ** (math.floor(math.log10(step)) - 1)
     return math.floor(step / digit) * digit
 
 
 def _of_the_contact(plant: np.void) -> Limit:
-    """Beyond it the integration of a spring and damper between two inertias would blow up."""
+    """Limit beyond which the integration of spring and damper between two inertias becomes unstable."""
     what, remedy = "its contact is too stiff for its inertias", "give less transmission.contact_stiffness or _damping"
     if not plant["two_inertia"]:
         return math.inf, what, remedy
@@ -53,15 +53,15 @@ def _of_the_contact(plant: np.void) -> Limit:
 
 
 def _of_the_train(parts: FineParts) -> Limit:
-    """Beyond it the train's fastest swing would grow."""
+    """Limit beyond which the train's fastest oscillation would grow."""
     what, remedy = "its teeth are too stiff for its wheels", "give less transmission.youngs_modulus_ratio"
     return 2.0 / parts.frequency, what, remedy
 
 
 def _of_the_bridge(parts: FineParts) -> Limit:
-    """Beyond it a phase current crosses its hysteresis band within a step, and nothing holds it there.
+    """Limit beyond which a phase current crosses its hysteresis band within a step, so that the band does not hold.
 
-    The DC link drives it by two thirds of its voltage at most, where two other legs stand against the phase's.
+    The DC link drives it with at most two thirds of its voltage, when the other two legs oppose the phase's.
     """
     what, remedy = "its phase currents leave their hysteresis band", "give a wider drive.hysteresis"
     if not parts.switching:

@@ -1,4 +1,4 @@
-"""The model of averaged drive and two inertias that stands for a finer one where a hundred runs are asked for."""
+"""The model with averaged drive and two inertias that replaces a finer one when many runs are needed."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _CONTACT = ("contact_stiffness", "contact_damping")
 
 
 def lumped_model(model: Model) -> Model:
-    """A model that runs at steps of a control cycle: its drive averaged, its planetary train as ``lump_train`` has it.
+    """A model that runs with steps of a control cycle: averaged drive, and the planetary train as in ``lump_train``.
 
-    A model that is no finer than that is returned as it is.
+    A model that is not finer is returned unchanged.
     """
     if not is_fine(model):
         return model
@@ -26,7 +26,7 @@ def lumped_model(model: Model) -> Model:
     assembly = assemble(model)
     plant = assembly.plant[0]
     found = replace(averaged, kinds={**averaged.kinds, "transmission": "two_inertia"})
-    for name in (backlash.EFFECT.id, shaft_compliance.EFFECT.id):  # both are in the plant's spring and gap already
+    for name in (backlash.EFFECT.id, shaft_compliance.EFFECT.id):  # both are already in the plant's spring and gap
         if name in found.effects:
             found = found.without_effect(name)
     for name in _CONTACT:

@@ -1,7 +1,7 @@
-"""The two inertias that stand for a planetary train wherever torques are balanced without integrating it.
+"""The two inertias that replace a planetary train wherever torques are balanced without integrating it.
 
-The unexplained torque, and all that fits and searches by equations, ask which torque the measured motion needs: there a
-train is a spring between motor and output, a dead zone, and a loss in proportion to the load.
+The unexplained torque, and fits and searches by equation error, need the torque for the measured motion. There a train
+is a spring between motor and output, a dead zone, and a loss proportional to the load.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from ..plant.planetary.torsional_stiffness import torsional_stiffness
 from .fidelity import FineParts, gearing_of
 
 TYPICAL_TORQUE = 0.1
-"""N m at the sun, at which a standard's coefficient of friction is taken: some times the friction of the bench."""
+"""N m at the sun at which a standard's friction coefficient is evaluated: several times the bench's friction."""
 TYPICAL_SPEED = 10.0
-"""rad/s of the sun, at which it is taken."""
+"""rad/s of the sun at which it is evaluated."""
 POSITIONS = 256
 
 
 def lump_train(model: Model, plant: np.void, parts: FineParts) -> float:
-    """Make a record of ``plant.layout.PLANT`` two inertias with the train's stiffness, damping and play between them.
+    """Turn a record of ``plant.layout.PLANT`` into two inertias with the train's stiffness, damping and backlash.
 
-    Returns the train's loss as ``mesh_friction`` has it: torque lost per torque passed on, the mean of both ways.
+    Returns the train's loss as in ``mesh_friction``: torque lost per transmitted torque, the mean of both directions.
     """
     gearing = gearing_of(model)
     train = parts.train[0]
@@ -38,14 +38,14 @@ def lump_train(model: Model, plant: np.void, parts: FineParts) -> float:
     plant["two_inertia"] = 1.0
     plant["contact_stiffness"] = stiffness
     plant["contact_damping"] = stiffness * relaxation
-    # play of a mesh turns the sun by as much as its force is of the sun's torque
+    # a mesh's backlash turns the sun in proportion to its force per sun torque
     weights = 3.0 * np.abs(static_forces(gearing, 1.0))
     plant["gap"] = float(weights @ train["half_play"])
     return _loss(gearing, parts.table.tobytes(), parts.table.shape, tooth_friction(train))
 
 
 def tooth_friction(train: np.void) -> ToothFriction:
-    """Friction of the teeth of a record of ``plant.planetary.layout.TRAIN``."""
+    """Tooth friction of a record of ``plant.planetary.layout.TRAIN``."""
     return ToothFriction(
         int(train["friction_law"]),
         float(train["friction_coefficient"]),

@@ -1,7 +1,7 @@
-"""Operating points: samples at which a machine rests, or turns at constant speed, each by itself.
+"""Operating points: independent samples at which a machine rests, or turns at constant speed.
 
-A curve of holding current over the angle, a friction curve of constant speeds, a dynamometer's sweep. Nothing is
-integrated: at every point the model's torques stand against the drive's, and the twin tells the current it would need.
+Examples: holding current over the angle, a friction curve at constant speeds, a dynamometer's sweep. Nothing is
+integrated: at every point the model's torques are balanced with the drive's, and the twin gives the current it needs.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from ..reading_noise import reading_noise
 from .assembly import assemble
 from .required import required_torque
 
-HOLDING = 0.05  # rad/s with which a point counts that was approached at no speed to speak of: its sign alone acts
-STILL = 0.04  # rad/s: a slower shaft rests, and its speed is its sensor's noise
-SURE = 4.0  # standard deviations of a reading by which a shaft was moved, for the way it came to be known
-KNOWN = 0.95  # share of the points of which that way shall be known
-FEWEST = 12  # points that can be told anything from
-FAR = 0.01  # of all positions' range: by so much from point to point, each was come to by a way of its own
+HOLDING = 0.05  # rad/s assigned to a point at rest: only its sign, the direction of approach, acts
+STILL = 0.04  # rad/s: a slower shaft is at rest, its speed is sensor noise
+SURE = 4.0  # standard deviations of a reading that a move must exceed, so that its direction is known
+KNOWN = 0.95  # share of the points whose direction must be known
+FEWEST = 12  # minimum number of points
+FAR = 0.01  # share of the position range: points farther apart were each approached separately
 
 
 def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
-    """The motion (n, 7) with the columns MOTION; a point at rest has the direction in which it was approached.
+    """The motion (n, 7) with the columns MOTION; a point at rest has the direction of its approach.
 
-    Raises InputError where the recording lacks what that takes.
+    Raises InputError if the recording lacks the signals for it.
     """
     if not recording.has("current") or not (recording.has("motor_position") or recording.has("speed")):
         raise InputError(
@@ -60,7 +60,7 @@ def motion_at_points(recording: Recording, model: Model) -> np.ndarray:
 
 
 def directed(recording: Recording) -> Recording:
-    """The recording with a speed: where a point rests, ``HOLDING`` in the direction in which it was come to."""
+    """The recording with a speed: for a point at rest, ``HOLDING`` in the direction of its approach."""
     nothing = np.zeros(len(recording))
     speed = recording.signals.get("speed", nothing)
     resting = np.abs(speed) < STILL
@@ -70,9 +70,9 @@ def directed(recording: Recording) -> Recording:
 
 
 def approached(position: np.ndarray) -> np.ndarray:
-    """The direction (n,), -1 or 1, in which each position was come to in the order of the points; 0 where unknown.
+    """The direction of approach (n,), -1 or 1, of each position in the order of the points; 0 if unknown.
 
-    From one point to the next where they lie far apart; else, where readings shake by more than a step, over several.
+    The sign of the step from the previous point if points are far apart; otherwise over as many points as noise needs.
     """
     whole = np.isfinite(position)
     if not whole.all():
@@ -98,7 +98,7 @@ def approached(position: np.ndarray) -> np.ndarray:
 
 
 def twin_at_points(model: Model, recording: Recording) -> Recording:
-    """The current that a model needs at each point, at the recording's own positions and speeds."""
+    """The current that a model needs at each point, at the recorded positions and speeds."""
     motion = motion_at_points(recording, model)
     plant = assemble(model).plant[0]
     unpowered = motion.copy()
@@ -111,7 +111,7 @@ def twin_at_points(model: Model, recording: Recording) -> Recording:
     return replace(
         recording,
         signals={
-            "current": without / (plant["torque_constant"] - by_current),  # effects may ask in proportion to it
+            "current": without / (plant["torque_constant"] - by_current),  # effects may be proportional to it
             "speed": motion[:, SPEED],
             "motor_position": angle,
             "output_position": angle / plant["gear_ratio"],
@@ -122,7 +122,7 @@ def twin_at_points(model: Model, recording: Recording) -> Recording:
 
 
 def doubled(motion: np.ndarray) -> np.ndarray:
-    """A motion (n, 7) with each point twice (2 n, 7): what a row transmits is known to the one after it."""
+    """A motion (n, 7) with each point twice (2 n, 7): a row's transmitted torque is used by the next one."""
     return np.repeat(motion, 2, axis=0)
 
 

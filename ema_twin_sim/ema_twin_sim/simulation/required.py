@@ -12,7 +12,7 @@ from .assembly import Assembly
 
 
 def required_torque(assembly: Assembly, recording: Recording, motion: np.ndarray) -> np.ndarray:
-    """Torque [N m] (n,) but for the motor's own inertia, for a recording's motion (n, 7)."""
+    """Torque [N m] (n,) for a recording's motion (n, 7), without the motor's own inertia."""
     ratio = float(assembly.plant["gear_ratio"][0])
     motor, output = angle_origins(recording.motor_angle_origin, recording.output_angle_origin, ratio)
     required = np.empty((len(motion), len(REQUIRED)))

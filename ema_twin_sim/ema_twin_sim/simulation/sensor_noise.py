@@ -1,4 +1,4 @@
-"""The noise floor of every compared signal: what remains of a residual when the twin is right."""
+"""The noise floor of every compared signal: the residual that remains if the twin is correct."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from ..model import Model
 from ..plant.balance import balance_response
 from .assembly import assemble
 
-_SETTLED = 400  # samples after which the balance's filters have forgotten one sample's noise
+_SETTLED = 400  # samples after which one sample's noise has decayed in the balance's filters
 
 
 def noise_floors(model: Model, *, has_speed: bool = True, period: float | None = None) -> dict[str, float]:
-    """RMSE per signal that remains where the twin is right, SI.
+    """RMSE per signal that remains if the twin is correct, SI.
 
     Current and speed: their sensors' white noise. Positions: the counter's noise and quantisation twice, since they
-    count from one noisy first sample, and the twin's own quantisation; and what the first sample's current noise, from
-    which the drive's integrator starts, turns into a lasting lag of the speed loop. The unexplained torque: the noise
-    of the current and of the speed (or, where ``has_speed`` is false, of the motor counter that stands in for it)
-    through the filters of ``plant.balance`` at a sample ``period`` [s] (by default the model's).
+    count from one noisy first sample; the twin's own quantisation; and a lasting lag of the speed loop caused by the
+    first sample's current noise, from which the drive's integrator starts. The unexplained torque: the noise of current
+    and speed (or, if ``has_speed`` is false, of the motor counter used instead) through the filters of
+    ``plant.balance`` at a sample ``period`` [s] (by default the model's).
     """
     current = model.value("sensors.current_noise")
     speed = model.value("sensors.speed_noise")
     one = {side: counter_noise(model, side) for side in ("motor", "output")}
     counter = {side: math.hypot(math.sqrt(2.0) * one[side], _count(model, side) / math.sqrt(12.0)) for side in one}
     integrator = current * model.value("machine.torque_constant")
-    if model.value("drive.integral_limit") == 0.0:  # a drive that does not integrate starts from nothing
+    if model.value("drive.integral_limit") == 0.0:  # without an integrator there is no such lag
         integrator = 0.0
     lag = integrator * model.value("drive.integral_time") / max(model.value("drive.speed_gain"), 1e-12)
     period = period or model.value("sensors.sample_period")

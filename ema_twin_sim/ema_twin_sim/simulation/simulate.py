@@ -1,4 +1,4 @@
-"""Offline simulation: the twin beside a recording."""
+"""Offline simulation: the twin of a recording."""
 
 from __future__ import annotations
 
@@ -20,29 +20,28 @@ from .operating_points import twin_at_points
 from .twin import Twin
 
 LONGEST_GAP = 60.0
-"""s without a sample across which a twin integrates."""
+"""Longest gap without samples, s, across which a twin integrates."""
 
 DRIVING = {"setpoint": "speed_setpoint", "current": "current", "command": "output_command"}
-"""The signal of a recording that drives the twin under each input."""
+"""The recorded signal that drives the twin for each input."""
 
 POINTWISE = "motion"
-"""The input of operating points: nothing is integrated, and the twin tells the current."""
+"""The input for operating points: nothing is integrated, and the twin gives the current."""
 
 BY_MOTOR = "motor"
-"""The input of a recording of two encoders and no more: the motor's measured motion drives the twin's output."""
+"""The input for a recording of two encoders only: the motor's measured motion drives the twin's output."""
 
-_TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command is one that stands alone
+_TWIN_INPUT = {"command": "standalone"}  # a twin that follows a recorded command runs standalone
 
 
 def choose_input(recording: Recording, model: Model, wanted: str | None = None) -> str:
-    """The input that drives the twin: as wanted, else ``setpoint`` where the recording has one, else ``current``.
+    """The input that drives the twin: ``wanted`` if given, otherwise ``setpoint`` if recorded, otherwise ``current``.
 
-    A model without a speed controller follows no setpoint: by itself it is driven by the current. Wanted may be
-    ``command`` too, the position that was asked for, which the model's own position loop then follows.
+    A model without a speed controller cannot follow a setpoint: its default is the current. ``wanted`` may also be
+    ``command``, the recorded position command, which the model's own position loop then follows.
 
-    Operating points drive it by their positions and speeds (``motion``); a recording of both encoders and of no torque,
-    by the motor's position (``motor``). Raises InputError where the recording lacks the signal, or the model what
-    follows it.
+    Operating points drive it by their positions and speeds (``motion``); a recording of both encoders without torque by
+    the motor's position (``motor``). Raises InputError if the recording lacks the signal, or the model the controller.
     """
     if recording.of_points:
         if wanted not in (None, POINTWISE):
@@ -67,13 +66,13 @@ def choose_input(recording: Recording, model: Model, wanted: str | None = None) 
 
 
 def input_by_signals(setpoint: bool, current: bool, model: Model) -> str:
-    """The input for a bench that has a setpoint, or a current, or both, where nobody asked for one."""
+    """The default input for a bench that has a setpoint, a current, or both."""
     has_controller = model.value("drive.speed_gain") > 0.0
     return "setpoint" if setpoint and (has_controller or not current) else "current"
 
 
 def refuse_without_speed_controller(model: Model) -> None:
-    """Raise InputError where a model's drive follows no speed, so that its twin would stand still."""
+    """Raise InputError if a model's drive has no speed controller, so that its twin would stand still."""
     if not model.value("drive.speed_gain") > 0.0:
         raise InputError(
             f"model {model.name}: has no speed controller, so that its twin would stand still; give "
@@ -90,10 +89,10 @@ def simulate(
     wanted: Collection[str] = TWIN,
     progress: Callable[[float], None] = lambda share: None,
 ) -> Recording:
-    """The twin's own recording beside a bench's: the same stamps, the signals that the twin has.
+    """Simulate a recording: returns the twin's recording with the same stamps and the twin's signals.
 
-    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step; of a long recording, no more than
-    the ``wanted`` signals are kept. ``progress`` is told the share that is done.
+    ``source`` is the input (see ``choose_input``), ``step`` [s] the integration step. For a long recording, only the
+    ``wanted`` signals are kept. ``progress`` is called with the share done.
     """
     chosen = choose_input(recording, model, source)
     if chosen == POINTWISE:
@@ -114,9 +113,9 @@ def simulate(
 
 
 def bench_of(recording: Recording, second: float = 1.0) -> np.ndarray:
-    """The rows (n, 6) of a recording that a twin follows (``layout.BENCH``). Raises InputError at too long a gap.
+    """The rows (n, 6) of a recording that a twin follows (``layout.BENCH``). Raises InputError if a gap is too long.
 
-    A ``second`` of the recording is so many s, where it is told in own units.
+    ``second`` is the time unit of the recording in s, if it is in own units.
     """
     _refuse_long_gap(recording, second)
     return _bench_rows(recording, slice(0, len(recording)))
@@ -130,21 +129,21 @@ def _bench_rows(recording: Recording, rows: slice) -> np.ndarray:
 
 
 def _by_pieces(model: Model, recording: Recording, chosen: str, step: float | None) -> Iterator[np.ndarray]:
-    """The rows (m, signals) of a twin beside a long recording, piece by piece; it goes on from each to the next."""
+    """The rows (m, signals) of the twin of a long recording, piece by piece; its state carries over."""
     twin = None
     bench = np.zeros((0, len(BENCH)))
     held = [recording.has(name) for name in BENCH]
     for rows in pieces(len(recording)):
         before = bench[-1:, held]
-        rows = slice(max(rows.start - 1, 0), rows.stop)  # the last row of the piece before, from which it goes on
+        rows = slice(max(rows.start - 1, 0), rows.stop)  # begins with the last row of the previous piece
         bench = _bench_rows(recording, rows)
-        bench[: len(before), held] = before  # what was held over values that are missing, is
+        bench[: len(before), held] = before  # keep values that were held over missing samples
         twin = twin or started(model, recording, bench, chosen, step)
         yield followed(twin, recording, bench, rows)[len(before) :]
 
 
 class _Signals:
-    """The signals of a twin, as its rows come; one that is never known takes no room."""
+    """Collects a twin's signals from its rows; a signal that is never known takes no memory."""
 
     def __init__(self, wanted: Collection[str]) -> None:
         self.size = 0
@@ -155,7 +154,7 @@ class _Signals:
         """Append rows (m, signals)."""
         for k, name in self._wanted:
             if name not in self._columns:
-                # the first row of all is the state's own
+                # the very first row is the initial state
                 if np.isnan(rows[0 if self.size else 1 :, k]).all():
                     continue
                 self._columns[name] = Column(np.float64)
@@ -169,7 +168,7 @@ class _Signals:
 
 
 def _refuse_long_gap(recording: Recording, second: float) -> None:
-    """Raise InputError at a gap that no twin is simulated across; a ``second`` of the recording is so many s."""
+    """Raise InputError if a gap is too long to be simulated; ``second`` is the recording's time unit in s."""
     longest = max(recording.gaps, key=lambda gap: gap.duration, default=None)
     if longest is not None and second * longest.duration > LONGEST_GAP:
         raise InputError(
@@ -180,9 +179,9 @@ def _refuse_long_gap(recording: Recording, second: float) -> None:
 
 
 def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, step: float | None) -> Twin:
-    """A twin at a recording's first sample; ``chosen`` is an input of ``choose_input``.
+    """A twin started at a recording's first sample; ``chosen`` is an input from ``choose_input``.
 
-    Raises InputError where it could not follow the recording.
+    Raises InputError if it cannot follow the recording.
     """
     if chosen == "command" and not (model.value("drive.position_gain") and model.value("drive.speed_gain")):
         raise InputError(
@@ -197,9 +196,9 @@ def started(model: Model, recording: Recording, bench: np.ndarray, chosen: str, 
 
 
 def followed(twin: Twin, recording: Recording, bench: np.ndarray, rows: slice = slice(None)) -> np.ndarray:
-    """Rows (n, signals) of a started twin beside a recording, or beside some ``rows`` of it that follow each other.
+    """Rows (n, signals) of a started twin over a recording, or over consecutive ``rows`` of it.
 
-    Raises InputError where it diverges.
+    Raises InputError if it diverges.
     """
     try:
         return twin.follow(recording.stamps[rows], bench)
@@ -208,7 +207,7 @@ def followed(twin: Twin, recording: Recording, bench: np.ndarray, rows: slice = 
 
 
 def seen(model: Model, recording: Recording, rows: np.ndarray) -> Recording:
-    """A twin's rows (n, signals) beside a recording (``layout.TWIN``) as a recording of its own."""
+    """A twin's rows (n, signals, ``layout.TWIN``) as a recording of its own."""
     signals = {name: rows[:, k] for k, name in enumerate(TWIN) if not np.isnan(rows[1:, k]).all()}
     return _of_twin(model, recording, signals)
 

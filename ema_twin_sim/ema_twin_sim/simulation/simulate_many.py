@@ -1,4 +1,4 @@
-"""Many models beside one recording: what fits and campaigns ask for, several times faster than one after the other."""
+"""Simulate many models on one recording, for fits and campaigns: several times faster than one after the other."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from .simulate import BY_MOTOR, POINTWISE, bench_of, choose_input, followed, see
 from .twin import ROWS_AT_A_TIME, Twin, hold_input
 
 FEWEST = 5
-"""Models that take as long one after the other as ``LANE`` of them side by side."""
+"""Number of models that take as long sequentially as ``LANE`` of them in parallel."""
 
 _NOT_NEEDED = [BENCH.index("speed"), BENCH.index("motor_position")]
-"""What only the unexplained torque looks at."""
+"""Columns used only by the unexplained torque."""
 
 
 def simulate_many(
     models: Sequence[Model], recording: Recording, source: str | None = None, *, step: float | None = None
 ) -> list[Recording]:
-    """The twins' own recordings beside a bench's, a model each: as ``simulate`` of each, less the unexplained torque.
+    """The twins' recordings, one per model: as ``simulate`` of each, without the unexplained torque.
 
-    Averaged drives under a recorded setpoint or current whose effects have all settled into constants go side by side
+    Averaged drives driven by a recorded setpoint or current whose effects only change constants run in parallel lanes
     (``plant/many.py``), all others one by one; both on all cores.
     """
     if not models:
@@ -51,13 +51,13 @@ def simulate_many(
             together = members[first : first + LANE]
             jobs += [together] if kind and len(together) > FEWEST else [[k] for k in together]
 
-    def run(job: list[int]) -> None:  # both kernels leave the interpreter to other threads
+    def run(job: list[int]) -> None:  # both kernels release the interpreter lock
         if len(job) > 1:
             rows = _side_by_side([twins[k] for k in job], recording.stamps, bench)
         else:
             rows = [followed(twins[job[0]], recording, bench)]
         for k, of_one in zip(job, rows, strict=True):
-            # one that lost its way is let run by itself, to say when and in which state
+            # a diverged one is run again by itself, to report when and in which state
             lost = any(map(looks_lost, (*of_one[ROWS_AT_A_TIME::ROWS_AT_A_TIME], of_one[-1])))
             found[k] = seen(models[k], recording, followed(twins[k], recording, bench) if lost else of_one)
 
@@ -66,7 +66,7 @@ def simulate_many(
 
 
 def _kind(twin: Twin) -> tuple[float, ...]:
-    """What twins must have in common to go side by side; nothing where a twin cannot."""
+    """Key of twins that can run in parallel lanes; empty if a twin cannot."""
     plant, parts = twin.assembly.plant[0], twin.assembly.fine
     plain = (
         not (parts.switching or parts.planetary or len(twin.assembly.acting[0]))
@@ -80,7 +80,7 @@ def _kind(twin: Twin) -> tuple[float, ...]:
 
 
 def _side_by_side(twins: list[Twin], stamps: np.ndarray, bench: np.ndarray) -> list[np.ndarray]:
-    """Rows (n, signals) each of at most LANE twins of one kind; places that stay empty repeat the last one."""
+    """Rows (n, signals) for each of at most LANE twins of one kind; unused lanes repeat the last twin."""
     filled = twins + [twins[-1]] * (LANE - len(twins))
     plants = np.concatenate([twin.assembly.plant for twin in filled])
     states = np.concatenate([twin.state for twin in filled])

@@ -1,15 +1,15 @@
-"""A drive for a model that has none: a stiff one, so that a planned command can be tried before it is recorded."""
+"""A stiff drive for a model that has none, so that a planned command can be simulated before it is recorded."""
 
 from __future__ import annotations
 
 from ..model import Model
 
 QUICKER = 0.1
-"""The bandwidth of the speed loop over the rate of the samples, and that of the position loop over the speed loop's."""
+"""Bandwidth of the speed loop relative to the sample rate, and of the position loop relative to the speed loop."""
 
 
 def with_stand_in_drive(model: Model) -> Model:
-    """The model, with a speed and a position controller where its drive has no gains."""
+    """The model, with a speed and a position controller added if its drive has no gains."""
     if model.value("drive.speed_gain") > 0.0:
         return model
     inertia = sum(model.value(f"machine.{part}_inertia") for part in ("motor", "gearbox", "output"))

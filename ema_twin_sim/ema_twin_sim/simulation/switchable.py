@@ -1,4 +1,4 @@
-"""A model with all effects of the catalogue, switched off where it lacks them: what a running twin can be given."""
+"""A model with all effects of the catalogue, those that it lacks switched off, so that a running twin can add them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from ..effects import catalogue
 from ..model import Model
 
 _AT_LEAST = 2
-"""Instances of an effect with options: the ripple of a mesh at two of its orders, friction on either side."""
+"""Minimum instances of a repeatable effect with options: mesh ripple at two orders, friction on either side."""
 
 
 def switchable(model: Model) -> Model:
-    """The model with one spare instance of each effect that it lacks, or of which a machine may have several kinds."""
+    """The model with a switched-off instance of each effect that it lacks, or that a machine may have several times."""
     for id, effect in catalogue().items():
         several = effect.repeatable and effect.options
         held = sum(instance.effect == id for instance in model.effects.values())

@@ -1,4 +1,4 @@
-"""One running twin: the model's state, carried from sample to sample. Parameters and effects may change in between."""
+"""One running twin: its state is carried from sample to sample. Parameters and effects may change in between."""
 
 from __future__ import annotations
 
@@ -57,17 +57,17 @@ from .switchable import switchable as with_all_effects
 __all__ = ["DEFAULT_STEP", "ParameterDescription", "Twin"]
 
 SAFE = 0.5
-"""Of the longest step: what is taken of it where a model in own units would take a longer one."""
+"""Share of the longest step that is used if a model in own units would take a longer one."""
 
 ROWS_AT_A_TIME = 500
 """Samples after which a simulation that diverges is stopped."""
 
-JUMPED = 0.5  # of a setpoint, which a shaft has yet to make where a recording begins at a step
+JUMPED = 0.5  # share of a setpoint that the shaft has not reached yet if the recording begins at a step
 
 
 @dataclass(frozen=True)
 class ParameterDescription:
-    """A number of the model that may be set on a running twin."""
+    """A model value that can be set on a running twin."""
 
     path: str
     value: float
@@ -80,11 +80,11 @@ class ParameterDescription:
 class Twin:
     """A twin that answers each bench sample with its own.
 
-    ``source`` tells what drives it: ``setpoint`` (the recorded speed setpoint), ``current`` (the measured current) or
-    ``standalone`` (its own position command; ``standalone_speed`` for a speed command). All effects of the catalogue
-    can be switched: those that the model lacks are there with their default parameters, switched off (unless
-    ``switchable`` is false, which is quicker). ``step`` [s] is the integration step, by default what the model's
-    fidelity asks for. ``accounting`` books all energies too (``energies``); it takes a finer fidelity than averaged and
+    ``source`` is the input that drives it: ``setpoint`` (the recorded speed setpoint), ``current`` (the measured
+    current) or ``standalone`` (its own position command; ``standalone_speed`` for a speed command). All effects of the
+    catalogue can be switched: those that the model lacks are present with default parameters, switched off (unless
+    ``switchable`` is false, which is faster). ``step`` [s] is the integration step, by default that of the model's
+    fidelity. ``accounting`` also records all energies (``energies``); it needs a finer fidelity than averaged and
     lumped.
     """
 
@@ -115,17 +115,17 @@ class Twin:
 
     @property
     def model(self) -> Model:
-        """The model as it stands, switched-off effects included."""
+        """The present model, including switched-off effects."""
         return self._model
 
     @property
     def effects(self) -> Mapping[str, EffectInstance]:
-        """The effects by instance name, switched-off ones included."""
+        """The effects by instance name, including switched-off ones."""
         return self._model.effects
 
     @property
     def assembly(self) -> Assembly:
-        """What the model gives to a kernel."""
+        """The model's arguments for a kernel."""
         return self._assembly
 
     @property
@@ -139,7 +139,7 @@ class Twin:
         return self._row[1]
 
     def parameters(self) -> list[ParameterDescription]:
-        """Every number that may be set: the machine's constants and each effect's parameters."""
+        """Every value that can be set: the machine's constants and each effect's parameters."""
         found = [
             ParameterDescription(path, held.value, self._model.unit(path), c.lower, c.upper, c.description)
             for path, held in self._model.constants.items()
@@ -154,7 +154,7 @@ class Twin:
         return found
 
     def change(self, settings: Mapping[str, bool | float | str]) -> None:
-        """Make several changes at once from the next sample on (see ``Model.with_setting``); none where one is refused.
+        """Make several changes at once from the next sample on (see ``Model.with_setting``); none if one is refused.
 
         Raises InputError with the reason.
         """
@@ -171,10 +171,10 @@ class Twin:
     ) -> dict[str, float]:
         """Start from a run's first sample and return the twin's signals there.
 
-        The speed is the measured one, the drive's integrator holds the measured current, less what a setpoint that has
-        just jumped asks for; other states rest. The gap of a backlash is centred, unless the motor moves: then it
-        drives the output along on one flank. ``*_angle_origin`` [rad] are the counters' own angles where the positions
-        are zero.
+        The speed is the measured one; the drive's integrator holds the measured current, reduced by the demand of a
+        setpoint that has just jumped; other states are zero. The output is in the middle of a backlash gap, unless the
+        motor moves: then it is driven on one flank. ``*_angle_origin`` [rad] are the counters' readings at position
+        zero.
         """
         speed = _known(sample.get("speed"))
         current = _known(sample.get("current"))
@@ -191,15 +191,15 @@ class Twin:
         state["output_angle"] = state["output_start"] = output
         state["twist"] = -output
         state["motor_angle_origin"], state["output_angle_origin"] = origins[0], origins[1] - output / ratio
-        # as if the motion before the first sample had been steady, for an encoder that answers late
+        # assumes steady motion before the first sample, for a delayed encoder
         ages = np.arange(ENCODER_MEMORY) * self._assembly.plant["control_cycle"][0]
-        state["encoder_memory"] = output - speed * (ages[::-1] + ages[1])  # the first cycle adds the present itself
+        state["encoder_memory"] = output - speed * (ages[::-1] + ages[1])  # the first cycle adds the present angle
         state["encoder_newest"] = ENCODER_MEMORY - 1
         begin_behind_measured_motion(state, self._assembly.plant[0], speed, _known(sample.get("motor_position")))
         self._fine = resting_state(self._parts)
         angle = float(state["motor_angle_origin"])
         set_in_motion(self._fine, self._parts, speed, current, angle)
-        # in plain Python: once a run, and compiling it would cost more than it saves
+        # plain Python: called once per run, so compiling would cost more than it saves
         plant, moving = (array.view(np.recarray)[0] for array in (self._assembly.plant, self._state))
         state["encoder_zero"] = shown.py_func(plant, moving, output, ages[1])
         self._stamps[:] = 0
@@ -209,10 +209,10 @@ class Twin:
         return self._signals()
 
     def _held_by_integrator(self, current: float, speed: float, setpoint: float) -> float:
-        """The torque [N m] that the speed controller's integrator holds at a first sample.
+        """The torque [N m] in the speed controller's integrator at the first sample.
 
-        It is the measured one. Where the setpoint has jumped, and the shaft has not followed it half of the way, the
-        controller's gain makes a part of that, unless the drive has not answered yet.
+        It is the measured torque. If the setpoint has jumped and the shaft has not followed half of the way, part of
+        that torque comes from the controller's gain, unless the drive has not responded yet.
         """
         plant = self._assembly.plant[0]
         torque = float(plant["nominal_torque_constant"]) * current
@@ -223,7 +223,7 @@ class Twin:
         return min(torque, rest, key=abs)
 
     def advance(self, nanoseconds: int, sample: Mapping[str, float]) -> dict[str, float]:
-        """Integrate over ``nanoseconds`` since the sample before, its input interpolated, and return the signals."""
+        """Integrate over ``nanoseconds`` since the previous sample with interpolated input; returns the signals."""
         if nanoseconds <= 0:
             raise InputError(f"the next sample is {nanoseconds} ns after the last; stamps must move forward")
         self._stamps[1] = nanoseconds
@@ -236,8 +236,8 @@ class Twin:
         """Start from the first row and integrate over all: the same arithmetic as sample by sample, in one call.
 
         ``stamps`` int64 (n,) in ns, ``bench`` float64 (n, 6) with the columns ``layout.BENCH``; returns float64
-        (n, signals) with the columns ``layout.TWIN``. Call ``start`` before it. Where ``bench`` lacks a value of the
-        signal that drives, or of a measured load, the one before is written into it.
+        (n, signals) with the columns ``layout.TWIN``. Call ``start`` first. Missing values of the driving signal, or of
+        a measured load, are replaced in ``bench`` by the previous value.
         """
         rows = np.full((len(stamps), len(TWIN)), math.nan)
         rows[0] = self._row[1]
@@ -245,22 +245,22 @@ class Twin:
         return rows
 
     def wheels(self) -> Wheels | None:
-        """The wheels of a planetary train as they stand; None of a lumped transmission, or before the start."""
+        """The present state of a planetary train's wheels; None for a lumped transmission, or before the start."""
         if self._fine is None or not self._parts.planetary:
             return None
         return wheels(self._fine, self._state, float(self._assembly.plant["gear_ratio"][0]))
 
     def energies(self) -> Energies:
-        """Where the energy went since the start; of a twin that books it (``accounting``)."""
+        """Energies since the start; only for a twin with ``accounting``."""
         if self._fine is None or not self._accounting:
             raise ValueError("energies are booked by a started twin with accounting=True")
         return energies(self._parts, self._fine, self._assembly.plant, self._state, self.step)
 
     def _integrate(self, stamps: np.ndarray, bench: np.ndarray, rows: np.ndarray) -> None:
-        """Integrate over all rows, some at a time. Raises InputError where the simulation diverges."""
+        """Integrate over all rows in blocks. Raises InputError if the simulation diverges."""
         hold_input(bench, self.source)
         fine = self._fine
-        assert fine is not None  # start comes first
+        assert fine is not None  # start is called first
         for first in range(0, len(stamps) - 1, ROWS_AT_A_TIME):
             some = slice(first, first + ROWS_AT_A_TIME + 1)
             before = kept(self._state, fine)
@@ -274,7 +274,7 @@ class Twin:
         self._advance(*of_model, self.source, stamps, bench, rows, self.step, True)
 
     def _refuse_divergence(self, before: tuple[bytes, ...], stamps: np.ndarray, bench: np.ndarray) -> None:
-        """Find, from a sound state on, when the simulation loses its way."""
+        """Find, from a valid state on, when the simulation diverges."""
         fine = self._fine
         assert fine is not None
 
@@ -303,7 +303,7 @@ class Twin:
         if model.units is None or parts.switching or parts.planetary:
             step = self._asked_step or usual_step(parts)
             refuse_long_step(model, assembly, step)
-        else:  # in own units no step is asked for by a person, and none is too long
+        else:  # in own units no user chose the step, so it is shortened instead of refused
             step = min(own_step(model, self._asked_step), SAFE * longest_step(assembly)[0])
         self.step = step
         self._model = model
@@ -317,9 +317,9 @@ class Twin:
 def first_row(
     state: np.ndarray, bench: np.ndarray, source: int, plant: np.ndarray, winding: np.ndarray | None
 ) -> np.ndarray:
-    """The twin's sample at the first stamp (signals,): its starting state as the sensors show it.
+    """The twin's sample at the first stamp (signals,): its initial state as the sensors show it.
 
-    ``winding`` is the state (1,) of the winding where one is simulated.
+    ``winding`` is the state (1,) of the winding if one is simulated.
     """
     held = state[0]
     row = np.full(len(TWIN), math.nan)
@@ -342,14 +342,14 @@ def first_row(
 
 
 def hold_input(bench: np.ndarray, source: int) -> None:
-    """Where the driving signal, or a measured load, has no value, the one before holds: a twin must not stay NaN."""
+    """Hold the previous value where the driving signal, or a measured load, is missing: a twin must not stay NaN."""
     column = {CURRENT: CURRENT_IN, SETPOINT: SETPOINT_IN, STANDALONE_SPEED: SETPOINT_IN, STANDALONE: COMMAND_IN}[source]
     for values in (bench[:, column], bench[:, LOAD_IN]):
         hold(values)
 
 
 def hold(values: np.ndarray) -> None:
-    """Write the value before over each that is NaN; zero before the first."""
+    """Replace each NaN by the previous value; zero before the first."""
     unknown = np.flatnonzero(np.isnan(values))
     if len(unknown) == len(values):
         values[:] = 0.0

@@ -1,4 +1,4 @@
-"""The virtual bench: a model driven by a command, through the bench's sensors with their noise, into a recording."""
+"""The virtual bench: a recording of a model driven by a command, with the bench's sensors and their noise."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ def virtual_bench(
 ) -> Recording:
     """A recording of the model driven by a command, with the sensors' noise (``seed`` None: none).
 
-    It starts at rest, with the drive on, and is sampled with the model's trace period. ``origins`` [rad] are what the
-    motor's counter and the output's encoder show at the start.
+    It starts at rest, with the drive on, and is sampled with the model's trace period. ``origins`` [rad] are the
+    readings of the motor's counter and the output's encoder at the start.
     """
     period = round(model.value("sensors.sample_period") * 1e9)
     count = int(seconds * 1e9 / period + 1e-9) + 1 if math.isfinite(seconds) else 0

@@ -1,8 +1,9 @@
-"""Where two wheels touch: the line of action of one mesh, external or internal (thesis, section 3.5).
+"""Contact of two wheels along the line of action of one mesh, external or internal (thesis, section 3.5).
 
-The first wheel drives. A pair of teeth first touches where the second wheel's tip crosses the line of action (s = 0),
-passes the pitch point (s = approach) and parts where the first wheel's tip crosses it (s = contact length). On the way
-the first wheel's flank is touched from root to tip. Driven the other way, or backwards, the same points are passed.
+The first wheel drives. A pair of teeth makes contact where the second wheel's tip crosses the line of action (s = 0),
+passes the pitch point (s = approach) and separates where the first wheel's tip crosses it (s = contact length). On the
+way, the contact moves along the first wheel's flank from root to tip. In back-driving or reversal the same points are
+passed.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ Position = TypeVar("Position", float, NDArray[np.float64])
 class Mesh:
     """Two wheels in contact: teeth, radii and addendum [m], operating pressure angle [rad].
 
-    Of an internal mesh the second wheel is the ring, whose tips lie inside its pitch circle.
+    In an internal mesh the second wheel is the ring, whose tips are inside its pitch circle.
     """
 
     name: str
@@ -35,12 +36,12 @@ class Mesh:
 
     @property
     def side(self) -> float:
-        """+1 of an external mesh, -1 of an internal one: the sign with which the second wheel's radii count."""
+        """+1 for an external mesh, -1 for an internal one: the sign of the second wheel's radii."""
         return -1.0 if self.internal else 1.0
 
     @property
     def base_pitch(self) -> float:
-        """Distance [m] of two neighbouring flanks along the line of action; both wheels' is the same."""
+        """Distance [m] of two neighbouring flanks along the line of action, equal for both wheels."""
         return 2.0 * math.pi * self.first_base_radius / self.first_teeth
 
     @property
@@ -72,29 +73,29 @@ class Mesh:
     def base_segment(self) -> float:
         """Distance [m] of the two points where the line of action touches the base circles (eq. 3.35).
 
-        Of an internal mesh both lie on the same side of the contact, and the radii subtract.
+        In an internal mesh both are on the same side of the contact, and the radii subtract.
         """
         return abs(self.first_base_radius + self.side * self.second_base_radius) * math.tan(self.pressure_angle)
 
     @property
     def approach(self) -> float:
-        """Way [m] from first contact to the pitch point (eq. 3.33; of an internal mesh with both terms turned).
+        """Length [m] from first contact to the pitch point (eq. 3.33; for an internal mesh both terms change sign).
 
-        The thesis's script takes the ring's base radius (132 mm) above its tip radius (126.4 mm), under which this
-        would be the root of a negative number; it swaps the two.
+        The thesis's script has the ring's base radius (132 mm) above its tip radius (126.4 mm), which would give the
+        root of a negative number; it swaps the two.
         """
         tip = math.sqrt(self.second_tip_radius**2 - self.second_base_radius**2)
         return self.side * (tip - self.second_pitch_radius * math.sin(self.pressure_angle))
 
     @property
     def recess(self) -> float:
-        """Way [m] from the pitch point to last contact (eq. 3.34)."""
+        """Length [m] from the pitch point to last contact (eq. 3.34)."""
         tip = math.sqrt(self.first_tip_radius**2 - self.first_base_radius**2)
         return tip - self.first_pitch_radius * math.sin(self.pressure_angle)
 
     @property
     def contact_length(self) -> float:
-        """Way [m] that a pair of teeth stays in contact, along the line of action."""
+        """Length [m] of contact of a pair of teeth, along the line of action."""
         return self.approach + self.recess
 
     @property
@@ -114,7 +115,7 @@ class Mesh:
     def curvature_radii(self, position: Position) -> tuple[Position, Position]:
         """Distances [m] of the contact from both tangent points, at ``position`` [m] from first contact.
 
-        Eqs 3.38 and 3.39: the radii of curvature of the flanks, and the arms of friction about the wheels' axes. Of an
+        Eqs 3.38 and 3.39: the radii of curvature of the flanks, and the arms of friction about the wheels' axes. In an
         internal mesh the second is the first plus the base segment, which the thesis's script marks "to be corrected".
         """
         first = self.first_base_radius * math.tan(self.pressure_angle) - self.approach + position

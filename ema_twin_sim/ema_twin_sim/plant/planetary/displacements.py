@@ -1,7 +1,7 @@
-"""How far the teeth are pressed into each other: displacements along the lines of action (thesis, eqs 3.17 to 3.28).
+"""Relative displacements of the teeth along the lines of action (thesis, eqs 3.17 to 3.28).
 
-Extended to the second planet toothing and the output ring, where the thesis stops at the carrier and divides by 124.
-The six rotations are sun, three planets relative to the carrier (counted against the sun's way), carrier, output ring.
+Extended to the second planet toothing and the output ring; the thesis stops at the carrier and divides by 124. The six
+rotations are sun, three planets relative to the carrier (positive against the sun's direction), carrier, output ring.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ Array = NDArray[np.float64]
 
 
 def displacements(gearing: Gearing) -> Array:
-    """Matrix (9, 6) of the displacements [m] per rotation [rad]: sun meshes, fixed ring's, output ring's.
+    """Matrix (9, 6) of the displacements [m] per rotation [rad]: sun, fixed ring and output ring meshes.
 
     delta_s = r_s (th_s - th_c) - r_p th_p; delta_r = r_p th_p - r_r th_c; delta_o = r_p2 th_p - r_o (th_c - th_o).
-    Its transpose gives the torques on the six rotations that mesh forces are in balance with.
+    Its transpose gives the torques on the six rotations that balance the mesh forces.
     """
     matrix = np.zeros((3, PLANETS, ROTATIONS))
     sun, ring, output = matrix
@@ -42,6 +42,6 @@ def stiffness_matrix(gearing: Gearing, stiffness: Array) -> Array:
 
 
 def rigid_motion(gearing: Gearing) -> Array:
-    """The six rotations per rotation of the sun when no tooth gives way."""
+    """The six rotations per rotation of the sun with rigid teeth."""
     planets = [gearing.planet_ratio] * PLANETS
     return np.array([1.0, *planets, gearing.carrier_ratio, 1.0 / gearing.ratio])

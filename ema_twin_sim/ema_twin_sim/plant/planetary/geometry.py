@@ -1,11 +1,11 @@
-"""The wheels of the 3K planetary gearbox, and whether they mesh and can be assembled (thesis, section 3.5, appendix A).
+"""Geometry of the 3K planetary gearbox, and checks that it meshes and can be assembled (thesis, section 3.5, app. A).
 
 The sun drives three equal planets, which roll on a fixed ring; a second toothing of each planet drives the output ring.
-The number of planets is fixed at three throughout. Teeth are taken as straight: the tooth formulas of the thesis are
-for spur wheels, although its gearbox is said to be helical.
+The number of planets is fixed at three. Teeth are straight: the tooth formulas of the thesis are for spur wheels,
+although its gearbox is described as helical.
 
-Radii follow the teeth. The thesis's ring of 132 mm base radius, its pitch radii of 39.5 and 127.5 mm (centre distances
-of 79 and 88 mm) and its module (base radius over teeth) fit neither each other nor the teeth.
+Radii follow from the teeth. The thesis's ring of 132 mm base radius, its pitch radii of 39.5 and 127.5 mm (centre
+distances of 79 and 88 mm) and its module (base radius over teeth) are inconsistent with each other and with the teeth.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .contact import Mesh
 
 PLANETS = 3
 SUN_MESH, RING_MESH, OUTPUT_MESH = range(3)
-FEWEST_TEETH = 12  # the least that the tooth stiffness of Kuang and Yang is given for
+FEWEST_TEETH = 12  # lower limit of Kuang and Yang's tooth stiffness
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Gearing:
     operating one, of all meshes. All wheels have the sun's module and addendum. ``profile_shift`` (in modules, of every
     wheel) only enters the stiffness of the teeth, since the radii given are the operating ones.
 
-    ``place`` names the model in errors. Raises InputError where such wheels do not mesh or cannot be assembled.
+    ``place`` names the model in errors. Raises InputError if such wheels do not mesh or cannot be assembled.
     """
 
     sun_teeth: int = 21
@@ -115,7 +115,7 @@ class Gearing:
 
     @property
     def ratio(self) -> float:
-        """Turns of the sun per turn of the output ring (appendix A: 124), negative where the output turns backwards."""
+        """Turns of the sun per turn of the output ring (appendix A: 124), negative if the output turns backwards."""
         output, fixed = self.output_ring_teeth * self.planet_teeth, self.ring_teeth * self.second_planet_teeth
         return (self.sun_teeth + self.ring_teeth) * output / (self.sun_teeth * (output - fixed))
 
@@ -126,12 +126,12 @@ class Gearing:
 
     @property
     def planet_ratio(self) -> float:
-        """Turns of a planet relative to the carrier per turn of the sun, when rigid; counted against the sun's way."""
+        """Turns of a planet relative to the carrier per sun turn, when rigid; positive against the sun's direction."""
         return self.carrier_ratio * self.ring_teeth / self.planet_teeth
 
 
 def _fault_of_numbers(gearing: Gearing) -> str:
-    """What is wrong with the numbers taken one by one; empty where nothing is."""
+    """A fault of individual values; empty if there is none."""
     for name in ("sun_teeth", "planet_teeth", "ring_teeth", "second_planet_teeth", "output_ring_teeth"):
         teeth = getattr(gearing, name)
         if isinstance(teeth, bool) or not isinstance(teeth, int) or teeth < FEWEST_TEETH:
@@ -150,7 +150,7 @@ def _fault_of_numbers(gearing: Gearing) -> str:
 
 
 def _fault_of_assembly(gearing: Gearing) -> str:
-    """Why the wheels do not go together; empty where they do."""
+    """Why the wheels cannot be assembled; empty if they can."""
     g = gearing
     if g.ring_teeth * g.second_planet_teeth == g.output_ring_teeth * g.planet_teeth:
         return (
@@ -175,9 +175,9 @@ def _fault_of_assembly(gearing: Gearing) -> str:
             f"sun and fixed ring have {g.sun_teeth + g.ring_teeth} teeth together, which {PLANETS} does not divide: "
             f"{PLANETS} equally spaced planets cannot be put in; change the number of teeth"
         )
-    # Equal planets then find the output ring's teeth too, turned by whole teeth. In the place of the next planet the
-    # rings' teeth stand z_r/3 and z_o/3 further on, which takes (z_o z_p - z_r z_p2)/3 to be a multiple of gcd(z_p,
-    # z_p2); and with equal centre distances it is (z_s + z_p)/3 (z_p - z_p2).
+    # Equal planets then also mesh with the output ring, turned by whole teeth. At the next planet the rings' teeth are
+    # z_r/3 and z_o/3 farther on, so (z_o z_p - z_r z_p2)/3 must be a multiple of gcd(z_p, z_p2); with equal centre
+    # distances it equals (z_s + z_p)/3 (z_p - z_p2).
     largest = max(sun.second_tip_radius, output.first_tip_radius)
     gap = math.sqrt(3.0) * g.centre_distance - 2.0 * largest
     if gap <= 0.0:
@@ -189,7 +189,7 @@ def _fault_of_assembly(gearing: Gearing) -> str:
 
 
 def _fault_of_contact(gearing: Gearing) -> str:
-    """Why a pair of wheels does not roll on each other; empty where all do."""
+    """Why a pair of wheels does not roll on each other; empty if all do."""
     for mesh in gearing.meshes:
         if mesh.internal and mesh.second_tip_radius <= mesh.second_base_radius:
             return f"{mesh.name}: the ring's teeth reach inside its base circle; give a smaller tip_radius"

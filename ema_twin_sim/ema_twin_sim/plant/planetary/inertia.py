@@ -1,8 +1,8 @@
-"""How the gearbox's inertia parts into its wheels, and the highest frequency at which they swing on their teeth.
+"""Division of the gearbox inertia among its wheels, and the natural frequencies of the wheels on their teeth.
 
-The thesis gives one number, reduced to the sun (table A.1). The inertias of its script (I_sol = 1950) are kg mm^2 and
-belong to solid steel; wheels of these dimensions, even printed, are some two hundred times table A.1. So the wheels'
-inertias are parameters, by default in the proportions of solid discs and scaled to the number given.
+The thesis gives one value, reduced to the sun (table A.1). The inertias of its script (I_sol = 1950) are kg mm^2 and
+for solid steel; wheels of these dimensions, even printed, have some two hundred times the inertia of table A.1. So the
+wheels' inertias are parameters, by default in the proportions of solid discs and scaled to the given value.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 class TrainInertia:
     """Inertias of sun, one planet about its own axis, and carrier [kg m^2], and mass of one planet [kg].
 
-    The carrier's is without the planets. The output ring's belongs to what the gearbox drives.
+    The carrier's excludes the planets. The output ring's belongs to the driven load.
     """
 
     sun: float
@@ -47,7 +47,7 @@ def default_inertia(gearing: Gearing, gearbox_inertia: float) -> TrainInertia:
 
 
 def reduced_inertia(gearing: Gearing, inertia: TrainInertia) -> float:
-    """Inertia [kg m^2] that the motor feels: J_s + 3 J_p (w_c - W)^2 + (3 m_p a^2 + J_c) w_c^2, speeds per sun's.
+    """Inertia [kg m^2] at the motor: J_s + 3 J_p (w_c - W)^2 + (3 m_p a^2 + J_c) w_c^2, speeds per sun's.
 
     A planet spins at w_c - W (W: relative to the carrier, against the sun's way) while its mass orbits at radius a.
     """
@@ -57,7 +57,7 @@ def reduced_inertia(gearing: Gearing, inertia: TrainInertia) -> float:
 
 
 def inertia_matrix(gearing: Gearing, inertia: TrainInertia, motor_inertia: float, output_inertia: float) -> Array:
-    """Matrix (6, 6) [kg m^2] of the six rotations; the motor turns with the sun, both loads given at the fast shaft."""
+    """Matrix (6, 6) [kg m^2] of the six rotations; the motor turns with the sun; both inertias at the fast shaft."""
     matrix = np.zeros((ROTATIONS, ROTATIONS))
     matrix[SUN, SUN] = motor_inertia + inertia.sun
     matrix[CARRIER, CARRIER] = inertia.carrier + PLANETS * inertia.planet_mass * gearing.centre_distance**2
@@ -74,20 +74,20 @@ def natural_frequencies(
 ) -> Array:
     """Natural frequencies [rad/s] (6, rising, the first 0) with every mesh at its stiffest; inertias at the fast shaft.
 
-    The greatest bounds an explicit step: 2 over it is the longest at which a swing without damping does not grow.
+    The highest limits an explicit step: up to 2 over it an undamped oscillation does not grow.
     """
     stiffest = table[:, :, [ENTERING, AHEAD]].sum(axis=2).max(axis=1)
     stiffness = stiffness_matrix(gearing, np.repeat(stiffest[:, np.newaxis], PLANETS, axis=1))
-    # Symmetric, through the inertia's Cholesky factor; so accurate for the zero of the free rotation too.
+    # Symmetric, with the inertia's Cholesky factor; so also accurate for the zero frequency of the free rotation.
     factor = np.linalg.inv(np.linalg.cholesky(inertia_matrix(gearing, inertia, motor_inertia, output_inertia)))
     squares = np.linalg.eigvalsh(factor @ stiffness @ factor.T)
     return np.sqrt(np.maximum(squares, 0.0))
 
 
 def equivalent_masses(gearing: Gearing, inertia: TrainInertia, motor_inertia: float) -> Array:
-    """Masses [kg] that the three kinds of mesh press together, along the line of action: 1/m = r_1^2/J_1 + r_2^2/J_2.
+    """Equivalent masses [kg] of the three kinds of mesh along the line of action: 1/m = r_1^2/J_1 + r_2^2/J_2.
 
-    The rings count as held. For a mesh's damping, 2 ratio sqrt(k m). The script takes the wheels' masses for it.
+    The rings count as fixed. Used for a mesh's damping, 2 ratio sqrt(k m). The script uses the wheels' masses instead.
     """
     planet = (
         np.array([gearing.planet_radius, gearing.planet_radius, gearing.second_planet_radius]) ** 2 / inertia.planet
@@ -99,8 +99,8 @@ def equivalent_masses(gearing: Gearing, inertia: TrainInertia, motor_inertia: fl
 def shaft_stiffness(radius: float, length: float, shear_modulus: float) -> float:
     """Stiffness [N m/rad] of a round shaft of ``radius`` and ``length`` [m]: I_p G/L, I_p = pi/2 r^4 (eq. 3.1).
 
-    ``shear_modulus`` is in Pa. Of the script's two shafts, one is set to zero and the other takes 0.33 E for G, where
-    steel's is E/2.6.
+    ``shear_modulus`` is in Pa. Of the script's two shafts, one is set to zero and the other uses G = 0.33 E; for steel
+    it is E/2.6.
     """
     return 0.5 * math.pi * radius**4 * shear_modulus / length
 
@@ -108,7 +108,7 @@ def shaft_stiffness(radius: float, length: float, shear_modulus: float) -> float
 def shaft_damping(stiffness: float, inertia: float, damping_ratio: float) -> float:
     """Damping [N m s/rad] of a shaft of ``stiffness`` [N m/rad]: 2 ratio sqrt(k J), J [kg m^2] at the shaft.
 
-    Eq. 3.2 prints the shaft's mass, with which the dimension is not a damping's. J is 1/(1/J_1 + 1/J_2) of what hangs
-    on both ends, as the script takes it: of a motor and a light gearbox, nearly the gearbox's.
+    Eq. 3.2 prints the shaft's mass, which has the wrong dimension. J is 1/(1/J_1 + 1/J_2) of the inertias at both ends,
+    as in the script: for a motor and a light gearbox, nearly the gearbox's.
     """
     return 2.0 * damping_ratio * math.sqrt(stiffness * inertia)

@@ -1,7 +1,7 @@
 """The planetary train's constants and state as records and lanes, so that compiled code reads them by name.
 
-The nine meshes stand in lanes of four, one a planet (the fourth is empty, so that a lane is as wide as a processor's
-registers): what is named ``*_SUN``, ``*_RING``, ``*_OUT`` begins there in one flat array and has a number a planet.
+The nine meshes are in lanes of four, one entry per planet (the fourth is empty, so that a lane is as wide as a
+processor's registers): ``*_SUN``, ``*_RING``, ``*_OUT`` are start indices in one flat array, with one value per planet.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ TRAIN = np.dtype(
         ("ring_teeth", "f8"),
         ("second_planet_teeth", "f8"),
         ("output_ring_teeth", "f8"),
-        ("mesh_phase", "f8", (3,)),  # mesh cycles, of the first planet in each type where all angles are zero
-        ("opposite_flank", "f8", (3,)),  # mesh cycles c: at x, a mesh stands at c - x on its opposite flanks
+        ("mesh_phase", "f8", (3,)),  # mesh cycles, of the first planet in each type at zero angles
+        ("opposite_flank", "f8", (3,)),  # mesh cycles c: a mesh at x is at c - x on its opposite flanks
         # inertias [kg m2] about the wheels' own axes
-        ("input_inertia", "f8"),  # of what turns with the motor: the sun too where the shaft is rigid
-        ("sun_inertia", "f8"),  # of the sun by itself
+        ("input_inertia", "f8"),  # of everything that turns with the motor, including the sun if the shaft is rigid
+        ("sun_inertia", "f8"),  # of the sun alone
         ("planet_inertia", "f8"),
-        ("carrier_inertia", "f8"),  # with the planets' masses in their orbit
+        ("carrier_inertia", "f8"),  # including the planets' orbiting masses
         ("shaft_stiffness", "f8"),  # N m/rad between motor and sun; 0 rigid
         ("shaft_damping", "f8"),  # N m s/rad
         ("damping", "f8", (3,)),  # N s/m of each mesh
@@ -48,13 +48,13 @@ TRAIN = np.dtype(
         ("face_width", "f8"),  # m
         ("pressure_angle", "f8"),  # rad
         ("pitch_curvature", "f8", (3,)),  # m, equivalent radius of curvature at the pitch point
-        ("tangential_stiffness", "f8", (3,)),  # N/m of the contact across the line of action, until it slides
+        ("tangential_stiffness", "f8", (3,)),  # N/m of the contact perpendicular to the line of action, until it slides
         # condition
         ("tooth_damage", "f8", (4,)),  # share of stiffness lost: a tooth of sun, first planet, ring, output ring
         ("damaged_tooth", "f8", (4,)),
         ("runout", "f8", (3,)),  # m: sun, first planet, output ring
         ("runout_phase", "f8", (3,)),  # rad
-        ("refresh", "f8"),  # mesh cycles after which stiffness and arms are read again
+        ("refresh", "f8"),  # mesh cycles after which stiffness and arms are updated
     ],
     align=True,
 )
@@ -65,8 +65,8 @@ TRAIN_STATE = np.dtype(
         ("sun_speed", "f8"),
         ("carrier_angle", "f8"),
         ("carrier_speed", "f8"),
-        ("speed_before", "f8"),  # kept where energies are booked
-        ("mesh_read", "f8", (3,)),  # mesh cycles at which stiffness and arms were read
+        ("speed_before", "f8"),  # stored for energy accounting
+        ("mesh_read", "f8", (3,)),  # mesh cycles at the last update of stiffness and arms
         ("friction_coefficient", "f8", (3,)),
     ],
     align=True,
@@ -84,7 +84,7 @@ _ROWS = (
             "ARM_2",  # m, on the second
             "RUNOUT",  # m
             "FORCE",  # N, along the line of action
-            "FRICTION",  # N, across it
+            "FRICTION",  # N, perpendicular to it
             "DAMPED",  # N, the damper's part of the force
         )
         for mesh in ("SUN", "RING", "OUT")
@@ -92,7 +92,7 @@ _ROWS = (
     "ON_SUN",  # N m, torques of each planet's meshes
     "ON_CARRIER",
     "ON_OUTPUT",
-    "SPEED_BEFORE",  # rad/s, of the planets, kept where energies are booked
+    "SPEED_BEFORE",  # rad/s, of the planets, stored for energy accounting
 )
 ROW = {name: LANE * k for k, name in enumerate(_ROWS)}
 LANES = LANE * len(_ROWS)

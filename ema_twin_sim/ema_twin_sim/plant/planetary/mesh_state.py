@@ -1,7 +1,7 @@
-"""What the meshes are at the wheels' present angles: stiffness and friction's arms, damaged teeth, run-out, friction.
+"""State of the meshes at the wheels' present angles: stiffness, friction arms, damaged teeth, run-out, friction.
 
-All change with the mesh cycle, thousands of steps long: they are read again once a mesh has moved on by ``refresh``
-cycles. Friction's coefficient, the mean over a mesh cycle as in the thesis (3.4.2), is taken once a control cycle.
+All change over the mesh cycle, thousands of steps long: they are updated once a mesh has moved by ``refresh`` cycles.
+The friction coefficient, the mean over a mesh cycle as in the thesis (3.4.2), is updated once a control cycle.
 """
 
 import math
@@ -20,7 +20,7 @@ _THIRD = 1.0 / PLANETS
 
 @compiled
 def mesh_cycles(constants, sun, carrier, output):
-    """Mesh cycles (sun, ring, output) of the first planet at what the wheels travelled [rad]; (3.52-3.60) have time.
+    """Mesh cycles (sun, ring, output) of the first planet from the wheels' travel [rad]; (3.52-3.60) use time.
 
     ``constants`` are ``TrainConstants``.
     """
@@ -33,7 +33,7 @@ def mesh_cycles(constants, sun, carrier, output):
 
 @compiled
 def moved_on(train, moving, cycles):
-    """Whether a mesh has moved on so far since the last reading that another is due."""
+    """Whether a mesh has moved far enough since the last update for another."""
     return (
         math.fabs(cycles[0] - moving.mesh_read[0]) >= train.refresh
         or math.fabs(cycles[1] - moving.mesh_read[1]) >= train.refresh
@@ -48,9 +48,9 @@ def _tooth(cycles, teeth):
 
 @njit(error_model="numpy")
 def _left(train, wheel, tooth, teeth, leading):
-    """Share of its stiffness that a pair has: less where its tooth of this wheel is the damaged one.
+    """Remaining share of a pair's stiffness: reduced if its tooth of this wheel is the damaged one.
 
-    ``leading`` pairs came into contact last: the pair before it is one tooth behind.
+    ``leading`` is the pair that came into contact last; the one before it is one tooth behind.
     """
     damage = train.tooth_damage[wheel]
     if damage == 0.0:
@@ -63,7 +63,7 @@ def _left(train, wheel, tooth, teeth, leading):
 
 @njit(error_model="numpy")
 def read_meshes(train, moving, lanes, table, cycles):
-    """Read stiffness, arms and run-out of all meshes into ``lanes``.
+    """Update stiffness, arms and run-out of all meshes in ``lanes``.
 
     ``cycles`` are ``mesh_cycles``, ``table`` float64 (3, points + 1, 4) is ``mesh_table.mesh_table``'s.
     """
@@ -77,11 +77,11 @@ def read_meshes(train, moving, lanes, table, cycles):
         and train.tooth_damage[3] == 0.0
     )
     for mesh in range(3):
-        # planets are numbered in the positive sense: a later one meets the sun's earlier teeth, the rings' later ones
+        # planets are numbered in positive direction: a later one meets the sun's earlier teeth, the rings' later ones
         teeth = -train.sun_teeth if mesh == 0 else (train.ring_teeth if mesh == 1 else train.output_ring_teeth)
         for planet in range(PLANETS):
             x = cycles[mesh] + teeth * (planet * _THIRD)
-            # a negative force is on the opposite flanks, which pass their line of action the other way
+            # a negative force acts on the opposite flanks, which pass their line of action in reverse
             place = x if lanes[_FORCE + LANE * mesh + planet] >= 0.0 else train.opposite_flank[mesh] - x
             at = (place - math.floor(place)) * points
             low = int(at)
@@ -117,20 +117,20 @@ def read_meshes(train, moving, lanes, table, cycles):
 
 @njit(error_model="numpy")
 def _read_runout(train, lanes, cycles):
-    """Run-out [m] of each mesh: how far an eccentric wheel's teeth stand out along the line of action.
+    """Run-out [m] of each mesh: displacement of an eccentric wheel's teeth along the line of action.
 
-    A planet whose pitch circle lies off its axis by e, at the angle b from the carrier's radius on, moves by e sin b
-    along the carrier's way and by e cos b outwards. Along the carrier's way it goes away from the sun's teeth and from
-    the ring's, outwards away from the sun's and into the ring's: with a pressure angle a
+    A planet whose pitch circle is off its axis by e, at the angle b from the carrier's radius, moves by e sin b in the
+    carrier's direction and by e cos b outwards. Moving in the carrier's direction, it moves away from the sun's teeth
+    and from the ring's; moving outwards, away from the sun's and into the ring's: with a pressure angle a
 
         delta_s = -e (cos a sin b + sin a cos b) = -e sin(b + a)
         delta_r = -e (cos a sin b - sin a cos b) = -e sin(b - a)
 
     (Lin and Parker, "Analytical characterization of the unique properties of planetary gear free vibration", J. Vib.
     Acoust. 121, 1999, eq. 1). So both meshes have the same sign, 2 a apart in the planet's turn: the ring meets the
-    planet half a turn from where the sun does, but on its other flank. With the phase p of the sun's mesh and the
-    planet's turn t = -b against the carrier, these are e sin(t + p) and e sin(t + p + 2 a). The flanks are those that
-    carry a load forward; on the others the outward part would change its sign, which is left out.
+    planet half a turn from the sun, but on its other flank. With the phase p of the sun's mesh and the planet's turn
+    t = -b against the carrier, these are e sin(t + p) and e sin(t + p + 2 a). The flanks are those that carry a load
+    forward; on the others the outward part would change its sign, which is neglected.
     """
     if train.runout[0] == 0.0 and train.runout[1] == 0.0 and train.runout[2] == 0.0:
         return
@@ -152,11 +152,11 @@ def _read_runout(train, lanes, cycles):
 
 @njit(error_model="numpy")
 def read_friction(train, moving, lanes, sun_speed, output_speed):
-    """Take the coefficient of friction of each mesh type at the present forces and speeds."""
+    """Update the friction coefficient of each mesh type at the present forces and speeds."""
     carrier = moving.carrier_speed
     rolling = 2.0 * math.tan(
         train.pressure_angle
-    )  # sum of both flanks' speeds at the pitch point, over that of the base circle
+    )  # sum of both flanks' speeds at the pitch point, relative to that of the base circle
     for mesh in range(3):
         force = 0.0
         for planet in range(PLANETS):
@@ -178,9 +178,9 @@ def read_friction(train, moving, lanes, sun_speed, output_speed):
 def follow_meshes(
     constants, train, moving, lanes, table, sun, sun_speed, carrier, output, output_speed, h, energies, accounting
 ):
-    """Read the meshes again where one has moved on, at angles [rad] of the middle of a step of ``h`` [s].
+    """Update the meshes if one has moved far enough, at angles [rad] of the middle of a step of ``h`` [s].
 
-    ``accounting`` books the energy that the change of stiffness brings.
+    ``accounting`` records the energy of the change of stiffness.
     """
     cycles = mesh_cycles(constants, sun, carrier, output)
     if moved_on(train, moving, cycles):

@@ -1,6 +1,6 @@
-"""What the compiled step looks up of a mesh at each point of its cycle: stiffness and arms of friction.
+"""Table of stiffness and friction arms of a mesh over its cycle, for the compiled step.
 
-Both vary with the place of contact only, so a table over one cycle is all that the step needs.
+Both depend only on the position of contact, so the step needs just a table over one cycle.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ def mesh_table(gearing: Gearing, stiffness: str = "alternating", youngs_modulus_
     """Array (3 meshes, POINTS + 1, 4) over one cycle u from 0 to 1, to be interpolated linearly; the last is the first.
 
     Columns: stiffness [N/m] of the pair at u base pitches from first contact, and of the pair one base pitch ahead of
-    it (0 once it has parted); then the arms of friction [m] about the first and the second wheel's axis,
+    it (0 once it has separated); then the arms of friction [m] about the first and the second wheel's axis,
 
         B_j = sum over the pairs of (stiffness / stiffness of all) * sgn(s - s_C) * rho_j,
 
-    s_C being the pitch point, where sliding turns round. With them the sliding speeds weighted by load are
+    s_C being the pitch point, where sliding reverses. With them the sliding speeds weighted by load are
     V_s = (w_s - w_c) B1 - W B2 at the sun, W B1 - w_c B2 at the fixed ring and W B1 - (w_c - w_o) B2 at the output ring
-    (W: planet relative to carrier), and friction's generalised force is -mu |F| sgn(V) dV/dw. It dissipates always.
-    The thesis's eqs 3.40 to 3.47 subtract w_c from a speed that is already relative, leave the ring out of 3.41 and
-    give the planet the sun's arm; friction then adds power.
+    (W: planet relative to carrier), and friction's generalised force is -mu |F| sgn(V) dV/dw. It always dissipates.
+    The thesis's eqs 3.40 to 3.47 subtract w_c from a speed that is already relative, omit the ring in 3.41 and give the
+    planet the sun's arm; friction then adds power.
 
     ``stiffness`` is alternating (Kuang and Yang's pairs), fourier (the thesis's series) or constant; the last two put
-    all of it into the first column. The arms are shared out by Kuang and Yang's stiffness in all three.
+    all of it into the first column. The arms are weighted by Kuang and Yang's stiffness in all three.
 
     Raises InputError for any other kind of stiffness, and for a modulus ratio that is not positive.
     """
@@ -59,8 +59,8 @@ def mesh_table(gearing: Gearing, stiffness: str = "alternating", youngs_modulus_
 def _cycle_of_pairs(gearing: Gearing, mesh: Mesh, youngs_modulus_ratio: float) -> Array:
     """One mesh's columns, (POINTS + 1, 4), of alternating pairs.
 
-    Each point has the mean over the step of the grid about it: so means over the cycle hold, wherever between points a
-    pair enters, parts or passes the pitch point.
+    Each point holds the mean over the grid step around it: so means over the cycle are correct, wherever between points
+    a pair enters, separates or passes the pitch point.
     """
     u = (np.arange(POINTS * SAMPLES) + 0.5 * (1 - SAMPLES)) / (POINTS * SAMPLES) % 1.0
     position = mesh.base_pitch * (u[:, np.newaxis] + np.arange(2))  # (samples, pairs)

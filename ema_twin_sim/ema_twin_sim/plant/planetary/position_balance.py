@@ -1,10 +1,10 @@
-"""The train in balance in every position: all nine meshes by themselves, in motion too slow for inertia to matter.
+"""Static balance of the train in every position: all nine meshes separately, in motion too slow for inertia.
 
-The balance of mean forces (``quasi_static.py``) has every planet carry a third. In truth the ring meshes' friction
-pulls at a planet now before, now behind the pitch point, and stiffer planets take more than their share: little beside
-ring forces, but several times the sun's, which are a forty-first of them. A third of the time a sun mesh pushes the
-wrong way, and its losses are 2.6 times those by mean forces, 5.5 times where the load drives (mu = 0.1). The running
-train (``train.py``) loses what this balance says.
+In the balance of mean forces (``quasi_static.py``) every planet carries a third. In fact, friction in the ring meshes
+acts on a planet before or after the pitch point, and stiffer planets take more than their share: little compared with
+ring forces, but several times the sun's, which are 1/41 of them. For a third of the time a sun mesh pushes the wrong
+way, and its losses are 2.6 times those by mean forces, 5.5 times if the load drives (mu = 0.1). The running train
+(``train.py``) has the losses of this balance.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from .mesh_table import AHEAD, ENTERING, FIRST_ARM, SECOND_ARM, Array
 from .phases import mesh_cycles, opposite_flank
 
 SIGN_CHANGES = 30
-"""Rounds in which meshes may change the side that they push on; three are usual."""
+"""Maximum iterations in which meshes may change the pushing side; three are usual."""
 
 
 @dataclass(frozen=True)
 class PositionBalance:
     """Balance at (n,) positions of the sun: its torque [N m], the meshes' forces [N] (n, 3 types, 3 planets).
 
-    ``efficiency`` is that of slow motion through all positions at a constant speed and load.
+    ``efficiency`` is that of slow motion through all positions at constant speed and load.
     """
 
     sun_torque: Array
@@ -41,9 +41,9 @@ def position_balance(
     load: float,
     positions: Array,
 ) -> PositionBalance:
-    """The train while its sun turns forwards, slowly, against ``load`` [N m at the fast shaft]; negative loads drive.
+    """Balance while the sun turns slowly forwards against ``load`` [N m at the fast shaft]; negative loads drive.
 
-    ``coefficients`` (3,) of friction of the mesh types, ``positions`` (n,) of the sun [rad], the other wheels where a
+    Friction ``coefficients`` (3,) of the mesh types, ``positions`` (n,) of the sun [rad]; the other wheels are where a
     rigid train has them. ``table`` is ``mesh_table``'s.
     """
     deflection = displacements(gearing).reshape(PLANETS, PLANETS, -1)  # (meshes, planets, coordinates)
@@ -75,9 +75,9 @@ def position_balance(
 
 
 def first_locking_coefficient(gearing: Gearing, table: Array, count: int = 500, accuracy: float = 1e-4) -> float:
-    """Smallest coefficient of friction with a position in which the output cannot drive the sun; infinite beyond 1.
+    """Smallest friction coefficient at which the output cannot drive the sun in some position; infinite beyond 1.
 
-    A slow load stops there: it need not come as far as the mean of all positions.
+    A slow load stops there, before the mean of all positions locks.
     """
     positions = all_positions(gearing, count)
 
@@ -94,7 +94,7 @@ def first_locking_coefficient(gearing: Gearing, table: Array, count: int = 500, 
 
 
 def all_positions(gearing: Gearing, count: int = 2000) -> Array:
-    """Positions [rad] of the sun spread over a turn of the output ring, after which all begins again."""
+    """Positions [rad] of the sun spread over a turn of the output ring, after which everything repeats."""
     return np.linspace(0.0, 2.0 * np.pi * abs(gearing.ratio), count, endpoint=False)
 
 

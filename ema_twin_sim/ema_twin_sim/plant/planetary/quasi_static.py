@@ -1,9 +1,8 @@
 """Forces, losses and self-locking of the train in slow steady motion, from the balance of its wheels.
 
-Without inertia, and with the mean arms of friction over a mesh cycle. Together with friction, the force F of a mesh
-acts on its two wheels by the arms a_j = r_j + mu sgn(F) sgn(V) B_j (``mesh_table``): what the thesis's eqs 3.42 to 3.47
-become by virtual work, carried on to the carrier and the output ring. V is never negative while the sun turns forwards.
-Of each planet
+Without inertia, and with the mean friction arms over a mesh cycle. With friction, the force F of a mesh acts on its two
+wheels with the arms a_j = r_j + mu sgn(F) sgn(V) B_j (``mesh_table``): the thesis's eqs 3.42 to 3.47 by virtual work,
+extended to the carrier and the output ring. V is never negative while the sun turns forwards. For each planet
 
     planet   a_s2 F_s = a_r1 F_r + a_o1 F_o            sun     T_s = 3 a_s1 F_s
     carrier  a_s1 F_s + a_r2 F_r + a_o2 F_o = 0        output  T_o = -3 a_o2 F_o
@@ -20,7 +19,7 @@ from .friction_coefficient import CONSTANT, friction_coefficient
 from .geometry import OUTPUT_MESH, PLANETS, RING_MESH, SUN_MESH, Gearing
 from .mesh_table import mean_arms
 
-MOST_ROUNDS = 200  # of coefficients and forces, each from the other; their powers of 0.2 and 0.25 settle in about 20
+MOST_ROUNDS = 200  # iterations between coefficients and forces; with exponents 0.2 and 0.25 they converge in about 20
 SETTLED = 1e-14  # of the largest force
 
 Array = NDArray[np.float64]
@@ -28,7 +27,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ToothFriction:
-    """Friction of the teeth: its law (``friction_coefficient``), constant coefficient, viscosity [Pa s], R_a [m]."""
+    """Tooth friction: its law (``friction_coefficient``), constant coefficient, viscosity [Pa s], R_a [m]."""
 
     law: int = CONSTANT
     constant: float = 0.0
@@ -56,11 +55,11 @@ class ToothFriction:
 
 @dataclass(frozen=True)
 class Balance:
-    """The train in balance while its sun turns forwards.
+    """Static balance of the train while its sun turns forwards.
 
-    ``sun_power`` [W] goes in at the sun and ``output_power`` out at the output ring: both negative where the output
+    ``sun_power`` [W] enters at the sun and ``output_power`` leaves at the output ring: both negative if the output
     drives. ``sun_torque`` [N m] acts on the sun, ``output_torque`` on the load. ``forces`` [N] are those of one
-    planet's meshes, ``losses`` [W] those of each kind of mesh, of all planets; order as in ``Gearing.meshes``.
+    planet's meshes, ``losses`` [W] those of each kind of mesh over all planets; order as in ``Gearing.meshes``.
     """
 
     output_drives: bool
@@ -74,7 +73,7 @@ class Balance:
 
     @property
     def efficiency(self) -> float:
-        """Power given over power taken. Negative where the output drives and the sun must help: self-locking."""
+        """Output power over input power. Negative if the output drives and the sun must help: self-locking."""
         given, taken = (
             (self.sun_power, self.output_power) if self.output_drives else (self.output_power, self.sun_power)
         )
@@ -82,7 +81,7 @@ class Balance:
 
     @property
     def loss_shares(self) -> Array:
-        """Share of each kind of mesh in all losses; of a train without losses, zeros."""
+        """Share of each kind of mesh in all losses; zeros without losses."""
         return self.losses / (self.losses.sum() or 1.0)
 
 
@@ -95,7 +94,7 @@ def static_forces(gearing: Gearing, sun_torque: float) -> Array:
 def sum_speeds(gearing: Gearing, speed: float) -> Array:
     """Sums of both flanks' rolling speeds [m/s] at the pitch point of each kind of mesh, relative to the carrier.
 
-    Each flank rolls at its base circle's speed times tan(pressure angle), and a mesh's base circles run alike.
+    Each flank rolls at its base circle's speed times tan(pressure angle); the base circles of a mesh have equal speeds.
     """
     planet = abs(speed) * gearing.planet_ratio
     base = np.array([gearing.planet_radius, gearing.planet_radius, gearing.second_planet_radius]) * planet
@@ -103,7 +102,7 @@ def sum_speeds(gearing: Gearing, speed: float) -> Array:
 
 
 def sliding_speeds(gearing: Gearing, arms: Array, speed: float) -> Array:
-    """Speeds of sliding [m/s] of each kind of mesh in rigid motion, mean over a cycle (V of ``mesh_table``)."""
+    """Sliding speeds [m/s] of each kind of mesh in rigid motion, mean over a cycle (V of ``mesh_table``)."""
     planet, carrier, output = gearing.planet_ratio, gearing.carrier_ratio, 1.0 / gearing.ratio
     turning = np.array([[1.0 - carrier, planet], [planet, carrier], [planet, carrier - output]])
     return speed * (turning[:, 0] * arms[:, 0] - turning[:, 1] * arms[:, 1])
@@ -119,8 +118,8 @@ def balance(
 ) -> Balance:
     """Balance of the train with the sun turning at ``speed`` > 0 [rad/s], driven by ``torque`` > 0 [N m].
 
-    The torque drives at the sun, or (``output_drives``) at the output ring, which then turns the sun against a load, or
-    with its help where the train is self-locking. ``table`` is ``mesh_table``'s.
+    The torque drives the sun, or (``output_drives``) the output ring, which then turns the sun against a load, or with
+    its help if the train is self-locking. ``table`` is ``mesh_table``'s.
     """
     radii, arms = _radii(gearing), mean_arms(table)
     drives = -1.0 if output_drives else 1.0
@@ -171,9 +170,9 @@ def efficiencies(
 
 
 def self_locking_coefficient(gearing: Gearing, table: Array) -> float:
-    """Smallest coefficient of friction at which the output cannot drive the sun; infinite where it always can.
+    """Smallest friction coefficient at which the output cannot drive the sun; infinite if it always can.
 
-    There the sun's force vanishes: a_r1 a_o2 = a_o1 a_r2, a quadratic in the coefficient, with the signs of the forces
+    There the sun's force vanishes: a_r1 a_o2 = a_o1 a_r2, a quadratic equation in the coefficient, with the force signs
     of a driving output.
     """
     radii, arms = _radii(gearing), mean_arms(table)
@@ -193,7 +192,7 @@ def _radii(gearing: Gearing) -> Array:
 def _proportions(acting: Array) -> Array:
     """Forces of one planet's meshes up to a common factor, from the balance of planet and carrier.
 
-    Without a division, since the sun's force vanishes where the train locks.
+    No division, since the sun's force vanishes if the train locks.
     """
     (s1, s2), (r1, r2), (o1, o2) = acting
     return np.array([r1 * o2 - o1 * r2, s2 * o2 + o1 * s1, -(r1 * s1 + r2 * s2)])

@@ -1,6 +1,6 @@
 """One step of the planetary 3K train between a motor and an output: sun, three planet pairs, carrier, output ring.
 
-Thesis, chapter 3, whole and corrected (the thesis stops at the first stage and divides by 124). With W_i a planet's
+Thesis, chapter 3, complete and corrected (the thesis stops at the first stage and divides by 124). With W_i a planet's
 absolute spin, so that it turns by theta_c - phi_i against the carrier, the mesh deflections (3.17-3.28) are
 
     delta_s,i = r_s (theta_s - theta_c) - r_p (theta_c - phi_i)
@@ -8,21 +8,21 @@ absolute spin, so that it turns by theta_c - phi_i against the carrier, the mesh
     delta_o,i = r_p2 (theta_c - phi_i) - r_o (theta_c - theta_o)
 
 In these coordinates inertia is diagonal: a planet's spin, and the carrier with its planets' orbiting masses (3.5-3.8
-leave out that the carrier takes the planets along). Per mesh F = k f(delta) + c delta', f the dead zone of (3.4): the
-thesis prints k where k f(delta) is meant, and "f = 1" where f(delta) = delta. Torques are -F d(delta)/d(coordinate)
-(3.3, 3.5-3.8). A mesh pulls as well as it pushes: the output ring's carry -42 times the sun's force.
+omit that the carrier moves the planets). Per mesh F = k f(delta) + c delta', f the dead zone of (3.4): the thesis
+prints k where k f(delta) is meant, and "f = 1" for f(delta) = delta. Torques are -F d(delta)/d(coordinate) (3.3,
+3.5-3.8). A mesh can pull as well as push: the output ring meshes carry -42 times the sun's force.
 
-Friction acts across the line of action (3.29-3.30), on each coordinate as virtual work has it: with the weighted
-sliding speed V = sum of dV/dq' q', a force f is -f dV/dq'. (3.40-3.47 subtract the carrier's speed twice, leave the
-ring out, and give the planet the sun's arm: friction then adds power.) In place of mu |F| sgn(V) the contact gives way
-across as it does along, with a stiffness of its own (Mindlin, "Compliance of elastic bodies in contact", 1949: about
-0.8 of the normal one), until f reaches mu |F|, where it slides. So teeth hold still without creeping, what a load locks
-stays locked, and planets so light that one step of mu |F| would turn their sliding round do not chatter.
+Friction acts perpendicular to the line of action (3.29-3.30), on each coordinate by virtual work: with the weighted
+sliding speed V = sum of dV/dq' q', a force f gives -f dV/dq'. (3.40-3.47 subtract the carrier's speed twice, omit the
+ring, and give the planet the sun's arm: friction then adds power.) Instead of mu |F| sgn(V), the contact is elastic
+tangentially, with a stiffness of its own (Mindlin, "Compliance of elastic bodies in contact", 1949: about 0.8 of the
+normal one), until f reaches mu |F|, where it slides. So teeth stick without creeping, a train locked by a load stays
+locked, and planets so light that one step of mu |F| would reverse their sliding do not chatter.
 
-A spring k(theta) that its wheels make stiffer as they turn also holds them back, by 1/2 delta^2 dk/dtheta. Like the
-thesis, this leaves it out, so a tooth that comes into contact under load brings its energy 1/2 k delta^2 with it, and
-one that goes takes it along: that is booked as ``stiffness_change`` where the stiffness is read anew (``energy.py``),
-and with it the energies balance. It is under 2 % of what passes through the bench's train (docs/physics.md).
+A spring k(theta) whose stiffness rises as its wheels turn also opposes them with 1/2 delta^2 dk/dtheta. Like the
+thesis, this model omits it, so a tooth that comes into contact under load adds its energy 1/2 k delta^2, and one that
+leaves removes it. This is recorded as ``stiffness_change`` when the stiffness is updated (``energy.py``), and with it
+the energies balance. It is under 2 % of the energy through the bench's train (docs/physics.md).
 
 Step: drift, kick, drift as in ``transmission.py``.
 """
@@ -53,7 +53,7 @@ def _elastic(depth, stiffness, half_play):
 
 @compiled
 def _rubbing(force, level):
-    """Friction [N] across a mesh: held within what slides."""
+    """Friction [N] of a mesh, limited to the sliding level."""
     return level if force > level else (-level if force < -level else force)
 
 
@@ -61,11 +61,11 @@ def _rubbing(force, level):
 def train_step(
     constants, friction_coefficient, lanes, sun_angle, sun_speed, carrier, carrier_speed, output_angle, output_speed
 ):
-    """Advance planets and carrier by a step; return the torques [N m] that the train puts on sun and output ring.
+    """Advance planets and carrier by a step; return the train's torques [N m] on sun and output ring.
 
-    With them the carrier's angle [rad] and speed [rad/s] after the step. ``constants`` are ``TrainConstants``. Angles
-    of sun, carrier and output ring are those at the middle of the step, speeds those before it; the output is the slow
-    shaft. ``lanes`` hold the planets and what the meshes last were (``mesh_state.py``).
+    Also returns the carrier's angle [rad] and speed [rad/s] after the step. ``constants`` are ``TrainConstants``.
+    Angles of sun, carrier and output ring are those in the middle of the step, speeds those before it; the output is
+    the slow shaft. ``lanes`` hold the planets and the last state of the meshes (``mesh_state.py``).
     """
     r_s = constants.sun_radius
     r_p = constants.planet_radius
@@ -84,7 +84,7 @@ def train_step(
     across_r = constants.across_ring
     across_o = constants.across_output
     half = 0.5 * constants.step
-    # what all planets' meshes share
+    # common to all planets' meshes
     d_s = r_s * sun_angle - r_sp * carrier
     d_r = r_pr * carrier
     d_o = r_po * carrier + r_o * output_angle

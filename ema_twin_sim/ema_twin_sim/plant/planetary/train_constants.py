@@ -1,4 +1,4 @@
-"""What a step needs of a train's constants, worked out once for all steps of one length."""
+"""Constants of a step derived from a train's constants, computed once for all steps of one length."""
 
 from typing import NamedTuple
 
@@ -21,12 +21,12 @@ class TrainConstants(NamedTuple):
     half_play_sun: float  # m
     half_play_ring: float
     half_play_output: float
-    across_sun: float  # N s/m, friction of teeth that a step's sliding speed builds up
+    across_sun: float  # N s/m, tooth friction built up in a step per sliding speed
     across_ring: float
     across_output: float
-    planet_gain: float  # s/(kg m2), what a torque does to a planet's speed in a step
+    planet_gain: float  # s/(kg m2), change of a planet's speed per torque in a step
     carrier_gain: float
-    # mesh cycles per rad, and of the first planet where all travels are zero
+    # mesh cycles per rad, and of the first planet at zero travel
     sun_cycles: float
     ring_cycles: float
     output_cycles: float
@@ -39,8 +39,8 @@ class TrainConstants(NamedTuple):
 def train_constants(train, origin, step):
     """The constants of steps of ``step`` [s] for a record of ``layout.TRAIN``, with the sun at ``origin`` [rad].
 
-    What the counters do not tell, which of the teeth of planets and rings were together then, is taken as zero: the
-    wheels' own angles at the start are where a rigid train stands with the sun at its origin.
+    The counters do not show which teeth of planets and rings were in contact at the start, so it is assumed: the wheels
+    start at the angles of a rigid train with the sun at its origin.
     """
     sun_cycles = train.sun_teeth / TURN
     ring_cycles = train.ring_teeth / TURN
@@ -74,7 +74,7 @@ def train_constants(train, origin, step):
 
 @compiled
 def rigid_angles(train, sun):
-    """Angles [rad] of carrier and output ring where the sun of a rigid train stands at ``sun``."""
+    """Angles [rad] of carrier and output ring of a rigid train with the sun at ``sun``."""
     carrier = sun * (train.sun_radius / (train.sun_radius + train.ring_radius))
     to_output = 1.0 - train.ring_radius * train.second_planet_radius / (train.planet_radius * train.output_ring_radius)
     return carrier, carrier * to_output

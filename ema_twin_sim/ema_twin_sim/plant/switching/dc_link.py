@@ -1,9 +1,9 @@
-"""What the DC link allows: the voltage that a speed and a current need, and the highest speed at a current.
+"""Limits of the DC link: the voltage needed for a speed and a current, and the highest speed at a current.
 
-The bridge puts at most the DC link's voltage across two phases. Sinusoidal phases: the amplitude of the phase voltage,
-back-EMF and resistance in quadrature and the reactance at right angles to both, times the root of three. Trapezoidal
-ones: two phases in series between commutations; to commutate as well, the current needs some voltage more. Motor and
-bridge as in ``windings.py``, healthy but for the magnets; steady state, without the switching ripple.
+The bridge applies at most the DC link voltage across two phases. Sinusoidal phases: the amplitude of the phase voltage
+(back-EMF and resistive drop in phase, the reactive drop in quadrature), times the root of three. Trapezoidal phases:
+two in series between commutations; commutation itself needs some more voltage. Motor and bridge as in ``windings.py``,
+healthy except for the magnets; steady state, without switching ripple.
 """
 
 import math
@@ -32,12 +32,12 @@ def voltage_needed(winding: np.void, speed: float, current: float) -> float:
 
 
 def highest_speed(winding: np.void, current: float) -> float:
-    """Highest speed [rad/s] at which the DC link can drive ``current`` [A, quadrature]; zero where it never can."""
+    """Highest speed [rad/s] at which the DC link can drive ``current`` [A, quadrature]; zero if it never can."""
     emf, resistive, reactive = _phase(winding, current)
     link = float(winding["dc_link_voltage"])
     if winding["trapezoidal"]:
         return max(0.0, (0.5 * link - resistive) / emf)
-    # the root of (emf w + resistive)^2 + (reactive w)^2 = link^2 / 3 that is above zero
+    # the positive root of (emf w + resistive)^2 + (reactive w)^2 = link^2 / 3
     spare = link * link / 3.0 - resistive * resistive
     if spare <= 0.0:
         return 0.0

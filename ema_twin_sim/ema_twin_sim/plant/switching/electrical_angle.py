@@ -1,4 +1,4 @@
-"""Sine and cosine of the electrical angle: anew from the angle, or turned on by what a step adds to it."""
+"""Sine and cosine of the electrical angle: computed from the angle, or rotated by a step's increment."""
 
 import math
 
@@ -9,10 +9,10 @@ from ..compiled import compiled
 
 @compiled
 def sine_and_cosine(turns):
-    """(sine, cosine) of an angle given in turns, to 1e-15 of full scale, at half the cost of two library calls.
+    """(sine, cosine) of an angle in turns, to 1e-15 of full scale, at half the cost of two library calls.
 
-    Folded to an eighth of a turn either side of the nearest quarter; there the minimax polynomials of Sun's fdlibm
-    (k_sin.c, k_cos.c), summed in pairs so that a processor can work on several terms at once.
+    The angle is folded to an eighth of a turn on either side of the nearest quarter; there the minimax polynomials of
+    Sun's fdlibm (k_sin.c, k_cos.c) are summed in pairs, so that a processor can compute several terms at once.
     """
     quarters = np.floor(4.0 * turns + 0.5)
     x = (4.0 * turns - quarters) * (0.5 * math.pi)
@@ -36,10 +36,10 @@ def sine_and_cosine(turns):
 
 @compiled
 def turned(sine, cosine, angle):
-    """(sine, cosine) after a further small ``angle`` [rad]: the angle-sum rule, both series up to the fourth power.
+    """(sine, cosine) after a further small ``angle`` [rad]: angle-sum formula, both series up to the fourth power.
 
-    A third of the cost of ``sine_and_cosine``. The error of a step, angle^5 / 120, is 1e-17 at 1 us and 100 rad/s and
-    3e-15 at 8000 rpm, four pole pairs; it adds up, so begin anew with every control cycle.
+    A third of the cost of ``sine_and_cosine``. The error per step, angle^5 / 120, is 1e-17 at 1 us and 100 rad/s and
+    3e-15 at 8000 rpm, four pole pairs; it accumulates, so start again with every control cycle.
     """
     square = angle * angle
     rise = angle - angle * square * (1.0 / 6.0)

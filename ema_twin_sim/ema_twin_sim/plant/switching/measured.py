@@ -1,8 +1,8 @@
-"""Signal acquisition: quadrature and direct current and quadrature voltage, as the drive works them out.
+"""Signal acquisition: quadrature and direct current and quadrature voltage, as computed by the drive.
 
-The drive knows the healthy shapes at the angle of its resolver and nothing else. Source: the thesis's block "Signal
-acquisition", outputs I_3eq, Id and V_3eq, filter simulation.tauFilter (5*10e-5 s in the script: 0.5 ms). Each function
-takes values of phases u, v, w; those of currents add up to zero, those of voltages may be taken to any common point.
+The drive knows only the healthy shapes at the angle of its resolver. Source: the thesis's block "Signal acquisition",
+outputs I_3eq, Id and V_3eq, filter simulation.tauFilter (5*10e-5 s in the script: 0.5 ms). Each function takes values
+of phases u, v, w; currents add up to zero, voltages may refer to any common point.
 """
 
 from ..compiled import compiled
@@ -11,7 +11,7 @@ from .shapes import HALF_ROOT_OF_THREE
 
 @compiled
 def in_quadrature(sine, cosine, u, v, w):
-    """Sum of the values, each weighed by its sine (``shapes.three_phases``): 3/2 of Park's quadrature component."""
+    """Sum of the values weighted by their sines (``shapes.three_phases``): 3/2 of Park's quadrature component."""
     return sine * (u - 0.5 * (v + w)) - cosine * (HALF_ROOT_OF_THREE * (v - w))
 
 
@@ -23,11 +23,11 @@ def direct(sine, cosine, u, v, w):
 
 @compiled
 def weighed(shape_u, shape_v, shape_w, u, v, w):
-    """Sum of the values, each weighed by its shape."""
+    """Sum of the values weighted by their shapes."""
     return shape_u * u + shape_v * v + shape_w * w
 
 
 @compiled
 def filtered(before, now, gain):
-    """First-order lag after a step in which its input was ``now``."""
+    """First-order lag after a step with constant input ``now``."""
     return before + gain * (now - before)

@@ -1,4 +1,4 @@
-"""The resolver: where the drive believes the rotor is."""
+"""The resolver: the rotor angle assumed by the drive."""
 
 import math
 
@@ -7,10 +7,11 @@ from ..compiled import compiled
 
 @compiled
 def resolver_error(constants, angle):
-    """Error [rad] of the motor angle that the resolver shows, at a true one [rad].
+    """Error [rad] of the resolver at a true motor angle [rad].
 
-    An offset (the resolver was not set to the rotor's axis) and a wave over the turn (its own eccentricity: order 1;
-    unequal windings: twice its pole pairs). The pole pairs multiply it: 1 deg of the shaft is 4 deg electrical.
+    An offset (the resolver was not aligned with the rotor axis) and a sinusoidal error over the turn (eccentricity:
+    order 1; unequal windings: twice its pole pairs). The pole pairs multiply it: 1 deg of the shaft is 4 deg
+    electrical.
     """
     return constants.resolver_offset + constants.resolver_amplitude * math.sin(
         constants.resolver_order * angle + constants.resolver_phase

@@ -1,6 +1,6 @@
-"""Shapes of the back-EMF of the three phases over the electrical angle, of unit amplitude.
+"""Back-EMF shapes of the three phases over the electrical angle, with unit amplitude.
 
-Phases v and w follow u by a third and two thirds of an electrical turn; currents of these shapes make torque.
+Phases v and w follow u by a third and two thirds of an electrical turn; currents with these shapes make torque.
 """
 
 import math
@@ -22,7 +22,7 @@ def three_phases(sine, cosine):
 
 @compiled
 def trapezoid(turns):
-    """Trapezoid over an angle in turns: it rises from 0 to 1 in 30 deg, stays for 120 deg, and so on like a sine."""
+    """Trapezoid over an angle in turns: rises from 0 to 1 in 30 deg, stays for 120 deg, then symmetric like a sine."""
     later = turns + 0.75
     triangle = 3.0 * (4.0 * math.fabs(later - np.floor(later) - 0.5) - 1.0)
     return 1.0 if triangle > 1.0 else (-1.0 if triangle < -1.0 else triangle)

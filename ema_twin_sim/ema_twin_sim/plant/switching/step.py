@@ -30,18 +30,18 @@ def switching_step(
     cosine,
     speed,
 ):
-    """What a step of the length that ``constants`` (``StepConstants``) are for makes of currents, legs and filters.
+    """Advance currents, legs and filters by one step, whose length is that of ``constants`` (``StepConstants``).
 
     The state: phase currents u and v [A] (w's is minus their sum), legs (1 or -1), filtered quadrature and direct
     current [A] and quadrature voltage [V]. The drive: ``setpoint`` [A] of the quadrature current. The motor, in the
     middle of the step: ``angle`` [rad], ``sine`` and ``cosine`` of pole pairs x angle (``electrical_angle.py``), and
-    ``speed`` [rad/s]. The middle makes the back-EMF second order, and comparators, which see the currents where the
-    step begins, take their references there too: one sine serves all.
+    ``speed`` [rad/s]. The middle makes the back-EMF second order. The comparators see the currents at the start of the
+    step, but use references at its middle, too, so that one sine serves all.
 
     Returns the state after the step in the same order, with w's current after v's; then, as means over the step, the
-    shaft's torque [N m] (cut off hard at the motor's limit, as the thesis's BLDC.TMM), the air gap's torque [N m] (not
-    cut off), the power [W] out of the DC link and the power [W] lost in windings and switches. To rounding, power out
-    of the link = loss + air gap torque x speed + change of sum L i^2 / 2 over the step's length.
+    shaft torque [N m] (limited to the motor's maximum, the thesis's BLDC.TMM), the air gap torque [N m] (not limited),
+    the power [W] from the DC link and the power [W] lost in windings and switches. To rounding, power from the link =
+    loss + air gap torque x speed + change of sum L i^2 / 2 over the step's length.
     """
     shown_angle, shown_sine, shown_cosine = angle, sine, cosine
     turns = constants.pole_pairs / (2.0 * math.pi)

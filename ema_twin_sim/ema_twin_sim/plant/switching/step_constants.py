@@ -1,4 +1,4 @@
-"""What a step needs of a winding's constants, worked out once for all steps of one length."""
+"""Constants of a step derived from a winding's constants, computed once for all steps of one length."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from .current_reference import phase_amplitude
 
 
 class StepConstants(NamedTuple):
-    """Constants for steps of one length, per phase u, v, w where they may differ."""
+    """Constants for steps of one length, separate for phases u, v, w if they may differ."""
 
     pole_pairs: float
     half_link: float  # V
@@ -22,8 +22,8 @@ class StepConstants(NamedTuple):
     resistance_u: float  # ohm, switch and winding
     resistance_v: float
     resistance_w: float
-    response_uu: float  # A per V across phases u and w: what a step adds to u's current
-    response_uv: float  # A per V across v and w, to u's; and the other way round
+    response_uu: float  # A per V across phases u and w: change of u's current in a step
+    response_uv: float  # A per V across v and w: change of u's current; symmetric
     response_vv: float
     eccentricity: float
     eccentricity_phase: float

@@ -1,13 +1,13 @@
-"""Three windings in star, whose star point floats.
+"""Three windings in star with a floating star point.
 
 Phase k, from its leg's voltage v_k (to the middle of the DC link): v_k - v_n = R_k i_k + L_k di_k/dt + e_k, and the
-currents add up to zero, which fixes the star point's voltage v_n, also where the phases are no longer alike. Currents
-go by the implicit midpoint rule: every term is taken with the mean current m of the step, and e_k at the angle of its
-middle. That is second order, stable at any step, and balances exactly: multiplied by m_k and summed,
+currents add up to zero, which determines the star point's voltage v_n, also if the phases are unequal. Currents are
+integrated with the implicit midpoint rule: every term uses the mean current m of the step, and e_k the angle of its
+middle. This is second order, stable at any step, and conserves energy exactly: multiplied by m_k and summed,
 
     sum v_k m_k = sum R_k m_k^2 + sum L_k (i_k'^2 - i_k^2) / (2 h) + sum e_k m_k,
 
-where v_n is gone because the m_k add up to zero. Solved for the step's end, with g_k = 1 / (L_k / h + R_k / 2) and
+where v_n vanishes because the m_k add up to zero. Solved for the step's end, with g_k = 1 / (L_k / h + R_k / 2) and
 f_k = v_k - e_k - R_k i_k: i_k' - i_k = g_k (f_k - v_n), v_n = sum g_k f_k / sum g_k; in the two voltages f_u - f_w
 and f_v - f_w that is a symmetric matrix of three constants (``step_constants.py``).
 
@@ -16,14 +16,14 @@ N of the resistance (length of wire), N^2 of the inductance. The current in the 
 torque are not modelled. Shorts and eccentricity are the faults of the bench's group (Dalla Vedova, Germanà, Berri and
 Maggiore, Aerospace 6, 2019, 94).
 
-Eccentricity: a rotor off centre by the share zeta of the air gap leaves a gap 1 - zeta cos around the stator, and the
-flux follows its inverse, to first order 1 + zeta cos. The script gives a modulus and a phase (BLDC.zeta, BLDC.phi); its
-block is not printed. Here each phase meets the narrow gap when the rotor has turned to it, a third of a turn after the
-one before: k_k = Ke N_k (1 + zeta cos(theta + phi - 2 pi k / 3)), k = 0, 1, 2. One cosine common to all three would say
-that the whole flux swells and shrinks, which no displacement does: it widens the gap on one side as it narrows it on
-the other. (A gap that stayed narrow at one place of the stator would only set the phases off against each other, which
-is what active turns do.) With imposed sinusoidal currents the torque keeps its mean and ripples at the order P + P + 1
-by zeta / 2 (see the tests).
+Eccentricity: a rotor off centre by the share zeta of the air gap leaves a relative gap 1 - zeta cos around the stator,
+and the flux is its inverse, to first order 1 + zeta cos. The script gives a modulus and a phase (BLDC.zeta, BLDC.phi);
+its block is not printed. Here each phase meets the narrow gap when the rotor has turned to it, a third of a turn after
+the previous one: k_k = Ke N_k (1 + zeta cos(theta + phi - 2 pi k / 3)), k = 0, 1, 2. One cosine common to all three
+would modulate the whole flux, which no displacement does: it widens the gap on one side as it narrows it on the other.
+(A gap that stayed narrow at one place of the stator would only make the phases unequal, as active turns do.) With
+imposed sinusoidal currents the torque keeps its mean and has a ripple of zeta / 2 at the order P + P + 1 (see the
+tests).
 """
 
 import math
@@ -35,9 +35,9 @@ from .shapes import three_phases
 
 @compiled
 def eccentric(constants, angle):
-    """Factors of the three phases' back-EMF at a motor angle [rad], as an eccentric rotor makes them."""
+    """Factors on the three phases' back-EMF at a motor angle [rad] for an eccentric rotor."""
     sine, cosine = sine_and_cosine((angle + constants.eccentricity_phase) / (2.0 * math.pi))
-    u, v, w = three_phases(cosine, -sine)  # a quarter of a turn on: cosines
+    u, v, w = three_phases(cosine, -sine)  # shifted by a quarter turn: cosines
     return (
         1.0 + constants.eccentricity * u,
         1.0 + constants.eccentricity * v,
@@ -47,7 +47,7 @@ def eccentric(constants, angle):
 
 @compiled
 def current_changes(constants, current_u, current_v, voltage_u, voltage_v, voltage_w):
-    """Changes [A] of the currents of u and v in a step, from currents [A] and voltages behind the back-EMF [V]."""
+    """Changes [A] of the currents of u and v in a step, from currents [A] and voltages minus the back-EMF [V]."""
     free_w = voltage_w + constants.resistance_w * (current_u + current_v)
     across_u = voltage_u - constants.resistance_u * current_u - free_w
     across_v = voltage_v - constants.resistance_v * current_v - free_w
