@@ -113,8 +113,8 @@ def run(
 
     from ..live.live_model import live_model
     from ..measured.noise import noise_of
+    from ..measured.quieter_motion import as_measured
     from ..model import save_model
-    from ..model.matching import matched
     from ..model.model_file import check_model_name
     from ..nodes.live import run_live
     from ..nodes.live_session import HealthAsked
@@ -142,7 +142,7 @@ def run(
             raise InputError(f"{run}: holds {len(recordings)} recordings; live plays one, name it")
         refuse_points(recordings[0])
         refuse_encoders_alone(recordings[0])
-        recording = matched(recordings[0], found)
+        recording = as_measured(recordings[0], found)
     driving = choose_input(recording, found, input) if recording is not None else input
     if recording is not None and driving is not None:
         refuse_recording_beyond_link(found, recording, driving)

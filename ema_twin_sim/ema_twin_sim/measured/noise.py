@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from ema_bench_replay.recording import Recording
 
 from ..model import Model
-from ..model.matching import matched
 from ..simulation.sensor_noise import noise_floors
+from .quieter_motion import as_measured
 from .scales import begun_near, to_rotary_equivalent
 
 NoiseFloor = dict[str, float]
@@ -24,7 +24,7 @@ def noise_of(recordings: Sequence[Recording], model: Model) -> NoiseFloor:
     """
     if not recordings:
         return noise_floors(to_rotary_equivalent(recordings, model)[1])
-    taken = [matched(recording, model) for recording in recordings]
+    taken = [as_measured(recording, model) for recording in recordings]
     recordings, near = to_rotary_equivalent(taken, begun_near(taken, model))
     kinds = {(r.has("speed"), r.sample_period) for r in recordings}
     floors = {kind: noise_floors(near, has_speed=kind[0], period=kind[1]) for kind in kinds}

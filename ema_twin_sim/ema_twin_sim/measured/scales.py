@@ -20,13 +20,13 @@ from ..criteria import ALL_BUT_SPIKES, NEARLY_ALL, SMALL, STANDSTILL
 from ..effects import catalogue, find_effect
 from ..effects.catalogue import is_own, own_files
 from ..model import Model, reference_bench
-from ..model.matching import matched
 from ..model.own_units import OwnUnits, model_in, recording_in
 from ..model.roles import COMPLIANT_EFFECTS, DRY_FRICTION, FRICTION
 from ..simulation.behind_motor import encoder_units, of_encoders_alone, typical_units
 from ..simulation.operating_points import HOLDING
 from ..simulation.simulate import POINTWISE
 from .balance_estimate import estimate_balance
+from .quieter_motion import as_measured
 
 INERTIAS = ("machine.motor_inertia", "machine.gearbox_inertia", "machine.output_inertia")
 
@@ -36,7 +36,7 @@ def to_rotary_equivalent(recordings: Sequence[Recording], model: Model) -> tuple
 
     Raises InputError if they do not belong together.
     """
-    found = [matched(recording, model) for recording in recordings]
+    found = [as_measured(recording, model) for recording in recordings]
     if model.motion == "rotary":
         return found, model
     units = OwnUnits(radius=drum_radius(found))
@@ -48,7 +48,7 @@ def to_own_units(recordings: Sequence[Recording], model: Model) -> tuple[list[Re
 
     Raises InputError if they do not belong together.
     """
-    found = [matched(recording, model) for recording in recordings]
+    found = [as_measured(recording, model) for recording in recordings]
     begun = begun_near(found, model)
     units = own_units(found, begun)
     return [recording_in(recording, units) for recording in found], model_in(begun, units)
@@ -110,7 +110,7 @@ def standstill(recordings: Sequence[Recording], model: Model, source: str) -> fl
     """
     if source == POINTWISE:
         return 0.5 * HOLDING
-    found = [matched(recording, model) for recording in recordings]
+    found = [as_measured(recording, model) for recording in recordings]
     return STANDSTILL / own_units(found, begun_near(found, model)).time
 
 

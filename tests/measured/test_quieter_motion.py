@@ -1,0 +1,80 @@
+"""A speed that is a difference of counts: the motion is taken from the position, and the inertia is not too small."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ema_bench_replay.recording import Recording
+from ema_twin_sim.discovery.discover import discover
+from ema_twin_sim.measured.quieter_motion import as_measured
+from ema_twin_sim.model import load_model
+from ema_twin_sim.model.own_units import OwnUnits, recording_in
+
+PERIOD = 1e-3  # s
+COUNTS = 10_000  # per revolution
+COUNT = 2.0 * math.pi / COUNTS
+INERTIA, VISCOUS, DRY, GRAVITY = 1e-3, 5e-3, 0.05, 0.3
+NOISE = 0.01  # A, at 1 N m/A
+
+
+def swung(rate=3.0, seconds=10.0, gravity=GRAVITY, speed_noise=None, seed=1):
+    """A motor with a weight swings: position in counts, speed as their difference unless its noise [rad/s] is given."""
+    random = np.random.default_rng(seed)
+    time = np.arange(round(seconds / PERIOD)) * PERIOD
+    fast, slow = 2.0 * math.pi * rate, 2.0 * math.pi * 0.4 * rate
+    angle = 1.2 * np.sin(fast * time) + 1.5 * np.sin(slow * time)
+    speed = 1.2 * fast * np.cos(fast * time) + 1.5 * slow * np.cos(slow * time)
+    acceleration = -1.2 * fast**2 * np.sin(fast * time) - 1.5 * slow**2 * np.sin(slow * time)
+    torque = INERTIA * acceleration + VISCOUS * speed + DRY * np.sign(speed) + gravity * np.sin(angle)
+    position = COUNT * np.round(angle / COUNT)
+    if speed_noise is None:
+        read = np.diff(position, prepend=position[0] - COUNT) / PERIOD
+    else:
+        read = speed + speed_noise * random.standard_normal(len(time))
+    signals = {
+        "current": torque + NOISE * random.standard_normal(len(time)),
+        "speed": read,
+        "motor_position": position,
+    }
+    return Recording("swung", np.arange(len(time)) * 1_000_000, signals, motor_angle_origin=0.0)
+
+
+@pytest.fixture(scope="module")
+def motor():
+    model = load_model("laas_motor").with_value("machine.torque_constant", 1.0)
+    model = model.with_value("sensors.current_noise", NOISE).with_value("sensors.sample_period", PERIOD)
+    model = model.with_value("sensors.motor_encoder_counts", float(COUNTS)).with_value("sensors.speed_noise", 0.2)
+    model = model.with_effect("coulomb_friction", {"torque": 0.1})
+    model = model.with_effect("viscous_friction", {"coefficient": 0.01})
+    return replace(model, effects={name: replace(held, open=True) for name, held in model.effects.items()})
+
+
+def test_a_speed_of_single_counts_is_left_out_and_said_so(motor):
+    given = swung()
+    found = as_measured(given, motor)
+    assert {*given.signals} - {*found.signals} == {"speed"}
+    assert "its speed is too noisy for the acceleration" in found.warnings[-1]
+    assert as_measured(found, motor) is found  # and said so once
+
+
+@pytest.mark.parametrize("recording", [swung(speed_noise=2e-3), swung(speed_noise=0.0)])
+def test_a_quiet_speed_stays(recording, motor):
+    assert as_measured(recording, motor) is recording
+
+
+def test_a_machine_at_another_scale_keeps_what_a_similar_one_keeps(motor):
+    units = OwnUnits(time=7.0, torque=0.2, current=0.2)
+    for noise in (None, 2e-3):
+        found = as_measured(recording_in(swung(speed_noise=noise), units), motor)
+        assert found.has("speed") == (noise is not None)
+
+
+def test_a_weight_is_found_behind_a_speed_of_single_counts(motor):
+    found = discover([swung(seed=k, rate=rate) for k, rate in enumerate((2.0, 3.0))], motor)
+    assert found.added == ("gravity_load",)
+    torque = found.parameters["gravity_load"]["torque"]
+    assert torque["value"] == pytest.approx(GRAVITY, rel=0.03)
+    inertia = next(iter(found.constants["machine"].values()))
+    assert inertia["value"] == pytest.approx(INERTIA, rel=0.03)
