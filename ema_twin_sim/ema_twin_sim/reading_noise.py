@@ -16,6 +16,14 @@ def reading_noise(values: np.ndarray) -> float:
     return float(1.4826 * np.median(np.abs(third - np.median(third))) / np.sqrt(20.0))
 
 
+def polled_noise(values: np.ndarray) -> float:
+    """The same of a sensor that may be polled faster than it updates, so that it repeats each reading.
+
+    If most third differences are therefore zero, only readings that differ from the one before are used.
+    """
+    return reading_noise(values) or reading_noise(values[1:][np.diff(values) != 0.0])
+
+
 def noise_at_points(values: np.ndarray, over: Sequence[np.ndarray]) -> float:
     """The same of values (n,) at operating points, whose rows may come in any order.
 

@@ -157,7 +157,7 @@ def fit(
         a = jac.T @ jac + pj.T @ pj
         g = jac.T @ (raw * weights) + pj.T @ pr
         if noise:
-            noise.taken_out(h, predicted, a, g)
+            noise.taken_out(predicted, a, g)
         # parameters held at a bound that they push against
         held = ((h.values <= lower) & (g < 0)) | ((h.values >= upper) & (g > 0))
         idx = np.flatnonzero(~held)

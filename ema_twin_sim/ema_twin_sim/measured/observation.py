@@ -173,9 +173,9 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
     if not geared and "speed" not in signals:
         width = narrowest(signals["motor_position"], period, reading, width, LEAST_PERIODS * period)
     if bridging:
-        width = max(width, min(2.0 * _usual_step(recording), widest))
+        width = max(width, min(_usual_step(recording), widest))
     kernel = gaussian(width, period)
-    whole = apart <= max(1.0, 0.5 * width / period)  # a kernel bridges gaps much shorter than itself
+    whole = apart <= max(1.0, (1.0 if bridging else 0.5) * width / period)  # a kernel bridges gaps shorter than itself
     if len(time) < 4 * len(kernel):
         raise InputError(f"{recording.name}: lasts {second * recording.duration:.3g} s; a diagnosis needs longer ones")
     ratio = model.value("machine.gear_ratio")
@@ -248,8 +248,8 @@ def observe(recording: Recording, model: Model, widest: float = math.inf, *, bri
 def _usual_step(recording: Recording) -> float:
     """Step [s] that nearly all steps between samples stay within, in whole sample periods.
 
-    A computer that logs while doing other work has no even rate. Its longer steps are not gaps, and a kernel that spans
-    two of them bridges each. If the samples have a clock and a few are missing, this is the sample period.
+    A computer that logs while doing other work has no even rate. Its longer steps are not gaps, and a kernel as wide as
+    one of them bridges it. If the samples have a clock and a few are missing, this is the sample period.
     """
     steps = np.diff(recording.stamps) * 1e-9
     return float(np.rint(np.quantile(steps, NEARLY_ALL) / recording.sample_period)) * recording.sample_period

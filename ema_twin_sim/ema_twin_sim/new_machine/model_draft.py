@@ -15,7 +15,7 @@ from ema_bench_replay.units import signal_unit, unit_in
 
 from ..model.constants import CONSTANTS
 from ..model.roles import DRY_FRICTION, VISCOUS_FRICTION
-from ..reading_noise import noise_at_points, reading_noise
+from ..reading_noise import noise_at_points, polled_noise, reading_noise
 from ..simulation.behind_motor import of_encoders_alone
 from .check_comment import CHECK, check_comment
 from .drive_gains import drive_gains
@@ -294,7 +294,7 @@ def _noise(recording: Recording, signal: str) -> float:
     """The noise of a signal's readings, in its own unit."""
     values = recording.signals[signal]
     if not recording.of_points:
-        return reading_noise(_finite(values))
+        return polled_noise(_finite(values))
     over = [recording.signals[name] for name in DEPENDED_ON if recording.has(name)]
     whole = np.isfinite([values, *over]).all(axis=0)
     return noise_at_points(values[whole], [other[whole] for other in over])
