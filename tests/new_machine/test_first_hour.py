@@ -150,7 +150,7 @@ def test_play_is_added_to_no_model_that_has_nothing_behind_it(tmp_path):
         (9000, 0, True, False, "all 9000 samples compared"),
         (9000, 0, True, True, "all 9000 samples compared in the last pass"),
         (1200, 0, False, True, "1200 of 9000 samples compared, ended during this pass of the loop, none missing"),
-        (1200, 0, False, False, "1200 of 9000 samples compared, ended before the last, none missing"),
+        (1200, 0, False, False, "1200 of 9000 samples compared, stopped early, none missing"),
         (8990, 10, False, False, "8990 of 9000 samples compared, 10 missing"),
     ],
 )

@@ -223,7 +223,7 @@ def test_without_findings_it_says_so(models, recordings):
 
 def test_nothing_found_is_told_honestly(models, recordings, folder, stock):
     for verdict, said in (
-        ("none", "Nothing is missing"),
+        ("none", "These recordings show nothing missing"),
         ("unknown", "no effect of the catalogue explains; the remaining error depends on time"),
     ):
         told = {
@@ -275,10 +275,12 @@ def test_models_in_the_other_order_are_told(models, recordings, findings, folder
         )  # title and heading
         assert "polito_bench leaves out: backlash : width 4.00 mrad" in text
         assert "Parameters of what better has and polito_bench lacks" in text
-        assert "farther" in text.split("excess over noise removed")[1][:600] and not re.search(r"[-−]\d+\.\d %", text)
+        assert "larger error" in text.split("excess over noise removed")[1][:600] and not re.search(
+            r"[-−]\d+\.\d %", text
+        )
     assert "What polito_bench lacks: the diagnosis" in Read(page(replace(content, findings=findings))).text
     assert (
-        "Nothing is missing in better"
+        "These recordings show nothing missing in better"
         in Read(page(replace(content, findings=read_findings(folder / "none.json")))).text
     )
 
@@ -297,7 +299,7 @@ def test_only_what_is_so_is_told_of_the_order(models, recordings, stock):
 
 @pytest.mark.parametrize(
     ("share", "after", "words"),
-    [(None, 2.0, "–"), (0.9987, 0.1, "99.9 %"), (-0.0001, 1.0001, "0.0 %"), (-1916267.3, 1e3, "farther")],
+    [(None, 2.0, "–"), (0.9987, 0.1, "99.9 %"), (-0.0001, 1.0001, "0.0 %"), (-1916267.3, 1e3, "larger error")],
 )
 def test_an_error_that_grew_is_told_in_a_word(share, after, words):
     assert removed_words(share, 1.0, after) == words
@@ -355,7 +357,7 @@ def test_axes_take_a_unit_that_reads_well():
 )
 def test_files_that_no_search_wrote_are_refused(tmp_path, content):
     (tmp_path / "found.json").write_text(content)
-    with pytest.raises(InputError, match=r"found\.json: is (no JSON|not what discover --json)"):
+    with pytest.raises(InputError, match=r"found\.json: is (not JSON|not what discover --json)"):
         read_findings(tmp_path / "found.json")
 
 

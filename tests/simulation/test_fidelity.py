@@ -143,7 +143,7 @@ def test_live_says_when_the_machine_is_too_slow():
     slow = shown_live.late_words(LiveResult(**kept, pace=0.5, elapsed=41.0), 1.0)
     assert "cannot keep real time" in slow and "20.0 s took 41.0 s" in slow and "drive.kind averaged" in slow
     late = shown_live.late_words(LiveResult(**kept, pace=3.0, elapsed=7.0), 5.0)
-    assert "fell behind the rate that was asked for: 4.0 s of playing took 7.0 s" in late
+    assert "could not keep the requested rate: 4.0 s of replay took 7.0 s" in late
 
 
 def test_compiling_is_told_once(caplog):
