@@ -81,7 +81,7 @@ def test_one_table_has_all_errors_beside_one_noise_floor(written, three, recordi
 
 def test_it_tells_what_fitting_did_and_that_it_gains_nothing_elsewhere(written):
     told = Read(written).text.split("What was wrong")[0]
-    assert "With what was found, the error (RMSE) of the output position falls from" in told
+    assert "With the effects found, the error (RMSE) of the output position falls from" in told
     assert "Fitting the found model's numbers to the simulated loop takes the error of" in told
     assert (
         "the error of the current is 6.50 mA; the found model, which was fitted to all recordings, has 5.50 mA" in told
@@ -118,7 +118,7 @@ def test_what_differs_is_judged_by_the_standard_errors(three, told):
 
 def test_only_the_same_model_fitted_is_taken(three):
     check_same_effects(three[1], three[2], NAMES[1:])
-    with pytest.raises(InputError, match=r"fitted: a third model .* \(backlash\) are not those of better; give"):
+    with pytest.raises(InputError, match=r"fitted: the third model .* \(backlash\) differ from those of better; give"):
         check_same_effects(three[1], three[0], NAMES[1:])
 
 
@@ -169,4 +169,4 @@ def test_the_command_takes_three_models(tmp_path, three, told, ramp):
     refused("report", *pair, "--fit", told / "fit.json", "-o", tmp_path / "s.html", naming=("third",))
     refused("report", *common, "--fit", told / "found.json", "-o", tmp_path / "s.html", naming=("fit --json",))
     backward = (ramp, *files, "--model", "polito_bench", *common[-4:])
-    refused("report", *backward, "-o", tmp_path / "s.html", naming=("polito_bench: a third model",))
+    refused("report", *backward, "-o", tmp_path / "s.html", naming=("polito_bench: the third model",))
