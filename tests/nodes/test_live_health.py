@@ -87,7 +87,7 @@ def test_what_cannot_be_judged_is_told_and_nothing_of_the_run_before(unit, fault
 
 @pytest.mark.parametrize(("name", "healthy", "reason"), [
     ("other", "test", "holds no unit 'other'; give the unit: one of EMA"),
-    ("EMA", "nothing", "no recording is said to be healthy"),
+    ("EMA", "nothing", "no healthy recording is selected"),
     ("EMA", "test 0", "do not tell how tests differ"),
     ("EMA", "(", "no regular expression"),
 ])  # fmt: skip
