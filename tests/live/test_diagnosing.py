@@ -321,7 +321,7 @@ def test_the_process_judges_and_is_asked_again(recording):
         assert worker.start() is not process
     finally:
         worker.close()
-    with pytest.raises(InputError, match="monitor is ending"):
+    with pytest.raises(InputError, match="monitor is shutting down"):
         worker.start()
 
 
@@ -341,7 +341,7 @@ def test_closing_ends_a_diagnosis_that_is_being_made(recording):
     _until(lambda: _computes(process.pid))
     worker.close()
     asking.join(20.0)
-    assert process.poll() is not None and "monitor is ending" in refused[0]
+    assert process.poll() is not None and "monitor is shutting down" in refused[0]
 
 
 @pytest.mark.slow
