@@ -197,4 +197,4 @@ def test_the_verb_goes_on_where_it_was_and_maps_two_numbers(tmp_path, capsys):
     assert all(point["numbers"][0]["bound"] > 0.0 for point in points)
     done_here(*asked, "--vary", "coulomb_friction.torque=0.07")
     told = " ".join(capsys.readouterr().out.split())
-    assert "holds 4 results of other sweeps" in told and "error told" not in told
+    assert "holds 4 results of other sweeps" in told and "reported error" not in told
