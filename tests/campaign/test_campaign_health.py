@@ -111,7 +111,7 @@ def test_a_unit_is_judged_by_its_healthy_tests(rows):
     assert {of[f"dry.csv test {k}"].named.family.value for k in range(1, 5)} <= {"friction up", "preload up"}
     assert sum(of[f"well.csv test {k}"].detected for k in range(9, 13)) == 0
     assert [*of][:2] == ["dry.csv test 1", "dry.csv test 2"] and [*of][-1] == "well.csv test 12"  # as numbers
-    assert any("is a magnitude" in remark for remark in health.remarks)
+    assert any("is unsigned (a magnitude)" in remark for remark in health.remarks)
 
 
 def test_a_unit_without_enough_healthy_tests_is_not_judged(rows):

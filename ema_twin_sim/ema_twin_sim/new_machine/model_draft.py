@@ -124,7 +124,7 @@ def _inertia_lines(motion: str, inertia: float, two_sided: bool) -> list[str]:
         line(
             "output_inertia",
             inertia * _BEHIND,
-            "of the rest, at the motor; distinguishable only with backlash or a compliant shaft",
+            "of the rest, at the motor; distinguishable only with play or a compliant shaft",
         ),
     ]
 
